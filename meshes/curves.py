@@ -1,0 +1,83 @@
+"""Curves for beams: circular arcs and frames of straight members."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import cos, sin
+
+import gmsh
+
+
+def arc(
+    radius: float,
+    start: float,
+    end: float,
+    elements: int,
+    points: Mapping[str, float] | None = None,
+    name: str = "arch",
+) -> None:
+    """Circular arc about the origin in the x-y plane, in equal elements.
+
+    Parameters
+    ----------
+    radius : length
+    start, end : angles in radians from the y axis towards x
+    elements : number of elements on the whole arc
+    points : names of points and their angles; each cuts the arc, and the elements are shared out
+        between the pieces in proportion to their length
+    name : physical group of the curve
+    """
+    named = {"start": start, "end": end, **(points or {})}
+    angles = sorted(set(named.values()))
+    geo = gmsh.model.geo
+    centre = geo.addPoint(0, 0, 0)
+    tags = {a: geo.addPoint(radius * sin(a), radius * cos(a), 0) for a in angles}
+    curves = []
+    for a, b in zip(angles[:-1], angles[1:], strict=True):
+        pieces = max(1, round(elements * (b - a) / (angles[-1] - angles[0])))
+        halves = max(1, int((b - a) / 3.0) + 1)
+        curves += _circle_pieces(radius, centre, tags, a, b, pieces, halves)
+    geo.synchronize()
+    gmsh.model.addPhysicalGroup(1, curves, name=name)
+    for label, angle in named.items():
+        gmsh.model.addPhysicalGroup(0, [tags[angle]], name=label)
+
+
+def _circle_pieces(radius, centre, tags, a, b, elements, parts):
+    """Arcs of less than half a turn between the angles a and b, as gmsh demands."""
+    geo = gmsh.model.geo
+    inner = [a + (b - a) * (elements * k // parts) / elements for k in range(1, parts)]
+    ends = [tags[a]] + [geo.addPoint(radius * sin(c), radius * cos(c), 0) for c in inner]
+    ends.append(tags[b])
+    counts = [elements * (k + 1) // parts - elements * k // parts for k in range(parts)]
+    curves = []
+    for first, last, count in zip(ends[:-1], ends[1:], counts, strict=True):
+        curve = geo.addCircleArc(first, centre, last)
+        geo.mesh.setTransfiniteCurve(curve, count + 1)
+        curves.append(curve)
+    return curves
+
+
+def frame(
+    nodes: Mapping[str, Sequence[float]],
+    members: Mapping[str, tuple[str, str, int]],
+) -> None:
+    """Straight members between named nodes.
+
+    Parameters
+    ----------
+    nodes : name -> coordinates (2 or 3 numbers)
+    members : name -> (first node, last node, number of elements); members that share a node are
+        rigidly joined there
+    """
+    geo = gmsh.model.geo
+    tags = {name: geo.addPoint(*x, *([0.0] * (3 - len(x)))) for name, x in nodes.items()}
+    groups: dict[str, int] = {}
+    for name, (first, last, elements) in members.items():
+        groups[name] = geo.addLine(tags[first], tags[last])
+        geo.mesh.setTransfiniteCurve(groups[name], elements + 1)
+    geo.synchronize()
+    for name, curve in groups.items():
+        gmsh.model.addPhysicalGroup(1, [curve], name=name)
+    for name, tag in tags.items():
+        gmsh.model.addPhysicalGroup(0, [tag], name=name)

@@ -1,0 +1,83 @@
+"""How one step's equilibrium with contact is reached."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from mpi4py import MPI
+
+from ..timing import Stopwatch
+from .fields import ContactFields, ContactState
+
+
+class Enforcement:
+    """Solves a step with all contacts: approach through thicker layers, then augmentation.
+
+    Parameters
+    ----------
+    contacts : ContactFields
+    """
+
+    augmentations = 30
+
+    def __init__(self, contacts: Sequence[ContactFields], clock: Stopwatch):
+        self.contacts, self.clock = list(contacts), clock
+        self._kept = [c.multiplier for c in contacts if c.block is None]
+        self._committed = [m.x.array.copy() for m in self._kept]
+
+    def solve(self, solve: Callable[[], bool]) -> bool:
+        """Call `solve`, which corrects from where it ended last, until all contacts hold."""
+        layers = sorted({t for c in self.contacts if c.layer for t in c.contact.approach}, reverse=True) or [1.0]
+        for times in layers:
+            for c in self.contacts:
+                c.thicken(times if times in c.contact.approach else 1.0)
+            if not solve():
+                self._reset()
+                return False
+        return self._augment(solve)
+
+    def _augment(self, solve) -> bool:
+        uzawa = [c for c in self.contacts if c.contact.enforcement == "uzawa"]
+        for _ in range(self.augmentations if uzawa else 0):
+            states = [self.state(c) for c in uzawa]
+            if all(self.penetration(c, s) <= 1e-6 * c.contact.beam.section.depth
+                   for c, s in zip(uzawa, states, strict=True)):
+                return True
+            for c, state in zip(uzawa, states, strict=True):
+                c.store(state, normal=True)
+            if not solve():
+                self.rewind()
+                return False
+        if uzawa:
+            self.rewind()
+        return not uzawa
+
+    def _reset(self) -> None:
+        for c in self.contacts:
+            c.thicken(1.0)
+        self.rewind()
+
+    def state(self, contact: ContactFields) -> ContactState:
+        with self.clock("contact"):
+            return contact.evaluate()
+
+    def penetration(self, contact: ContactFields, state: ContactState) -> float:
+        """Largest penetration at contact points, on all processes."""
+        comm = contact.contact.beam.model.mesh.comm
+        return max(0.0, comm.allreduce(float(-state.gap.min(initial=np.inf)), op=MPI.MAX))
+
+    def commit(self) -> None:
+        """Keep tractions that the next step starts from."""
+        for c in self.contacts:
+            if c.block is None:
+                c.store(self.state(c), normal=c.contact.enforcement == "uzawa")
+        self.keep()
+
+    def keep(self) -> None:
+        """Take the multipliers as they are for those of the last converged state."""
+        self._committed = [m.x.array.copy() for m in self._kept]
+
+    def rewind(self) -> None:
+        for multiplier, values in zip(self._kept, self._committed, strict=True):
+            multiplier.x.array[:] = values

@@ -1,0 +1,231 @@
+"""From a scene to a discrete system: fields, virtual work, supports."""
+
+from __future__ import annotations
+
+import numpy as np
+import scifem
+import ufl
+from dolfinx import fem
+from mpi4py import MPI
+
+from . import forms
+from .assembly import Internal, System
+from .compat import JIT
+from .contact.enforcement import Enforcement
+from .contact.fields import ContactFields
+from .kinematics import Kinematics, beam_kinematics
+from .mesh.reader import Model
+from .scene import COMPONENTS, Beam, Contact, LineForce, Moment, Monitor, Motion, PointForce, Push, Scene
+from .timing import Stopwatch
+from .unknowns import AdditiveField, Block, Unknowns
+
+
+class Discretisation:
+    """Fields and system of a scene.
+
+    Attributes
+    ----------
+    system : System
+    contacts : list of ContactFields
+    """
+
+    def __init__(self, scene: Scene, mixed_points: bool = True):
+        self.scene = scene
+        self.factor = ufl.variable(fem.Constant(scene.beams[0].model.mesh, 0.0))
+        self._kinematics = {b.model: beam_kinematics(b.model, b.degree) for b in scene.beams}
+        blocks = [k.block for k in self._kinematics.values()]
+        self._travels = self._obstacle_travels(blocks)
+        self._reactions = self._motion_reactions(blocks)
+        self.contacts = [ContactFields(c, f"multiplier{i}") for i, c in enumerate(scene.contacts)]
+        blocks += [c.block for c in self.contacts if c.block is not None]
+        self.unknowns = Unknowns(blocks)
+        self._close_contacts()
+        self.clock = Stopwatch()
+        self.system = System(
+            self.unknowns, self.factor, [self._internal(b) for b in scene.beams], self._work(),
+            fixed=[self._fixed(b) for b in blocks],
+            symmetric=not any(c.friction for c in scene.contacts) and not any(_turning(load) for load in scene.loads),
+            mixed_points=mixed_points, clock=self.clock,
+        )
+        for c in self.contacts:
+            c.prepare(self.unknowns.at_rest)
+        self._unit_load = sum(self._magnitude(load) for load in scene.loads)
+        self.enforcement = Enforcement(self.contacts, self.clock)
+
+    def kinematics(self, model: Model) -> Kinematics:
+        return self._kinematics[model]
+
+    def travel(self, obstacle):
+        """Displacement vector of an obstacle, as UFL components."""
+        if obstacle not in self._travels:
+            return [0.0, 0.0]
+        return [self._travels[obstacle] * c for c in obstacle.travel]
+
+    def _obstacle_travels(self, blocks) -> dict:
+        travels = {}
+        for contact in self.scene.contacts:
+            obstacle = contact.obstacle
+            if obstacle.travel is not None and obstacle not in travels:
+                model = contact.beam.model
+                travels[obstacle] = self._real(model, f"travel{len(travels)}", model.size, False, blocks)
+        return travels
+
+    def _motion_reactions(self, blocks) -> dict:
+        motions = [load for load in self.scene.loads if isinstance(load, Motion)]
+        return {m: self._real(m.model, f"reaction{i}", np.inf, True, blocks) for i, m in enumerate(motions)}
+
+    def _real(self, model, name, scale, multiplier, blocks) -> fem.Function:
+        """A single number as an unknown."""
+        value = fem.Function(scifem.create_real_functionspace(model.mesh), name=name)
+        dofs = np.arange(len(value.x.array))
+        blocks.append(Block(value.function_space, (AdditiveField(value, dofs, scale, multiplier),)))
+        return value
+
+    def position(self, contact: Contact):
+        """Current position of the points of a beam that may touch."""
+        beam, frame = contact.beam, contact.beam.frame()
+        k = self.kinematics(beam.model)
+        x = ufl.SpatialCoordinate(beam.model.mesh) + k.u
+        if contact.half_depth:
+            x = x + contact.half_depth * beam.section.depth / 2 * k.rotation.rotate(frame.normal)
+        return x
+
+    def _close_contacts(self) -> None:
+        """Express gaps in the fields; refuse obstacles that start inside, move free ones to first touch."""
+        for c in self.contacts:
+            contact, model = c.contact, c.contact.beam.model
+            c.close(self.position(contact), self.travel(contact.obstacle), self._before)
+            points = c.multiplier.function_space.element.interpolation_points()
+            gaps = fem.Expression(self.unknowns.at_rest(c.gap), points, jit_options=JIT).eval(
+                model.mesh, model.group(contact.beam.group))
+            smallest = model.mesh.comm.allreduce(float(gaps.min(initial=np.inf)), op=MPI.MIN)
+            if smallest < -1e-6 * contact.beam.section.depth:
+                raise ValueError(
+                    f"{type(contact.obstacle).__name__}: starts {-smallest:.4g} inside the structure; "
+                    "move its centre or point out of it")
+            if contact.obstacle in self._travels:
+                travel = self._travels[contact.obstacle]
+                travel.x.array[:] = max(travel.x.array[0], smallest + 1e-9 * model.size)
+
+    def _before(self, expression):
+        return self.unknowns.at_rest(self.unknowns.previous(ufl.as_ufl(expression)))
+
+    def _internal(self, beam: Beam) -> Internal:
+        k = self.kinematics(beam.model)
+        stiffness = beam.section.stiffness(beam.material, beam.model.dimension, beam.shear_rigidity)
+        degree = 2 * beam.degree - 1
+        return Internal(
+            strains=beam.strains(k.u, k.rotation, beam.frame()),
+            law=lambda strains: beam.law(strains, stiffness),
+            integral=beam.model.integral({"quadrature_degree": degree}, beam.group),
+            degree=degree,
+            mesh=beam.model.mesh,
+            cells=beam.model.group(beam.group),
+        )
+
+    def _work(self):
+        return sum([c.work(self.unknowns.vary) for c in self.contacts] + [self._load_work(x) for x in self.scene.loads])
+
+    def _load_work(self, load):
+        vary, factor = self.unknowns.vary, self.factor
+        match load:
+            case PointForce():
+                k = self.kinematics(load.model)
+                work = forms.load.dead_force(factor * forms.vector(load.force), k.u, vary)
+                return -work * load.model.point_measure(load.at)
+            case Moment():
+                spin = self.kinematics(load.model).spin
+                moment = load.moment if spin.ufl_shape == () else forms.vector(load.moment)
+                return -forms.load.spin_moment(factor * moment, vary(spin)) * load.model.point_measure(load.at)
+            case LineForce():
+                return -self._line_work(load)
+            case Push():
+                model, measure = self._touchable(load.obstacle)
+                return -factor * load.force / model.length * vary(self._travels[load.obstacle]) * measure
+            case Motion():
+                k = self.kinematics(load.model)
+                index = COMPONENTS[load.model.dimension].index(load.component)
+                error = k.u[index] - factor * load.distance
+                return vary(self._reactions[load] * error) * load.model.point_measure(load.at)
+        raise TypeError(f"Scene: {load!r} is not a load")
+
+    def _line_work(self, load: LineForce):
+        beam = load.beam
+        k = self.kinematics(beam.model)
+        force = [self.factor * c for c in load.force]
+        if load.follower:
+            density = forms.load.follower_force(force, beam.frame(), k.rotation, k.u, self.unknowns.vary)
+        else:
+            density = forms.load.dead_force(forms.vector(force), k.u, self.unknowns.vary)
+        return density * beam.model.integral({"quadrature_degree": 2 * beam.degree - 1}, beam.group)
+
+    def _touchable(self, obstacle):
+        """A model that an obstacle may touch, and the measure over all its curves."""
+        beam = next(c.contact.beam for c in self.contacts if c.contact.obstacle is obstacle)
+        return beam.model, beam.model.integral({"quadrature_degree": 2 * beam.degree - 1})
+
+    def _fixed(self, block: Block) -> np.ndarray:
+        dofs = [np.empty(0, dtype=np.int32)]
+        for model, k in self._kinematics.items():
+            if k.block is block:
+                for support in self.scene.supports:
+                    if support.model is model:
+                        dofs += [fem.locate_dofs_topological(k.sub_space(c), 0, model.at(support.at))
+                                 for c in support.fixed.split()]
+        return np.unique(np.concatenate(dofs))
+
+    def monitored(self, monitor: Monitor):
+        """The monitored field, and its local place (owned by one process, empty elsewhere)."""
+        if monitor.at is None:
+            value = self._travels[monitor.on]
+            block = next(b for b in self.unknowns.blocks if b.fields[0].value is value)
+            return block, np.arange(block.space.dofmap.index_map.size_local)
+        k = self.kinematics(monitor.on)
+        dofs = fem.locate_dofs_topological(k.sub_space(monitor.component), 0, monitor.on.at(monitor.at))
+        owned = k.block.space.dofmap.index_map.size_local * k.block.space.dofmap.index_map_bs
+        return k.block, dofs[dofs < owned]
+
+    def _magnitude(self, load) -> float:
+        match load:
+            case PointForce():
+                return float(np.linalg.norm(load.force))
+            case Moment():
+                return float(np.linalg.norm(load.moment))
+            case LineForce():
+                return float(np.linalg.norm(load.force)) * load.beam.model.length
+            case Push():
+                return abs(load.force)
+        return 0.0
+
+    def total_load(self) -> float:
+        """Load on the whole structure: the sum of the magnitudes of all loads, or the reaction."""
+        copies = self.scene.copies
+        if self._reactions:
+            mesh = self.scene.beams[0].model.mesh
+            local = [float(r.x.array[0]) if len(r.x.array) else 0.0 for r in self._reactions.values()]
+            return -copies * sum(mesh.comm.allreduce(v, op=MPI.SUM) / mesh.comm.size for v in local)
+        return copies * self.system.factor * self._unit_load
+
+    def commit(self) -> None:
+        """Accept the current configuration as converged."""
+        self.enforcement.commit()
+        self.system.commit()
+
+    def snapshot(self) -> dict[str, np.ndarray]:
+        """All that a state consists of on this process."""
+        return self.system.snapshot() | {m.name: m.x.array.copy() for m in self._kept()}
+
+    def restore(self, snapshot: dict[str, np.ndarray]) -> None:
+        """Return to a state that `snapshot` gave."""
+        self.system.restore(snapshot)
+        for m in self._kept():
+            m.x.array[:] = snapshot[m.name]
+        self.enforcement.keep()
+
+    def _kept(self) -> list[fem.Function]:
+        return [c.multiplier for c in self.contacts if c.block is None]
+
+
+def _turning(load) -> bool:
+    """Whether a load's tangent is unsymmetric."""
+    return isinstance(load, LineForce) and load.follower or isinstance(load, Moment) and load.model.dimension == 3

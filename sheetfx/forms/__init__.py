@@ -1,0 +1,12 @@
+"""Weak forms: plain functions from fields to UFL expressions."""
+
+import ufl as _ufl
+
+from . import beam, interface, load, rotation, section
+
+__all__ = ["beam", "interface", "load", "rotation", "section", "vector"]
+
+
+def vector(components):
+    """UFL vector of numbers or expressions."""
+    return _ufl.as_vector(list(components))

@@ -1,0 +1,21 @@
+"""Loads as virtual work; `vary` turns a quantity into its variation."""
+
+from __future__ import annotations
+
+import ufl
+
+
+def dead_force(force, u, vary):
+    """Force of fixed direction: density times the variation of the displacement."""
+    return ufl.dot(force, vary(u))
+
+
+def follower_force(components, frame, rotation, u, vary):
+    """Force that turns with the cross-section, given by components on the reference frame."""
+    force = sum(c * axis for c, axis in zip(components, frame.axes, strict=True))
+    return ufl.dot(rotation.rotate(force), vary(u))
+
+
+def spin_moment(moment, spin_variation):
+    """Moment of fixed direction, conjugate to the spin (Simo and Vu-Quoc 1986, section 3)."""
+    return ufl.inner(moment, spin_variation)

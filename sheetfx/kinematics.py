@@ -1,0 +1,62 @@
+"""Displacement and rotation of the parts of a model as unknown fields."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import basix.ufl
+import numpy as np
+import ufl
+from dolfinx import fem
+
+from . import forms
+from .mesh.reader import Model
+from .scene import COMPONENTS
+from .unknowns import AdditiveField, Block, QuaternionField
+
+
+@dataclass(frozen=True)
+class Kinematics:
+    """Displacement and rotation of the beams of one model."""
+
+    u: fem.Function
+    spin: fem.Function
+    rotation: object
+    block: Block
+
+    def sub_space(self, component: str):
+        dimension = self.block.space.mesh.geometry.dim
+        index = COMPONENTS[dimension].index(component)
+        if index < dimension:
+            return self.block.space.sub(0).sub(index)
+        rotations = self.block.space.sub(1)
+        return rotations if dimension == 2 else rotations.sub(index - dimension)
+
+
+def beam_kinematics(model: Model, degree: int) -> Kinematics:
+    """Spaces and fields of beams: the angle in the plane, a quaternion in space."""
+    mesh, dimension = model.mesh, model.dimension
+    spins = () if dimension == 2 else (3,)
+    cell = mesh.basix_cell()
+    parts = [basix.ufl.element("P", cell, degree, shape=(dimension,)), basix.ufl.element("P", cell, min(degree, 2), shape=spins)]
+    space = fem.functionspace(mesh, basix.ufl.mixed_element(parts))
+    (u_space, u_dofs), (spin_space, spin_dofs) = (space.sub(i).collapse() for i in range(2))
+    u = fem.Function(u_space, name="displacement")
+    displacement = AdditiveField(u, np.asarray(u_dofs), model.size)
+    spin = fem.Function(spin_space, name="rotation")
+    if dimension == 2:
+        turn, rotation = AdditiveField(spin, np.asarray(spin_dofs), 1.0), forms.rotation.PlanarRotation(spin)
+    else:
+        q = fem.Function(fem.functionspace(mesh, ("P", min(degree, 2), (4,))), name="rotation")
+        order = _matching_nodes(q.function_space, spin_space)
+        turn = QuaternionField(q, spin, np.asarray(spin_dofs).reshape(-1, 3)[order].ravel())
+        rotation = forms.rotation.SpatialRotation(q, spin)
+    return Kinematics(u, spin, rotation, Block(space, (displacement, turn)))
+
+
+def _matching_nodes(space, other) -> np.ndarray:
+    """For each node of `space` the node of `other` at the same place (same element, other shape)."""
+    nodes = np.empty(space.dofmap.index_map.size_local + space.dofmap.index_map.num_ghosts, dtype=np.int64)
+    nodes[space.dofmap.list.ravel()] = other.dofmap.list.ravel()
+    return nodes
+

@@ -1,0 +1,137 @@
+"""Equilibrium paths: an iterator over converged states.
+
+```python
+for state in Path(scene, ArcLength(), until=Until(deflection=40.0)):
+    print(state.load, state.deflection, state.critical)
+```
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+from .discretise import Discretisation
+from .scene import Scene
+from .solve.control import ArcLength, LoadControl, StepRule
+from .solve.critical import locate
+from .state import State
+from .tracer import Tracer
+
+
+class PathFailure(ArithmeticError):
+    """A path that cannot go on; says at which step, load and iteration, why, and what was kept."""
+
+
+@dataclass(frozen=True)
+class Until:
+    """Where a path ends: at the first of the given bounds (absolute values)."""
+
+    deflection: float | None = None
+    load: float | None = None
+    steps: int = 2000
+
+    def __post_init__(self):
+        for name in ("deflection", "load", "steps"):
+            value = getattr(self, name)
+            if value is not None and not value > 0:
+                raise ValueError(f"Until: {name} is {value}; it must be positive")
+
+    def reached(self, state: State) -> str | None:
+        """Why the path ends at this state, or None."""
+        if self.deflection is not None and abs(state.deflection) >= self.deflection:
+            return f"deflection {self.deflection:g} reached"
+        if self.load is not None and abs(state.load) >= self.load * (1 - 1e-12):
+            return f"load {self.load:g} reached"
+        if state.step >= self.steps:
+            return f"{self.steps} steps taken"
+        return None
+
+
+class Path:
+    """The equilibrium path of a scene; iterate over it once.
+
+    Parameters
+    ----------
+    scene : Scene
+    control : LoadControl, DisplacementControl or ArcLength
+    until : end of the path
+    start : state to resume from; None: the unloaded state
+    mixed_points : large-step tangent (see assembly.System)
+    prefix : of PETSc options for this path's SNES, KSP and PC
+
+    Attributes
+    ----------
+    message : why the path ended
+    """
+
+    def __init__(self, scene: Scene, control: StepRule | None = None, until: Until | None = None, *,
+                 start: State | None = None, mixed_points: bool = True, prefix: str = "sheetfx_"):
+        self.scene, self.control, self.until = scene, control or ArcLength(), until or Until()
+        self.discretisation = Discretisation(scene, mixed_points)
+        self.tracer = Tracer(self.discretisation, self.control, prefix)
+        self.message = ""
+        self._listeners: list[Callable[[State], None]] = []
+        if start is not None:
+            self.tracer.back_to(start)
+
+    @property
+    def clock(self):
+        return self.discretisation.clock
+
+    @property
+    def unknowns(self) -> int:
+        return self.discretisation.system.size
+
+    def subscribe(self, listener: Callable[[State], None]) -> None:
+        """Have a function called with every state, before the iterator gives it out."""
+        self._listeners.append(listener)
+
+    def __iter__(self) -> Iterator[State]:
+        state = self.tracer.state
+        if state.step == 0:
+            yield self._announce(state)
+        while not (message := self._end(state)):
+            state = self._step(state)
+            yield self._announce(state)
+        self.message = message
+
+    def _announce(self, state: State) -> State:
+        for listener in self._listeners:
+            listener(state)
+        return state
+
+    def _end(self, state: State) -> str | None:
+        if isinstance(self.control, LoadControl) and state.factor >= self.control.target * (1 - 1e-12):
+            return f"load factor {self.control.target:g} reached"
+        return self.until.reached(state)
+
+    def _step(self, before: State) -> State:
+        """One converged step, shortened as often as needed, with the critical points inside it."""
+        length, smallest = before.next_length, self.control.smallest * self.control.first
+        largest = self.control.largest * self.control.first
+        while True:
+            length = self.control.clip(length, before.factor)
+            after = self.tracer.attempt(length)
+            if after is not None and (before.step == 0 or self.tracer.turn(before) <= self.control.turn):
+                break
+            if after is not None:
+                self.tracer.back_to(before)
+            length /= 2
+            if length < smallest:
+                raise PathFailure(self._complaint(before, length))
+        growth = self.control.growth(after.iterations)
+        after = replace(after, next_length=min(largest, length * growth))
+        points = locate(self.tracer, before, after)
+        after = replace(after, critical=points)
+        self.tracer.state = after
+        return after
+
+    def _complaint(self, state: State, length: float) -> str:
+        history = self.tracer.stepper.history
+        return (
+            f"step {state.step + 1} from load {state.load:.6g}, deflection {state.deflection:.6g} does not converge "
+            f"even with a step of {length:.2g}: {self.tracer.reason()} after {len(history) - 1} iterations "
+            f"(relative residuals {', '.join(f'{h:.1e}' for h in history[-4:])}). "
+            f"All states up to step {state.step} are kept; try a smaller first step, another control or "
+            "look at the structure at that state.")

@@ -1,0 +1,253 @@
+"""What is modelled: plain data, checked when made."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+from . import forms
+from .mesh.reader import Model
+from .section import Elastic, Section
+
+COMPONENTS = {2: ("x", "y", "rz"), 3: ("x", "y", "z", "rx", "ry", "rz")}
+
+
+@dataclass(frozen=True, eq=False)
+class Beam:
+    """Beams on the curves of a model.
+
+    Attributes
+    ----------
+    model : mesh with named groups
+    section, material : constants of the section law
+    strains : function (u, rotation, frame) -> generalised strains
+    law : function (strains, stiffness) -> stress resultants
+    group : physical group of the curves; None: all
+    degree : of displacement and rotation, 1 or 2; integrated with `degree` Gauss points, which
+        keeps both free of shear and membrane locking
+    up : direction of the section's depth, in space
+    shear_rigidity : factor on the shear stiffness
+    """
+
+    model: Model
+    section: Section
+    material: Elastic
+    strains: Callable = forms.beam.simo_reissner
+    law: Callable = forms.section.linear_elastic
+    group: str | None = None
+    degree: int = 2
+    up: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    shear_rigidity: float = 1.0
+
+    def __post_init__(self):
+        if self.degree not in (1, 2, 3):
+            raise ValueError(f"Beam: degree is {self.degree}; it must be 1 or 2")
+
+    def frame(self):
+        return forms.beam.curve_frame(self.model.mesh, self.up)
+
+
+@dataclass(frozen=True)
+class Support:
+    """Fixed components at a named point: any of x y z rx ry rz, separated by spaces."""
+
+    model: Model
+    at: str
+    fixed: str
+
+    def __post_init__(self):
+        known = COMPONENTS[self.model.dimension]
+        self.model.at(self.at)
+        for name in self.fixed.split():
+            if name not in known:
+                raise ValueError(f"Support at {self.at!r}: no component {name!r}; choose from {' '.join(known)}")
+
+
+def clamp(model: Model, at: str) -> Support:
+    """All displacements and rotations fixed."""
+    return Support(model, at, " ".join(COMPONENTS[model.dimension]))
+
+
+def pin(model: Model, at: str) -> Support:
+    """All displacements fixed."""
+    return Support(model, at, " ".join(c for c in COMPONENTS[model.dimension] if not c.startswith("r")))
+
+
+def symmetry(model: Model, at: str) -> Support:
+    """Planar structure cut by the line x = const: no x displacement, no rotation."""
+    return Support(model, at, "x rz")
+
+
+@dataclass(frozen=True, eq=False)
+class RigidCylinder:
+    """Rigid cylinder (a circle in the plane of x and y) that may travel along a direction.
+
+    Attributes
+    ----------
+    radius, centre : of the circle
+    travel : direction of its free motion; None: it is fixed
+    """
+
+    radius: float
+    centre: tuple[float, float]
+    travel: tuple[float, float] | None = None
+
+    def __post_init__(self):
+        if not self.radius > 0:
+            raise ValueError(f"RigidCylinder: radius is {self.radius}; it must be positive")
+
+    def gap(self, x, shift):
+        return forms.interface.cylinder_gap(x, self._centre(shift), self.radius)
+
+    def slip(self, x, shift, x_before, shift_before):
+        return forms.interface.cylinder_slip(x, self._centre(shift), x_before, self._centre(shift_before), self.radius)
+
+    def _centre(self, shift):
+        return [c + s for c, s in zip(self.centre, shift, strict=True)]
+
+
+@dataclass(frozen=True, eq=False)
+class RigidPlane:
+    """Rigid half-plane behind `point`; `normal` points to the free side."""
+
+    point: tuple[float, float]
+    normal: tuple[float, float]
+    travel: tuple[float, float] | None = None
+
+    def __post_init__(self):
+        length = sum(c * c for c in self.normal) ** 0.5
+        if abs(length - 1) > 1e-12:
+            raise ValueError(f"RigidPlane: normal {self.normal} has length {length}; it must be a unit vector")
+
+    def gap(self, x, shift):
+        return forms.interface.plane_gap(x, self._point(shift), self._vector(self.normal))
+
+    def slip(self, x, shift, x_before, shift_before):
+        tangent = self._vector((-self.normal[1], self.normal[0]))
+        return forms.interface.plane_slip(x, self._point(shift), x_before, self._point(shift_before), tangent)
+
+    def _point(self, shift):
+        return self._vector([p + s for p, s in zip(self.point, shift, strict=True)])
+
+    @staticmethod
+    def _vector(components):
+        return forms.vector(components)
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """Unilateral contact, with or without friction, between a beam and a rigid obstacle.
+
+    Attributes
+    ----------
+    points : "nodes" or "quadrature", where contact is checked
+    friction : Coulomb's coefficient
+    half_depth : contact at the surface (half the depth off the centre line) instead of at the
+        centre line; the sign says on which side of the frame's normal
+    enforcement : "semismooth" (multipliers are unknowns), "uzawa" (multipliers are updated between
+        solutions) or "penalty"
+    scale : augmentation, pressure per length of penetration; None: from the bending stiffness
+    layer : thickness-like length of an elastic contact layer, see `contact.fields.resolution`;
+        0: exact; None: 0 at nodes, as thin as it can be for a smooth path otherwise
+    approach : multiples of the layer through which each step's solution is approached
+    """
+
+    beam: Beam
+    obstacle: RigidCylinder | RigidPlane
+    points: str = "quadrature"
+    friction: float = 0.0
+    half_depth: int = 0
+    enforcement: str = "semismooth"
+    scale: float | None = None
+    layer: float | None = None
+    approach: tuple[float, ...] = (4.0, 2.0, 1.0)
+
+    def __post_init__(self):
+        for name, value, known in (("points", self.points, ("nodes", "quadrature")),
+                                   ("enforcement", self.enforcement, ("semismooth", "uzawa", "penalty")),
+                                   ("half_depth", self.half_depth, (-1, 0, 1))):
+            if value not in known:
+                raise ValueError(f"Contact: {name} is {value!r}; it must be one of {', '.join(map(str, known))}")
+        if self.friction < 0:
+            raise ValueError(f"Contact: friction is {self.friction}; it must not be negative")
+
+
+@dataclass(frozen=True)
+class PointForce:
+    """Force of fixed direction at a named point, for a load factor of 1."""
+
+    model: Model
+    at: str
+    force: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Moment:
+    """Moment at a named point, conjugate to the spin: one number in the plane, three in space."""
+
+    model: Model
+    at: str
+    moment: float | tuple[float, float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class LineForce:
+    """Force per reference length on a beam; `follower`: components on the turning frame."""
+
+    beam: Beam
+    force: tuple[float, ...]
+    follower: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Push:
+    """Force on an obstacle along its travel."""
+
+    obstacle: RigidCylinder | RigidPlane
+    force: float
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Prescribed displacement component of a named point; its reaction is an unknown."""
+
+    model: Model
+    at: str
+    component: str
+    distance: float
+
+
+@dataclass(frozen=True)
+class Monitor:
+    """The displacement that paths are drawn against: a point's component or an obstacle's travel."""
+
+    on: object
+    at: str | None = None
+    component: str | None = None
+    sign: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A structure with its contacts, supports and loads.
+
+    Attributes
+    ----------
+    copies : how many times the modelled part stands in the whole structure (2 for a half);
+        loads are reported for the whole
+    """
+
+    beams: Sequence[Beam]
+    supports: Sequence[Support]
+    loads: Sequence[object]
+    monitor: Monitor
+    contacts: Sequence[Contact] = field(default_factory=tuple)
+    copies: int = 1
+
+    def __post_init__(self):
+        if not self.beams:
+            raise ValueError("Scene: no structure; give at least one beam")
+        if not self.loads:
+            raise ValueError("Scene: no load; give at least one")
+        if not self.supports:
+            raise ValueError("Scene: the structure has no support and can move freely; add a support")

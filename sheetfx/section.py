@@ -1,0 +1,128 @@
+"""Section and material data of beams (any consistent units; the scenes use N and mm)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+
+
+def _require_positive(owner, **values):
+    for name, value in values.items():
+        if not value > 0:
+            raise ValueError(f"{type(owner).__name__}: {name} is {value}; it must be positive")
+
+
+@dataclass(frozen=True)
+class Elastic:
+    """Linear elastic material.
+
+    Attributes
+    ----------
+    modulus : Young's modulus (force / length^2)
+    poisson : Poisson's ratio; the thesis gives none for the arch, 0.3 is taken (it enters through
+        the shear stiffness only: 0.02 % of the arch's limit load between 0 and 0.5)
+    """
+
+    modulus: float
+    poisson: float = 0.3
+
+    def __post_init__(self):
+        _require_positive(self, modulus=self.modulus)
+        if not -1 < self.poisson <= 0.5:
+            raise ValueError(f"Elastic: poisson is {self.poisson}; it must lie above -1 and not above 0.5")
+
+    @property
+    def shear_modulus(self) -> float:
+        return self.modulus / 2 / (1 + self.poisson)
+
+
+class Section:
+    """Section constants; the normal of the frame is the direction of the depth."""
+
+    depth: float
+    area: float
+    second_moments: tuple[float, float]
+    torsion: float
+    shear_factor: float
+
+    def stiffness(self, material: Elastic, dimension: int, shear_rigidity: float = 1.0) -> list[float]:
+        """Stiffnesses in the order of the strains of `forms.beam.simo_reissner`.
+
+        Parameters
+        ----------
+        dimension : 2: EA, k GA, EI; 3: EA, k GA, k GA, GJ, EI about the normal, EI about the binormal
+        shear_rigidity : factor on the shear stiffness; 1e4 makes a beam of slenderness 10 or more
+            shear-rigid to 1e-6
+        """
+        axial = material.modulus * self.area
+        shear = self.shear_factor * material.shear_modulus * self.area * shear_rigidity
+        about_normal, about_binormal = (material.modulus * i for i in self.second_moments)
+        if dimension == 2:
+            return [axial, shear, about_binormal]
+        return [axial, shear, shear, material.shear_modulus * self.torsion, about_normal, about_binormal]
+
+
+@dataclass(frozen=True)
+class Rectangle(Section):
+    """Solid rectangle, `width` across the plane of bending and `depth` in it."""
+
+    width: float
+    depth: float
+    shear_factor: float = 5 / 6
+
+    def __post_init__(self):
+        _require_positive(self, width=self.width, depth=self.depth)
+
+    @property
+    def area(self):
+        return self.width * self.depth
+
+    @property
+    def second_moments(self):
+        return self.depth * self.width**3 / 12, self.width * self.depth**3 / 12
+
+    @property
+    def torsion(self):
+        """Saint-Venant constant (Roark, table 10.1, item 4; within 0.5 %)."""
+        a, b = max(self.width, self.depth) / 2, min(self.width, self.depth) / 2
+        return a * b**3 * (16 / 3 - 3.36 * b / a * (1 - b**4 / (12 * a**4)))
+
+
+@dataclass(frozen=True)
+class Tube(Section):
+    """Round tube by outer diameter and wall thickness."""
+
+    diameter: float
+    thickness: float
+    shear_factor: float = 0.5
+
+    def __post_init__(self):
+        _require_positive(self, diameter=self.diameter, thickness=self.thickness)
+        if 2 * self.thickness > self.diameter:
+            raise ValueError(f"Tube: thickness {self.thickness} is more than half the diameter {self.diameter}")
+
+    @property
+    def depth(self):
+        return self.diameter
+
+    @property
+    def _inner(self):
+        return self.diameter - 2 * self.thickness
+
+    @property
+    def area(self):
+        return pi / 4 * (self.diameter**2 - self._inner**2)
+
+    @property
+    def second_moments(self):
+        moment = pi / 64 * (self.diameter**4 - self._inner**4)
+        return moment, moment
+
+    @property
+    def torsion(self):
+        return 2 * self.second_moments[0]
+
+
+def round_bar(diameter: float) -> Tube:
+    """Solid round section."""
+    return Tube(diameter, diameter / 2, shear_factor=0.9)

@@ -1,0 +1,1 @@
+"""Solvers: they see vectors, matrices and a load factor, not structures."""

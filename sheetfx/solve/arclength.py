@@ -1,0 +1,113 @@
+"""The corrector of one step of a path, as a SNES type written in Python.
+
+Usable through PETSc options: `-PREFIXsnes_type python -PREFIXsnes_python_type
+sheetfx.solve.arclength.PathStep`; `-snes_rtol`, `-snes_max_it`, `-snes_monitor` and the options
+of the KSP work as in any SNES.
+"""
+
+from __future__ import annotations
+
+from petsc4py import PETSc
+
+from .control import StepRule, Tangent
+from .linear import DirectSolver, SingularTangent
+
+Reason = PETSc.SNES.ConvergedReason
+
+
+class PathStep:
+    """Newton iteration on equilibrium and a control equation together.
+
+    Each iteration solves the bordered system with one factorisation and two back-substitutions:
+    for the residual and for the load (Batoz and Dhatt 1979).
+    """
+
+    def __init__(self):
+        self.system = None
+        self.control: StepRule | None = None
+        self.history: list[float] = []
+        self.load_increment = 0.0
+
+    def attach(self, snes: PETSc.SNES, system) -> None:
+        """Let the SNES solve this system; called once."""
+        self.system = system
+        self._residual, self._load = system.create_vector(), system.create_vector()
+        self._part, self._step, self._unit = (system.create_vector() for _ in range(3))
+        snes.setFunction(self._evaluate, self._residual)
+        snes.setJacobian(lambda snes, x, a, p: system.tangent(), system.matrix)
+        snes.setTolerances(rtol=1e-8, atol=0.0, stol=0.0, max_it=15)
+        self.linear = DirectSolver(snes.getKSP(), system.matrix, system.symmetric)
+        snes.setFromOptions()
+
+    def _evaluate(self, snes, x, out) -> None:
+        self.system.configure(x)
+        self.system.residual(out)
+
+    def begin(self, control, tangent: Tangent, length: float, load_increment: float) -> None:
+        """Set the step that the next `solve` takes: from the converged state along its tangent."""
+        self.control, self.tangent, self.length = control, tangent, length
+        self.start, self.load_increment = self.system.factor, load_increment
+        self._predict = True
+
+    def continue_step(self) -> None:
+        """Let the next `solve` correct from where the last one ended."""
+        self._predict = False
+
+    def solve(self, snes, b, x) -> None:
+        if self._predict:
+            x.zeroEntries()
+            self._step.zeroEntries()
+            self._step.axpy(self.load_increment, self.tangent.solution)
+            self._move(x, self._step)
+        self.history = []
+        snes.setConvergedReason(self._iterate(snes, x))
+
+    def _iterate(self, snes, x) -> int:
+        rtol, _, _, most = snes.getTolerances()
+        for iteration in range(most + 1):
+            snes.computeFunction(x, self._residual)
+            self.system.load(self._load)
+            size = max(abs(self.system.factor) * self._load.norm(), self.system.reaction)
+            norm = self._residual.norm()
+            snes.setIterationNumber(iteration)
+            snes.setFunctionNorm(norm)
+            snes.monitor(iteration, norm)
+            self.history.append(norm / size if size else norm)
+            if norm <= rtol * size:
+                return Reason.CONVERGED_FNORM_RELATIVE
+            if norm != norm or norm > 1e12 * max(size, 1.0):
+                return Reason.DIVERGED_FNORM_NAN
+            if iteration == most:
+                return Reason.DIVERGED_MAX_IT
+            try:
+                self._correct(snes, x)
+            except (SingularTangent, ZeroDivisionError):
+                return Reason.DIVERGED_LINEAR_SOLVE
+        return Reason.DIVERGED_MAX_IT
+
+    def _correct(self, snes, x) -> None:
+        self.factor(snes, x)
+        with self.system.clock("solve"):
+            self.linear.solve(self._residual, self._part)
+            self._part.scale(-1)
+            self.linear.solve(self._load, self._unit)
+            tangent = Tangent(self._unit, self.tangent.weights, self.tangent.functional,
+                              self.tangent.initial_norm2, self.tangent.current_stiffness)
+            change, part = self.control.correct(self.length, tangent, x, self.load_increment, self._part)
+            self._step.zeroEntries()
+            self._step.axpy(part, self._part)
+            self._step.axpy(change, self._unit)
+        self.load_increment += change
+        self._move(x, self._step)
+
+    def factor(self, snes, x) -> None:
+        """Assemble and factor the tangent of the current configuration."""
+        snes.computeJacobian(x, self.system.matrix)
+        with self.system.clock("factorisation"):
+            self.linear.factor()
+
+    def _move(self, x, step) -> None:
+        self.system.extrapolate_stress(step)
+        with self.system.clock("solve"):
+            self.system.retract(x, step)
+        self.system.factor = self.start + self.load_increment

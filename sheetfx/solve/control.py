@@ -1,0 +1,200 @@
+"""Controls: the equation that is added to equilibrium, one for each way to follow a path.
+
+Each control gives the predictor's load increment and, for a bordered system solved with one
+factor, the load correction that keeps the added equation true.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import copysign, sqrt
+
+from petsc4py import PETSc
+
+
+def _positive(owner, *names):
+    for name in names:
+        value = getattr(owner, name)
+        if value is not None and not value > 0:
+            raise ValueError(f"{type(owner).__name__}: {name} is {value}; it must be positive")
+
+
+@dataclass(frozen=True)
+class StepRule:
+    """How long steps are, whatever they are measured in.
+
+    Attributes
+    ----------
+    step : first step, in the control's own measure; None: the control's default
+    smallest, largest : bounds, as multiples of the first step
+    iterations : number of iterations that a step should take; steps grow and shrink with the
+        square root of this over the number taken
+    turn : largest angle in radians between consecutive increments
+    """
+
+    step: float | None = None
+    smallest: float = 1e-4
+    largest: float = 8.0
+    iterations: int = 5
+    turn: float = 0.8
+
+    def __post_init__(self):
+        _positive(self, "step", "smallest", "largest", "iterations", "turn")
+
+    @property
+    def first(self) -> float:
+        """Length of the first step."""
+        return self.default if self.step is None else self.step
+
+    def growth(self, iterations: int) -> float:
+        """Factor on the next step's length after a step of so many iterations."""
+        return min(2.0, max(0.5, sqrt(self.iterations / max(iterations, 1))))
+
+    def clip(self, length: float, factor: float) -> float:
+        """Shorten a step that would pass the control's end."""
+        return length
+
+
+@dataclass(frozen=True)
+class LoadControl(StepRule):
+    """Prescribed increments of the load factor up to `target`; fails at the first limit point.
+
+    `fixed` keeps all steps as long as the first.
+    """
+
+    target: float = 1.0
+    fixed: bool = False
+    default = 0.1
+
+    def growth(self, iterations):
+        return 1.0 if self.fixed else super().growth(iterations)
+
+    def clip(self, length, factor):
+        return min(length, self.target - factor)
+
+    def predict(self, length, sign, tangent):
+        return sign * length
+
+    def correct(self, length, tangent, increment, load_increment, residual_part):
+        return 0.0, 1.0
+
+
+@dataclass(frozen=True)
+class DisplacementControl(StepRule):
+    """Prescribed increments of the monitored displacement; fails where it turns back."""
+
+    default = 1.0
+
+    def predict(self, length, sign, tangent):
+        return sign * length / tangent.monitored(tangent.solution)
+
+    def correct(self, length, tangent, increment, load_increment, residual_part):
+        target = copysign(length, tangent.monitored(increment))
+        missing = target - tangent.monitored(increment) - tangent.monitored(residual_part)
+        return missing / tangent.monitored(tangent.solution), 1.0
+
+
+@dataclass(frozen=True)
+class ArcLength(StepRule):
+    """Prescribed length of the step in displacements and load (Crisfield 1981).
+
+    |dx|^2 + psi^2 dlambda^2 = s^2 in the scaled inner product, with psi = 0 (cylindrical),
+    psi^2 = |x_P|^2 (spherical) or psi^2 = S_p |x_P|^2 (elliptical), where x_P is the
+    displacement by the unit load at the start of the path and S_p the current stiffness
+    parameter (Bergan 1980; thesis section 4.4.1, with the reference displacement instead of the
+    reference load so that both terms have one unit).
+
+    Where the quadratic has no real root, only that part of the equilibrium correction is used
+    for which it has one.
+
+    Attributes
+    ----------
+    shape : "cylindrical", "spherical" or "elliptical"
+    """
+
+    shape: str = "cylindrical"
+    default = 0.01
+
+    def __post_init__(self):
+        super().__post_init__()
+        shapes = ("cylindrical", "spherical", "elliptical")
+        if self.shape not in shapes:
+            raise ValueError(f"ArcLength: shape is {self.shape!r}; it must be one of {', '.join(shapes)}")
+
+    def load_weight(self, tangent) -> float:
+        """psi^2."""
+        if self.shape == "cylindrical":
+            return 0.0
+        stiffness = abs(tangent.current_stiffness) if self.shape == "elliptical" else 1.0
+        return stiffness * tangent.initial_norm2
+
+    def predict(self, length, sign, tangent):
+        return sign * length / sqrt(tangent.norm2 + self.load_weight(tangent))
+
+    def correct(self, length, tangent, increment, load_increment, residual_part):
+        weight = self.load_weight(tangent)
+        inner = tangent.inner
+        a = inner(tangent.solution, tangent.solution) + weight
+        xx, xr, rr = (inner(increment, increment), inner(increment, residual_part),
+                      inner(residual_part, residual_part))
+        xf, rf = inner(increment, tangent.solution), inner(residual_part, tangent.solution)
+        base = xx + weight * load_increment**2 - length**2
+
+        def coefficients(part):
+            return xf + part * rf + weight * load_increment, base + 2 * part * xr + part**2 * rr
+
+        part = 1.0
+        b, c = coefficients(part)
+        if b * b < a * c:
+            part = _largest_part(rf**2 - a * rr, (xf + weight * load_increment) * rf - a * xr,
+                                 (xf + weight * load_increment) ** 2 - a * base)
+            b, c = coefficients(part)
+        root = sqrt(max(b * b - a * c, 0.0))
+        candidates = ((-b + root) / a, (-b - root) / a)
+        along = xf + weight * load_increment
+        return max(candidates, key=lambda change: change * along), part
+
+
+def _largest_part(a: float, b: float, c: float) -> float:
+    """Largest part in [0, 1] with a part^2 + 2 b part + c >= 0, where c is not negative."""
+    c = max(c, 0.0)
+    root = sqrt(max(b * b - a * c, 0.0))
+    roots = [(-b + root) / a, (-b - root) / a] if a else [-c / (2 * b)] if b else []
+    inside = [r for r in roots if 0 <= r <= 1]
+    return max(inside, default=0.0)
+
+
+@dataclass
+class Tangent:
+    """Response of a state to a unit of load, and the measures of the controls.
+
+    Attributes
+    ----------
+    solution : displacement by a unit of load with the current factor
+    weights : diagonal of the inner product
+    functional : vector whose product with an increment is the monitored displacement, or None
+    initial_norm2 : squared norm of the first state's solution
+    current_stiffness : Bergan's current stiffness parameter
+    """
+
+    solution: PETSc.Vec
+    weights: PETSc.Vec
+    functional: PETSc.Vec | None
+    initial_norm2: float = 1.0
+    current_stiffness: float = 1.0
+
+    def __post_init__(self):
+        self._work = self.weights.duplicate()
+
+    def inner(self, a: PETSc.Vec, b: PETSc.Vec) -> float:
+        self._work.pointwiseMult(self.weights, a)
+        return self._work.dot(b)
+
+    @property
+    def norm2(self) -> float:
+        return self.inner(self.solution, self.solution)
+
+    def monitored(self, increment: PETSc.Vec) -> float:
+        if self.functional is None:
+            raise ValueError("displacement control needs a monitored displacement: give the scene a `monitor`")
+        return self.functional.dot(increment)

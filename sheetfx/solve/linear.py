@@ -1,0 +1,59 @@
+"""Direct solution with one factor for many right-hand sides, and the factor's inertia."""
+
+from __future__ import annotations
+
+from petsc4py import PETSc
+
+
+class SingularTangent(ArithmeticError):
+    """The factorisation met a zero pivot: the structure can move freely or is at a critical point."""
+
+
+class DirectSolver:
+    """A KSP that only factors; MUMPS LDL^T where the matrix is symmetric, LU otherwise.
+
+    PETSc options with the KSP's prefix override the choice.
+    """
+
+    def __init__(self, ksp: PETSc.KSP, matrix: PETSc.Mat, symmetric: bool):
+        self.ksp, self.matrix, self.symmetric = ksp, matrix, symmetric
+        self.factorisations = 0
+        self._set_up()
+
+    def _set_up(self) -> None:
+        ksp = self.ksp
+        ksp.setOperators(self.matrix)
+        ksp.setType(PETSc.KSP.Type.PREONLY)
+        pc = ksp.getPC()
+        pc.setType(PETSc.PC.Type.CHOLESKY if self.symmetric else PETSc.PC.Type.LU)
+        pc.setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
+        ksp.setFromOptions()
+
+    def factor(self) -> None:
+        """Factor the matrix as it is now.
+
+        Raises
+        ------
+        SingularTangent
+        """
+        pc = self.ksp.getPC()
+        self.ksp.setOperators(self.matrix)
+        if pc.getFactorSolverType() == PETSc.Mat.SolverType.MUMPS:
+            pc.setFactorSetUpSolverType()
+            pc.getFactorMatrix().setMumpsIcntl(24, 1)
+        self.factorisations += 1
+        pc.setUp()
+        if pc.getFailedReason() != PETSc.PC.FailedReason.NOERROR:
+            pc.reset()
+            self._set_up()
+            raise SingularTangent("the tangent is singular")
+
+    def solve(self, right: PETSc.Vec, solution: PETSc.Vec) -> None:
+        self.ksp.getPC().apply(right, solution)
+
+    def negative_pivots(self) -> int | None:
+        """Number of negative eigenvalues of the factored matrix; None for LU."""
+        pc = self.ksp.getPC()
+        if pc.getType() != PETSc.PC.Type.CHOLESKY:
+            return None
+        return pc.getFactorMatrix().getInertia()[0]

@@ -1,0 +1,88 @@
+"""A converged state of a path, which knows how to write and read itself."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class CriticalPoint:
+    """A point of a path where stability changes.
+
+    Attributes
+    ----------
+    kind : "limit" (the load has an extremum) or "bifurcation"
+    load : total load on the whole structure
+    deflection : of the monitored point
+    step : number of the step that ends behind the point
+    """
+
+    kind: str
+    load: float
+    deflection: float
+    step: int
+
+
+@dataclass(frozen=True)
+class State:
+    """A converged state.
+
+    Attributes
+    ----------
+    step : number, 0 for the start
+    factor : load factor
+    load : total load on the whole structure
+    deflection : monitored displacement
+    unstable : negative eigenvalues of the tangent beyond those of multipliers; None: not known
+    load_rate : load component of the unit tangent along the path
+    iterations, factorisations : of the step that led here
+    length, next_length : of that step and the next
+    load_increment, increment : of that step (increment: this process's part of the solver's vector)
+    reference : squared norm of the first response to a unit load, and the work of that load
+    contact_points, penetration : points that touch and largest penetration
+    critical : critical points between the last state and this one
+    fields : values of all fields on this process
+    """
+
+    step: int
+    factor: float
+    load: float
+    deflection: float
+    unstable: int | None
+    load_rate: float
+    iterations: int
+    factorisations: int
+    length: float
+    next_length: float
+    load_increment: float
+    reference: tuple[float, float]
+    contact_points: int = 0
+    penetration: float = 0.0
+    critical: tuple[CriticalPoint, ...] = ()
+    increment: np.ndarray = field(repr=False, default=None)
+    fields: dict[str, np.ndarray] = field(repr=False, default_factory=dict)
+
+    def save(self, file: Path) -> None:
+        """Write to a NumPy archive; the file appears complete or not at all."""
+        numbers = {k: v for k, v in asdict(self).items() if k not in ("fields", "increment")}
+        part = file.with_suffix(".part")
+        with part.open("wb") as stream:
+            np.savez(stream, numbers=json.dumps(numbers), increment=self.increment,
+                     **{f"field {k}": v for k, v in self.fields.items()})
+        os.replace(part, file)
+
+    @classmethod
+    def load_from(cls, file: Path) -> State:
+        """Read what `save` wrote."""
+        with np.load(file) as archive:
+            numbers = json.loads(str(archive["numbers"]))
+            fields = {k.removeprefix("field "): archive[k] for k in archive.files if k.startswith("field ")}
+            increment = archive["increment"]
+        numbers["critical"] = tuple(CriticalPoint(**c) for c in numbers["critical"])
+        numbers["reference"] = tuple(numbers["reference"])
+        return cls(**numbers, increment=increment, fields=fields)

@@ -1,0 +1,150 @@
+"""Unknown fields: what the solver's vector means, and how an increment changes a field.
+
+The solver works with increments since the last converged state. A displacement adds its
+increment; a rotation composes it with the stored quaternion, node by node, so that the state
+depends on the nodal rotations only and the total rotation is unlimited.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import ufl
+from dolfinx.fem import Function, FunctionSpace
+from ufl.algorithms.formsplitter import FormSplitter
+
+
+class AdditiveField:
+    """A field that adds its increment (displacement, planar angle, multiplier).
+
+    Parameters
+    ----------
+    value : Function
+        Current value; appears in the forms.
+    dofs : int array
+        Place of each entry of `value` in the local vector of the block.
+    scale : float
+        Size against which increments are measured; infinite: not measured at all.
+    multiplier : bool
+        Whether the field is a Lagrange multiplier (counts one negative pivot each).
+    """
+
+    def __init__(self, value: Function, dofs: np.ndarray, scale: float, multiplier: bool = False):
+        self.value, self.dofs, self.scale, self.multiplier = value, dofs, scale, multiplier
+        self.symbol = value
+        self.previous = Function(value.function_space)
+
+    @property
+    def name(self) -> str:
+        return self.value.name
+
+    def advance(self, block_increment: np.ndarray) -> None:
+        self.value.x.array[:] = self.previous.x.array + block_increment[self.dofs]
+
+    def combine(self, total: np.ndarray, further: np.ndarray) -> None:
+        """Follow the increment `total` (changed in place) by `further`."""
+        total[self.dofs] += further[self.dofs]
+
+    def commit(self) -> None:
+        self.previous.x.array[:] = self.value.x.array
+
+    def at_rest(self) -> dict:
+        """Replacements that put the increment's symbol to zero in a form."""
+        return {}
+
+
+class QuaternionField(AdditiveField):
+    """Rotations as nodal quaternions (scalar first) with Rodrigues increments of 3 components."""
+
+    def __init__(self, value: Function, symbol: Function, dofs: np.ndarray):
+        super().__init__(value, dofs, 1.0)
+        self.symbol = symbol
+        value.x.array.reshape(-1, 4)[:] = (1, 0, 0, 0)
+        self.commit()
+
+    def advance(self, block_increment):
+        increment = block_increment[self.dofs].reshape(-1, 3)
+        self.value.x.array.reshape(-1, 4)[:] = _compose(increment, self.previous.x.array.reshape(-1, 4))
+
+    def combine(self, total, further):
+        before = total[self.dofs].reshape(-1, 3)
+        product = _compose(further[self.dofs].reshape(-1, 3), np.column_stack((np.ones(len(before)), before / 2)))
+        total[self.dofs] = (2 * product[:, 1:] / product[:, :1]).ravel()
+
+    def at_rest(self):
+        return {self.symbol: ufl.classes.Zero(self.symbol.ufl_shape)}
+
+
+def _compose(increment: np.ndarray, quaternion: np.ndarray) -> np.ndarray:
+    """Unit quaternions (1, increment/2) * quaternion, row by row (see forms.rotation.compose)."""
+    scalar, vector = quaternion[:, :1], quaternion[:, 1:]
+    product = np.empty_like(quaternion)
+    product[:, :1] = scalar - (increment * vector).sum(axis=1, keepdims=True) / 2
+    product[:, 1:] = vector + (scalar * increment + np.cross(increment, vector)) / 2
+    return product / np.linalg.norm(product, axis=1, keepdims=True)
+
+
+@dataclass(frozen=True)
+class Block:
+    """A function space of the solver's vector and the fields that live in it."""
+
+    space: FunctionSpace
+    fields: tuple[AdditiveField, ...]
+
+
+class Unknowns:
+    """All blocks of a problem, and derivatives with respect to them."""
+
+    def __init__(self, blocks: Sequence[Block]):
+        self.blocks = tuple(blocks)
+        self.fields = [f for b in self.blocks for f in b.fields]
+        mixed = ufl.MixedFunctionSpace(*[b.space for b in self.blocks])
+        self._tests = self._pieces(ufl.TestFunctions(mixed))
+        self._trials = self._pieces(ufl.TrialFunctions(mixed))
+        self._symbols = [f.symbol for f in self.fields]
+
+    def _pieces(self, arguments) -> list:
+        return [
+            piece
+            for block, argument in zip(self.blocks, arguments, strict=True)
+            for piece in (ufl.split(argument) if len(block.fields) > 1 else [argument])
+        ]
+
+    def vary(self, expression):
+        """Variation of an expression in the direction of the test functions."""
+        return ufl.derivative(expression, self._symbols, self._tests)
+
+    def linearise(self, expression):
+        """Derivative of an expression or form in the direction of the trial functions."""
+        return ufl.derivative(expression, self._symbols, self._trials)
+
+    def linearise_along(self, expression, directions: Sequence):
+        """Derivative of an expression in the direction of given functions, one for each block."""
+        return ufl.derivative(expression, self._symbols, self._pieces(directions))
+
+    def previous(self, expression):
+        """The expression as it was at the last converged state."""
+        return ufl.replace(expression, {f.value: f.previous for f in self.fields})
+
+    def at_rest(self, form):
+        """Carry out derivatives, then put the symbols of rotation increments to zero."""
+        form = ufl.algorithms.expand_derivatives(form)
+        mapping = {k: v for f in self.fields for k, v in f.at_rest().items()}
+        return ufl.replace(form, mapping) if mapping else form
+
+    def blocks_of(self, form) -> list:
+        """Split a linear form into a list and a bilinear form into a square list of forms.
+
+        Unlike `ufl.extract_blocks` this keeps the places of blocks that the form does not touch.
+        """
+        split, numbers = FormSplitter().split, range(len(self.blocks))
+
+        def block(*place):
+            part = split(form, *place)
+            return None if part.empty() else part
+
+        if len(form.arguments()) and max(a.number() for a in form.arguments()) == 1:
+            return [[block(i, j) for j in numbers] for i in numbers]
+        return [block(i) for i in numbers]
