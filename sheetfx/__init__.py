@@ -1,0 +1,30 @@
+"""sheetfx: when thin sheet-and-bar structures lose stability, and what happens after.
+
+The names here are all that a script needs; importing them is deferred to their first use, so
+that the command line starts fast.
+"""
+
+from importlib import import_module as _import_module
+
+_HOMES = {
+    "Beam": "scene", "Contact": "scene", "LineForce": "scene", "Moment": "scene",
+    "Monitor": "scene", "Motion": "scene", "PointForce": "scene", "Push": "scene", "RigidCylinder": "scene",
+    "RigidPlane": "scene", "Scene": "scene", "Support": "scene", "clamp": "scene", "pin": "scene",
+    "symmetry": "scene", "Elastic": "section", "Rectangle": "section", "Tube": "section", "round_bar": "section",
+    "Path": "path", "PathFailure": "path", "Until": "path", "Case": "case", "Record": "case", "trace": "case",
+    "run": "case", "read": "mesh.reader", "ArcLength": "solve.control", "DisplacementControl": "solve.control",
+    "LoadControl": "solve.control",
+}
+_MODULES = ("forms", "meshes", "show")
+
+
+def __getattr__(name):
+    if name in _MODULES:
+        return _import_module(f".{name}", __name__)
+    if name in _HOMES:
+        return getattr(_import_module(f".{_HOMES[name]}", __name__), name)
+    raise AttributeError(f"module 'sheetfx' has no attribute {name!r}")
+
+
+def __dir__():
+    return sorted([*_HOMES, *_MODULES])

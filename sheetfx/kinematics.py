@@ -32,13 +32,31 @@ class Kinematics:
         rotations = self.block.space.sub(1)
         return rotations if dimension == 2 else rotations.sub(index - dimension)
 
+    def displacement(self, model: Model, at: str) -> np.ndarray:
+        """Displacement of a named point, the same on all processes."""
+        return self._value(self.u, model, at)
+
+    def angle(self, model: Model, at: str) -> float:
+        """Rotation of a named point in the plane, in radians."""
+        return float(self._value(self.spin, model, at)[0])
+
+    @staticmethod
+    def _value(function: fem.Function, model: Model, at: str) -> np.ndarray:
+        space = function.function_space
+        size = space.dofmap.index_map_bs
+        nodes = fem.locate_dofs_topological(space, 0, model.at(at))
+        owned = nodes[nodes < space.dofmap.index_map.size_local]
+        found = model.mesh.comm.allgather(function.x.array.reshape(-1, size)[owned[:1]])
+        return np.concatenate(found)[0]
+
 
 def beam_kinematics(model: Model, degree: int) -> Kinematics:
     """Spaces and fields of beams: the angle in the plane, a quaternion in space."""
     mesh, dimension = model.mesh, model.dimension
     spins = () if dimension == 2 else (3,)
     cell = mesh.basix_cell()
-    parts = [basix.ufl.element("P", cell, degree, shape=(dimension,)), basix.ufl.element("P", cell, min(degree, 2), shape=spins)]
+    parts = [basix.ufl.element("P", cell, degree, shape=(dimension,)),
+             basix.ufl.element("P", cell, min(degree, 2), shape=spins)]
     space = fem.functionspace(mesh, basix.ufl.mixed_element(parts))
     (u_space, u_dofs), (spin_space, spin_dofs) = (space.sub(i).collapse() for i in range(2))
     u = fem.Function(u_space, name="displacement")

@@ -120,7 +120,7 @@ class Path:
             length /= 2
             if length < smallest:
                 raise PathFailure(self._complaint(before, length))
-        growth = self.control.growth(after.iterations)
+        growth = self.control.growth(after.hardest)
         after = replace(after, next_length=min(largest, length * growth))
         points = locate(self.tracer, before, after)
         after = replace(after, critical=points)

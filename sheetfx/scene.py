@@ -144,8 +144,9 @@ class Contact:
     friction : Coulomb's coefficient
     half_depth : contact at the surface (half the depth off the centre line) instead of at the
         centre line; the sign says on which side of the frame's normal
-    enforcement : "semismooth" (multipliers are unknowns), "uzawa" (multipliers are updated between
-        solutions) or "penalty"
+    enforcement : "penalty" (the stiffness of the contact layer), "uzawa" (multipliers are updated
+        between solutions) or "semismooth" (multipliers are unknowns); None: semismooth where contact is
+        exact, penalty where there is a layer, see demos/enforcement.py for the comparison
     scale : augmentation, pressure per length of penetration; None: from the bending stiffness
     layer : thickness-like length of an elastic contact layer, see `contact.fields.resolution`;
         0: exact; None: 0 at nodes, as thin as it can be for a smooth path otherwise
@@ -157,19 +158,21 @@ class Contact:
     points: str = "quadrature"
     friction: float = 0.0
     half_depth: int = 0
-    enforcement: str = "semismooth"
+    enforcement: str | None = None
     scale: float | None = None
     layer: float | None = None
-    approach: tuple[float, ...] = (4.0, 2.0, 1.0)
+    approach: tuple[float, ...] = (8.0, 4.0, 2.0, 1.0)
 
     def __post_init__(self):
         for name, value, known in (("points", self.points, ("nodes", "quadrature")),
-                                   ("enforcement", self.enforcement, ("semismooth", "uzawa", "penalty")),
+                                   ("enforcement", self.enforcement, (None, "semismooth", "uzawa", "penalty")),
                                    ("half_depth", self.half_depth, (-1, 0, 1))):
             if value not in known:
                 raise ValueError(f"Contact: {name} is {value!r}; it must be one of {', '.join(map(str, known))}")
-        if self.friction < 0:
-            raise ValueError(f"Contact: friction is {self.friction}; it must not be negative")
+        for name in ("friction", "layer"):
+            value = getattr(self, name)
+            if value is not None and value < 0:
+                raise ValueError(f"Contact: {name} is {value}; it must not be negative")
 
 
 @dataclass(frozen=True)

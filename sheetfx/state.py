@@ -40,10 +40,13 @@ class State:
     deflection : monitored displacement
     unstable : negative eigenvalues of the tangent beyond those of multipliers; None: not known
     load_rate : load component of the unit tangent along the path
-    iterations, factorisations : of the step that led here
+    iterations, factorisations : of the step that led here, failed tries included
+    hardest : most iterations of one Newton solution in its last try
     length, next_length : of that step and the next
     load_increment, increment : of that step (increment: this process's part of the solver's vector)
-    reference : squared norm of the first response to a unit load, and the work of that load
+    response : displacement by a unit of load, with the tangent of the step that led here
+    current_stiffness : Bergan's current stiffness parameter
+    reference : squared norm of the first response, and its work
     contact_points, penetration : points that touch and largest penetration
     critical : critical points between the last state and this one
     fields : values of all fields on this process
@@ -56,23 +59,26 @@ class State:
     unstable: int | None
     load_rate: float
     iterations: int
+    hardest: int
     factorisations: int
     length: float
     next_length: float
     load_increment: float
+    current_stiffness: float
     reference: tuple[float, float]
     contact_points: int = 0
     penetration: float = 0.0
     critical: tuple[CriticalPoint, ...] = ()
     increment: np.ndarray = field(repr=False, default=None)
+    response: np.ndarray = field(repr=False, default=None)
     fields: dict[str, np.ndarray] = field(repr=False, default_factory=dict)
 
     def save(self, file: Path) -> None:
         """Write to a NumPy archive; the file appears complete or not at all."""
-        numbers = {k: v for k, v in asdict(self).items() if k not in ("fields", "increment")}
+        numbers = {k: v for k, v in asdict(self).items() if k not in ("fields", "increment", "response")}
         part = file.with_suffix(".part")
         with part.open("wb") as stream:
-            np.savez(stream, numbers=json.dumps(numbers), increment=self.increment,
+            np.savez(stream, numbers=json.dumps(numbers), increment=self.increment, response=self.response,
                      **{f"field {k}": v for k, v in self.fields.items()})
         os.replace(part, file)
 
@@ -82,7 +88,7 @@ class State:
         with np.load(file) as archive:
             numbers = json.loads(str(archive["numbers"]))
             fields = {k.removeprefix("field "): archive[k] for k in archive.files if k.startswith("field ")}
-            increment = archive["increment"]
+            vectors = {k: archive[k] for k in ("increment", "response")}
         numbers["critical"] = tuple(CriticalPoint(**c) for c in numbers["critical"])
         numbers["reference"] = tuple(numbers["reference"])
-        return cls(**numbers, increment=increment, fields=fields)
+        return cls(**numbers, **vectors, fields=fields)

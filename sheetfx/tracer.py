@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from math import acos, sqrt
+from math import acos, copysign, sqrt
 
 import numpy as np
 from petsc4py import PETSc
 
 from .discretise import Discretisation
-from .solve.arclength import PathStep
+from .solve.arclength import create
 from .solve.control import StepRule, Tangent
 from .solve.linear import SingularTangent
 from .state import State
@@ -19,20 +19,16 @@ class Tracer:
 
     def __init__(self, discretisation: Discretisation, control: StepRule, prefix: str):
         self.discretisation, self.system, self.control = discretisation, discretisation.system, control
-        self.snes = PETSc.SNES().create(self.system.comm)
-        self.snes.setOptionsPrefix(prefix)
-        self.stepper = PathStep()
-        self.snes.setType("python")
-        self.snes.setPythonContext(self.stepper)
-        self.stepper.attach(self.snes, self.system)
+        self.snes = create(self.system.comm, self.system, prefix)
+        self.stepper = self.snes.getPythonContext()
         self.x = self.system.create_vector()
-        self._unit, self._load, self._last = (self.system.create_vector() for _ in range(3))
-        self._functional = self._monitor()
+        self._response, self._load = self.system.create_vector(), self.system.create_vector()
+        self.tangent = Tangent(self._response, self.system.weights, self._monitor())
         self._reference: tuple[float, float] | None = None
-        self.iterations = 0
+        self.iterations = self._most = 0
         discretisation.commit()
         try:
-            self.state = self._converged(0, 0.0, 0, 0.0, 0)
+            self.state = self._converged(None)
         except SingularTangent:
             raise ValueError(
                 "the unloaded structure can move freely (its tangent is singular): check that the supports "
@@ -55,31 +51,29 @@ class Tracer:
 
     def attempt(self, length: float) -> State | None:
         """Try one step of a given length from the current state; None if it does not converge."""
-        start, before = self.state, self.total_factorisations
-        load_increment = self.control.predict(length, self.sign, self.tangent)
-        self.stepper.begin(self.control, self.tangent, length, load_increment)
-        most = 0
+        start, before, spent = self.state, self.total_factorisations, self.iterations
+        for layers in self.discretisation.enforcement.approaches():
+            self._most = 0
+            load_increment = self.control.predict(length, copysign(1.0, start.load_rate), self.tangent)
+            self.stepper.begin(self.control, self.tangent, length, load_increment)
+            if self.discretisation.enforcement.solve(self._correct, layers):
+                try:
+                    self.state = self._converged(start, self.iterations - spent, length, before)
+                    return self.state
+                except SingularTangent:
+                    pass
+            self._undo(start)
+        return None
 
-        def correct() -> bool:
-            nonlocal most
-            self.snes.solve(None, self.x)
-            self.stepper.continue_step()
-            self.iterations += self.snes.getIterationNumber()
-            most = max(most, self.snes.getIterationNumber())
-            return self.snes.getConvergedReason() > 0
-
-        if not self.discretisation.enforcement.solve(correct):
-            return self._undo(start)
-        deflection = start.deflection + self._functional.dot(self.x)
-        self.discretisation.commit()
-        try:
-            self.state = self._converged(start.step + 1, deflection, most, length, before)
-        except SingularTangent:
-            self.back_to(start)
-            return None
-        return self.state
+    def _correct(self) -> bool:
+        self.snes.solve(None, self.x)
+        self.stepper.continue_step()
+        self.iterations += self.snes.getIterationNumber()
+        self._most = max(self._most, self.snes.getIterationNumber())
+        return self.snes.getConvergedReason() > 0
 
     def _undo(self, start: State) -> None:
+        """Put the fields back to the state that the last attempt started from."""
         self.system.factor = start.factor
         self.x.zeroEntries()
         self.system.configure(self.x)
@@ -93,70 +87,61 @@ class Tracer:
         """Return to an earlier state of this path."""
         self.discretisation.restore(state.fields)
         self.system.factor = state.factor
-        self.stepper.load_increment = state.load_increment
+        self._response.array[:] = state.response
+        self.tangent.initial_norm2, self.tangent.current_stiffness = state.reference[0], state.current_stiffness
         self._reference = state.reference
-        self.x.array[:] = state.increment
-        self._converged(state.step, state.deflection, state.iterations, state.length, self.total_factorisations)
+        self._undo(state)
         self.state = state
 
-    def _converged(self, step, deflection, iterations, length, factorisations) -> State:
-        """Factor the tangent of the last converged configuration and describe it.
-
-        On entry the solver's vector holds the increment that led to it.
-        """
-        system = self.system
-        self._last.array[:] = self.x.array
-        self.x.zeroEntries()
-        system.configure(self.x)
+    def _converged(self, start: State | None, iterations=0, length=0.0, factorisations=0) -> State:
+        """Describe the current configuration with the tangent that led to it, then commit it."""
+        system, tangent = self.system, self.tangent
         self._respond()
-        tangent, weight = self.tangent, self._load_weight()
-        load_increment = self.stepper.load_increment if step else 0.0
-        along = tangent.inner(self._last, self._unit) + weight * load_increment
-        self.sign = -1.0 if step and along < 0 else 1.0
+        weight = self._load_weight()
+        load_increment = self.stepper.load_increment if start else 0.0
+        along = tangent.inner(self.x, self._response) + weight * load_increment
+        sign = -1.0 if start and along < 0 else 1.0
         pivots = self.stepper.linear.negative_pivots()
-        states = [self.discretisation.enforcement.state(c) for c in self.discretisation.contacts]
-        touching = sum(int((s.status != "open").sum()) for s in states)
-        penetration = [self.discretisation.enforcement.penetration(c, s)
-                       for c, s in zip(self.discretisation.contacts, states, strict=True)]
+        touching, penetration = self.discretisation.enforcement.summary()
+        increment, deflection = self.x.array.copy(), self.tangent.monitored(self.x)
+        self.discretisation.commit()
+        self.x.zeroEntries()
         return State(
-            step=step, factor=system.factor,
-            load=self.discretisation.total_load(), deflection=deflection,
+            step=start.step + 1 if start else 0, factor=system.factor, load=self.discretisation.total_load(),
+            deflection=start.deflection + deflection if start else 0.0,
             unstable=None if pivots is None else pivots - system.multipliers,
-            load_rate=self.sign / sqrt(tangent.norm2 + weight),
-            iterations=iterations, factorisations=self.total_factorisations - factorisations,
+            load_rate=sign / sqrt(tangent.norm2 + weight),
+            iterations=iterations, hardest=self._most, factorisations=self.total_factorisations - factorisations,
             length=length, next_length=length or self.control.first, load_increment=load_increment,
-            reference=self._reference, contact_points=system.comm.allreduce(touching),
-            penetration=max(penetration, default=0.0),
-            increment=self._last.array.copy(), fields=self.discretisation.snapshot())
+            current_stiffness=tangent.current_stiffness, reference=self._reference,
+            contact_points=touching, penetration=penetration,
+            increment=increment, response=self._response.array.copy(), fields=self.discretisation.snapshot())
 
     def _load_weight(self) -> float:
         weight = getattr(self.control, "load_weight", None)
         return weight(self.tangent) if weight else 0.0
 
     def _respond(self) -> None:
-        """Response of the converged state to a unit of load."""
+        """Response of the current configuration to a unit of load."""
         system = self.system
+        system.configure(self.x)
         system.extrapolate_stress()
         self.stepper.factor(self.snes, self.x)
         system.load(self._load)
         with system.clock("solve"):
-            self.stepper.linear.solve(self._load, self._unit)
-        work = self._load.dot(self._unit)
-        tangent = Tangent(self._unit, system.weights, self._functional)
+            self.stepper.linear.solve(self._load, self._response)
+        work = self._load.dot(self._response)
         if self._reference is None:
-            self._reference = tangent.norm2, work
-        tangent.initial_norm2 = self._reference[0]
-        tangent.current_stiffness = self._reference[1] / work if work else 1.0
-        self.tangent = tangent
+            self._reference = self.tangent.norm2, work
+        self.tangent.initial_norm2 = self._reference[0]
+        self.tangent.current_stiffness = self._reference[1] / work if work else 1.0
 
     def turn(self, before: State) -> float:
-        """Angle between the last step's increment and the increment before it, in load-displacement space."""
-        vector = self._last
-        inner = self.tangent.inner
-        earlier = self.system.create_vector()
-        earlier.array[:] = before.increment
-        weight = self._load_weight()
-        a = inner(vector, vector) + weight * self.state.load_increment**2
-        b = inner(earlier, earlier) + weight * before.load_increment**2
-        ab = inner(vector, earlier) + weight * self.state.load_increment * before.load_increment
-        return acos(np.clip(ab / sqrt(a * b), -1.0, 1.0)) if a * b else 0.0
+        """Angle between the last step's increment and the one before it, in radians."""
+        inner, weight = self.tangent.inner, self._load_weight()
+        last, earlier = self.x.duplicate(), self.x.duplicate()
+        last.array[:], earlier.array[:] = self.state.increment, before.increment
+        a, b = self.state.load_increment, before.load_increment
+        length2 = (inner(last, last) + weight * a * a) * (inner(earlier, earlier) + weight * b * b)
+        cosine = (inner(last, earlier) + weight * a * b) / sqrt(length2) if length2 else 1.0
+        return acos(np.clip(cosine, -1.0, 1.0))

@@ -15,6 +15,8 @@ import ufl
 from dolfinx.fem import Function, FunctionSpace
 from ufl.algorithms.formsplitter import FormSplitter
 
+from .numbers import lift_numbers
+
 
 class AdditiveField:
     """A field that adds its increment (displacement, planar angle, multiplier).
@@ -132,7 +134,8 @@ class Unknowns:
         """Carry out derivatives, then put the symbols of rotation increments to zero."""
         form = ufl.algorithms.expand_derivatives(form)
         mapping = {k: v for f in self.fields for k, v in f.at_rest().items()}
-        return ufl.replace(form, mapping) if mapping else form
+        form = ufl.replace(form, mapping) if mapping else form
+        return lift_numbers(form, self.blocks[0].space.mesh)
 
     def blocks_of(self, form) -> list:
         """Split a linear form into a list and a bilinear form into a square list of forms.

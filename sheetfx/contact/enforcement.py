@@ -26,19 +26,26 @@ class Enforcement:
         self._kept = [c.multiplier for c in contacts if c.block is None]
         self._committed = [m.x.array.copy() for m in self._kept]
 
-    def solve(self, solve: Callable[[], bool]) -> bool:
+    def approaches(self) -> list[list[float]]:
+        """Sequences of layers to try: through thick ones to the final one, then directly.
+
+        Thick layers make long steps converge; a step shorter than their indentation fails in them.
+        """
+        times = sorted({t for c in self.contacts if c.layer for t in c.contact.approach}, reverse=True)
+        return [times, [1.0]] if len(times) > 1 else [[1.0]]
+
+    def solve(self, solve: Callable[[], bool], layers: Sequence[float]) -> bool:
         """Call `solve`, which corrects from where it ended last, until all contacts hold."""
-        layers = sorted({t for c in self.contacts if c.layer for t in c.contact.approach}, reverse=True) or [1.0]
         for times in layers:
             for c in self.contacts:
-                c.thicken(times if times in c.contact.approach else 1.0)
+                c.thicken(times)
             if not solve():
                 self._reset()
                 return False
         return self._augment(solve)
 
     def _augment(self, solve) -> bool:
-        uzawa = [c for c in self.contacts if c.contact.enforcement == "uzawa"]
+        uzawa = [c for c in self.contacts if c.enforcement == "uzawa"]
         for _ in range(self.augmentations if uzawa else 0):
             states = [self.state(c) for c in uzawa]
             if all(self.penetration(c, s) <= 1e-6 * c.contact.beam.section.depth
@@ -67,11 +74,20 @@ class Enforcement:
         comm = contact.contact.beam.model.mesh.comm
         return max(0.0, comm.allreduce(float(-state.gap.min(initial=np.inf)), op=MPI.MAX))
 
+    def summary(self) -> tuple[int, float]:
+        """Number of points that touch and largest penetration, on all processes."""
+        touching, penetration = 0, 0.0
+        for c in self.contacts:
+            state = self.state(c)
+            touching += c.contact.beam.model.mesh.comm.allreduce(int((state.status != "open").sum()))
+            penetration = max(penetration, self.penetration(c, state))
+        return touching, penetration
+
     def commit(self) -> None:
         """Keep tractions that the next step starts from."""
         for c in self.contacts:
             if c.block is None:
-                c.store(self.state(c), normal=c.contact.enforcement == "uzawa")
+                c.store(self.state(c), normal=c.enforcement == "uzawa")
         self.keep()
 
     def keep(self) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import ceil
 
 import basix.ufl
 import numpy as np
@@ -14,6 +13,9 @@ from .. import forms
 from ..compat import JIT
 from ..scene import Contact
 from ..unknowns import AdditiveField, Block
+
+# Numbers of contact points in a cell: few, so that forms are compiled once for many meshes.
+COUNTS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)
 
 
 @dataclass(frozen=True)
@@ -50,6 +52,7 @@ class ContactFields:
         self.contact = contact
         self.layer, count = resolution(contact)
         stiffness = beam.section.stiffness(beam.material, 2)[2]
+        self.enforcement = contact.enforcement or ("penalty" if self.layer else "semismooth")
         self._final_compliance = self.layer**4 / stiffness
         self.compliance = fem.Constant(mesh, self._final_compliance)
         self.scale = contact.scale or _default_scale(contact, stiffness)
@@ -58,7 +61,7 @@ class ContactFields:
             rule = {"quadrature_rule": "GLL", "quadrature_degree": degree}
             element = basix.ufl.element("P", cell, degree, shape=shape)
             weights = {1: (1 / 2, 1 / 2), 2: (1 / 6, 1 / 6, 2 / 3)}[degree]
-            points = mesh.basix_cell() and basix.ufl.element("P", cell, degree).basix_element.points
+            points = basix.ufl.element("P", cell, degree).basix_element.points
         else:
             rule = {"quadrature_degree": 2 * count - 1}
             element = basix.ufl.quadrature_element(cell, value_shape=shape, degree=2 * count - 1)
@@ -68,7 +71,7 @@ class ContactFields:
         self.multiplier = fem.Function(fem.functionspace(mesh, element), name=name)
         self.block = None
         self.unit = 1.0
-        if contact.enforcement == "semismooth":
+        if self.enforcement == "semismooth":
             self.unit = 1e3 * self.scale
             field = AdditiveField(self.multiplier, np.arange(len(self.multiplier.x.array)), np.inf, True)
             self.block = Block(self.multiplier.function_space, (field,))
@@ -103,7 +106,7 @@ class ContactFields:
         pressure = law.contact_pressure(m[0], self.gap, self._stiffness)
         if not self.contact.friction:
             return [pressure]
-        return [pressure, law.coulomb_traction(m[1], self.slip, self._stiffness, pressure, self.contact.friction)]
+        return [pressure, law.coulomb_traction(m[1], self.slip, self.scale, pressure, self.contact.friction)]
 
     @property
     def _stiffness(self):
@@ -115,8 +118,9 @@ class ContactFields:
     def work(self, vary):
         """Virtual work of the contact tractions, and the equations of the multipliers.
 
-        The stationary point of (p^2 - m^2) / (2 scale) - compliance m^2 / 2 with
-        p = <m - scale gap> (Alart and Curnier 1991, eq. 3.9, with an elastic layer).
+        The stationary point of (p^2 - m^2) / (2 scale) - compliance m^2 / 2 with p = <m - scale gap>
+        (Alart and Curnier 1991, eq. 3.9, with an elastic layer). In a layer sticking is elastic too,
+        since several points of a cell cannot all stick exactly.
         """
         tractions = self.tractions
         density = -tractions[0] * vary(self.gap)
@@ -125,7 +129,9 @@ class ContactFields:
         if self.block is not None:
             for traction, multiplier in zip(tractions, self.multipliers, strict=True):
                 density += (traction - multiplier) / self.scale * vary(multiplier)
-            density -= self.compliance * self.multipliers[0] * vary(self.multipliers[0])
+            compliances = [self.compliance, 1 / self.scale if self.layer else 0.0]
+            for compliance, multiplier in zip(compliances, self.multipliers):
+                density -= compliance * multiplier * vary(multiplier)
         return density * self.integral
 
     def thicken(self, times: float) -> None:
@@ -169,11 +175,11 @@ class ContactFields:
 def resolution(contact: Contact) -> tuple[float, int]:
     """Length of the contact layer and number of contact points in a cell.
 
-    Rigid contact of a beam acts at points that slide; on fixed contact points the load would
-    hop from one to the next. An elastic layer of foundation stiffness EI / layer^4 spreads it over a
-    few contact points (Hetenyi 1946, section 3, characteristic length); by default a layer of 0.12
-    depths, whose indentation is far below 1e-6 depths for the arch, and no less than an eighth
-    of a cell.
+    Rigid contact of a beam acts at points that slide; on fixed contact points the load hops from one to
+    the next. An elastic layer of foundation stiffness EI / layer^4 spreads it over its characteristic
+    length (Hetenyi 1946, section 3). The default of 0.12 depths (no less than a cell over 2.4) is
+    indented by less than 1e-6 depths in the arch, and 20 points on a layer keep the tangent smooth as the contact slides (with 5 the
+    slope of the arch's path changes its sign at random near the limit point).
     """
     if contact.points == "nodes":
         return contact.layer or 0.0, contact.beam.degree
@@ -181,8 +187,14 @@ def resolution(contact: Contact) -> tuple[float, int]:
     cell = contact.beam.model.length / mesh.topology.index_map(1).size_global
     layer = contact.layer
     if layer is None:
-        layer = max(0.12 * contact.beam.section.depth, 2 * cell)
-    return layer, int(np.clip(ceil(20 * cell / layer), 2, 64)) if layer else contact.beam.degree
+        layer = max(0.12 * contact.beam.section.depth, cell / 2.4)
+    if not layer:
+        return 0.0, contact.beam.degree
+    needed = 20 * cell / layer * (1 - 1e-9)
+    if needed > COUNTS[-1]:
+        raise ValueError(f"Contact: a layer of {layer:.3g} would need {needed:.0f} contact points in each cell of length "
+                         f"{cell:.3g}; refine the mesh or give a layer of at least {cell * 20 / COUNTS[-1]:.3g}")
+    return layer, next(count for count in COUNTS if count >= needed)
 
 
 def _default_scale(contact: Contact, stiffness: float) -> float:

@@ -53,7 +53,8 @@ def contact_pressure(multiplier, gap, scale):
 def coulomb_traction(multiplier, slip, scale, pressure, friction):
     """Coulomb friction: projection of the trial traction on the cone (Alart and Curnier 1991).
 
-    The traction is conjugate to the slip and opposes it; sticking inside the cone.
+    The traction is conjugate to the slip and opposes it; sticking inside the cone. On its surface
+    the law slides, so that a point without pressure has no tangential stiffness.
     """
-    bound = friction * pressure
-    return ufl.max_value(-bound, ufl.min_value(bound, multiplier + scale * slip))
+    bound, trial = friction * pressure, multiplier + scale * slip
+    return ufl.conditional(ufl.ge(trial, bound), bound, ufl.conditional(ufl.le(trial, -bound), -bound, trial))

@@ -1,8 +1,9 @@
 """The corrector of one step of a path, as a SNES type written in Python.
 
-Usable through PETSc options: `-PREFIXsnes_type python -PREFIXsnes_python_type
-sheetfx.solve.arclength.PathStep`; `-snes_rtol`, `-snes_max_it`, `-snes_monitor` and the options
-of the KSP work as in any SNES.
+A SNES of `-snes_type python -snes_python_type sheetfx.solve.arclength.PathStep`; with the prefix of
+a path (default `sheetfx_`) the options `-sheetfx_snes_rtol`, `-sheetfx_snes_max_it`,
+`-sheetfx_snes_monitor`, those of the KSP and PC, and `-sheetfx_snes_python_type` for a variant of one's
+own work as in any SNES.
 """
 
 from __future__ import annotations
@@ -13,6 +14,18 @@ from .control import StepRule, Tangent
 from .linear import DirectSolver, SingularTangent
 
 Reason = PETSc.SNES.ConvergedReason
+
+
+def create(comm, system, prefix: str) -> PETSc.SNES:
+    """A SNES of this type, with options of the given prefix, for a system."""
+    snes = PETSc.SNES().create(comm)
+    snes.setOptionsPrefix(prefix)
+    snes.setTolerances(rtol=1e-8, atol=0.0, stol=0.0, max_it=20)
+    snes.setType("python")
+    snes.setPythonType(f"{__name__}.PathStep")
+    snes.setFromOptions()
+    snes.getPythonContext().attach(snes, system)
+    return snes
 
 
 class PathStep:
@@ -35,9 +48,7 @@ class PathStep:
         self._part, self._step, self._unit = (system.create_vector() for _ in range(3))
         snes.setFunction(self._evaluate, self._residual)
         snes.setJacobian(lambda snes, x, a, p: system.tangent(), system.matrix)
-        snes.setTolerances(rtol=1e-8, atol=0.0, stol=0.0, max_it=15)
         self.linear = DirectSolver(snes.getKSP(), system.matrix, system.symmetric)
-        snes.setFromOptions()
 
     def _evaluate(self, snes, x, out) -> None:
         self.system.configure(x)
@@ -94,11 +105,17 @@ class PathStep:
             tangent = Tangent(self._unit, self.tangent.weights, self.tangent.functional,
                               self.tangent.initial_norm2, self.tangent.current_stiffness)
             change, part = self.control.correct(self.length, tangent, x, self.load_increment, self._part)
+            damping = self._damping()
             self._step.zeroEntries()
-            self._step.axpy(part, self._part)
-            self._step.axpy(change, self._unit)
-        self.load_increment += change
+            self._step.axpy(damping * part, self._part)
+            self._step.axpy(damping * change, self._unit)
+        self.load_increment += damping * change
         self._move(x, self._step)
+
+    def _damping(self) -> float:
+        """Half steps where the iteration cycles, as between two sets of contact points."""
+        cycling = len(self.history) > 5 and self.history[-1] > 0.9 * self.history[-3]
+        return 0.5 if cycling else 1.0
 
     def factor(self, snes, x) -> None:
         """Assemble and factor the tangent of the current configuration."""

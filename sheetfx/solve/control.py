@@ -35,7 +35,7 @@ class StepRule:
     step: float | None = None
     smallest: float = 1e-4
     largest: float = 8.0
-    iterations: int = 5
+    iterations: int = 7
     turn: float = 0.8
 
     def __post_init__(self):

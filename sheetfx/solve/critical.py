@@ -47,7 +47,10 @@ def _refine(tracer, before, after, kind, test) -> CriticalPoint:
         brentq(value, 0.0, after.length, xtol=1e-7 * after.length)
     except _Missed:
         pass
-    best = min(tried.values(), key=lambda s: abs(s.load_rate)) if kind == "limit" else _last_like(tried, before)
+    if kind == "limit":
+        best = (max if before.load_rate > 0 else min)(tried.values(), key=lambda s: s.factor)
+    else:
+        best = _last_like(tried, before)
     return CriticalPoint(kind, best.load, best.deflection, after.step)
 
 

@@ -1,0 +1,85 @@
+"""A run's folder: every converged state on disk at once, and what is read back from it."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+from pathlib import Path
+
+from .state import State
+
+COLUMNS = ("step", "load", "deflection", "factor", "unstable", "load_rate", "iterations", "factorisations",
+           "length", "contact_points", "penetration")
+
+
+class Archive:
+    """States and tables of one run.
+
+    Each process keeps its own part of a state, so a run resumes on as many processes as it
+    started with. Tables are written by process 0.
+    """
+
+    def __init__(self, folder: Path, comm):
+        self.folder, self.comm = Path(folder), comm
+        self._states = self.folder / "states"
+        if comm.rank == 0:
+            self._states.mkdir(parents=True, exist_ok=True)
+        comm.barrier()
+
+    def clear(self, parameters: dict) -> None:
+        """Begin a new run in the folder: remove the files of an earlier one."""
+        if self.comm.rank == 0:
+            for file in self._states.glob("*.npz"):
+                file.unlink()
+            for name in ("path.csv", "summary.json", "path.png", "shape.png"):
+                (self.folder / name).unlink(missing_ok=True)
+            self.write_json("parameters.json", parameters | {"processes": self.comm.size})
+        self.comm.barrier()
+
+    def check(self, parameters: dict) -> None:
+        """Refuse to resume a run that was started with other parameters."""
+        file = self.folder / "parameters.json"
+        if not file.exists():
+            raise ValueError(f"--resume: {self.folder} holds no run; leave --resume out")
+        wanted = json.loads(json.dumps(parameters | {"processes": self.comm.size}))
+        for name, value in json.loads(file.read_text()).items():
+            if wanted.get(name) != value:
+                raise ValueError(f"--resume: the run in {self.folder} has {name} = {value}, not {wanted.get(name)}")
+
+    def write_json(self, name: str, content: dict) -> None:
+        """Write a JSON file that appears complete or not at all."""
+        part = self.folder / (name + ".part")
+        part.write_text(json.dumps(content, indent=2, default=float) + "\n")
+        os.replace(part, self.folder / name)
+
+    def __call__(self, state: State) -> None:
+        """Keep a state."""
+        state.save(self._file(state.step))
+        if self.comm.rank == 0:
+            file = self.folder / "path.csv"
+            new = state.step == 0 or not file.exists()
+            with file.open("w" if new else "a", newline="") as stream:
+                writer = csv.writer(stream)
+                if new:
+                    writer.writerow(COLUMNS)
+                writer.writerow([getattr(state, c) for c in COLUMNS])
+
+    def _file(self, step: int) -> Path:
+        return self._states / f"{step:06d}.{self.comm.rank}.npz"
+
+    def states(self) -> list[State]:
+        """All states that every process has kept, in order of their steps."""
+        mine = sorted(int(f.name.split(".")[0]) for f in self._states.glob(f"*.{self.comm.rank}.npz"))
+        count = min(self.comm.allgather(len(mine)))
+        return [State.load_from(self._file(step)) for step in mine[:count]]
+
+    def resume(self) -> list[State]:
+        """States to go on from; the table is cut back to them."""
+        states = self.states()
+        for state in states if self.comm.rank == 0 else []:
+            if state.step == 0:
+                (self.folder / "path.csv").unlink(missing_ok=True)
+        for state in states:
+            self(state)
+        return states

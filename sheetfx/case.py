@@ -1,0 +1,125 @@
+"""A case: a scene, how its path is followed, and what is reported of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path as Folder
+
+from mpi4py import MPI
+
+from .archive import Archive
+from .path import Path, PathFailure, Until
+from .scene import Scene
+from .solve.control import ArcLength, StepRule
+from .state import CriticalPoint, State
+
+PARTS = ("compile", "assembly", "factorisation", "solve", "contact", "output")
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """What `sheetfx run` needs to know.
+
+    Attributes
+    ----------
+    scene : Scene
+    control : of the path
+    until : end of the path
+    quantities : function (record) -> name and value of what the scene is known for
+    pictures : functions (record, folder), each draws one picture
+    axes : names of deflection and load on plots
+    mixed_points : large-step tangent
+    """
+
+    scene: Scene
+    control: StepRule = field(default_factory=ArcLength)
+    until: Until = field(default_factory=Until)
+    quantities: Callable[[Record], dict[str, float]] = lambda record: {}
+    pictures: Sequence[Callable[[Record, Folder], None]] = ()
+    axes: tuple[str, str] = ("deflection (mm)", "load (N)")
+    mixed_points: bool = True
+
+
+@dataclass
+class Record:
+    """A traced path: its case, its states and the discrete problem they belong to."""
+
+    case: Case
+    path: Path
+    states: list[State]
+
+    @property
+    def critical_points(self) -> list[CriticalPoint]:
+        return [point for state in self.states for point in state.critical]
+
+    def show(self, state: State) -> None:
+        """Put all fields to those of a state, for evaluation and pictures."""
+        self.path.discretisation.restore(state.fields)
+
+    def nearest(self, load: float) -> State:
+        """The state before the first critical point whose load is closest to `load`."""
+        first = next((i for i, s in enumerate(self.states) if s.critical), len(self.states))
+        return min(self.states[: first + 1], key=lambda s: abs(s.load - load))
+
+
+def trace(case: Case, listeners: Sequence[Callable[[State], None]] = (), start: Sequence[State] = ()) -> Record:
+    """Trace a case's path to its end.
+
+    Parameters
+    ----------
+    listeners : called with every new state
+    start : states of an interrupted run of the same case
+
+    Raises
+    ------
+    PathFailure
+        With the attribute `record`, the path so far.
+    """
+    path = Path(case.scene, case.control, case.until, start=start[-1] if start else None,
+                mixed_points=case.mixed_points)
+    record = Record(case, path, list(start))
+    for listener in listeners:
+        path.subscribe(listener)
+    try:
+        for state in path:
+            record.states.append(state)
+    except PathFailure as failure:
+        failure.record = record
+        raise
+    return record
+
+
+def run(case: Case, name: str, parameters: dict, folder: Folder, resume: bool,
+        listeners: Sequence[Callable[[State], None]] = ()) -> dict:
+    """Trace a case, write its folder and return its summary."""
+    comm = MPI.COMM_WORLD
+    archive = Archive(folder, comm)
+    if resume:
+        archive.check(parameters)
+        start = archive.resume()
+    else:
+        archive.clear(parameters)
+        start = []
+    try:
+        record = trace(case, [archive, *listeners], start)
+        status, message = "finished", record.path.message
+    except PathFailure as failure:
+        record, status, message = failure.record, "stopped", str(failure)
+    clock = record.path.clock
+    quantities = case.quantities(record)
+    with clock("output"):
+        for picture in case.pictures:
+            picture(record, Folder(folder))
+    summary = {
+        "scene": name, "parameters": parameters, "status": status, "message": message,
+        "unknowns": record.path.unknowns, "steps": record.states[-1].step,
+        "iterations": sum(s.iterations for s in record.states),
+        "factorisations": sum(s.factorisations for s in record.states),
+        "critical_points": [vars(p) for p in record.critical_points],
+        "quantities": quantities,
+        "timings": {part: clock.seconds[part] for part in PARTS} | {"total": clock.total},
+    }
+    if comm.rank == 0:
+        archive.write_json("summary.json", summary)
+    return summary

@@ -1,0 +1,124 @@
+"""Circular arch under a rigid punch (thesis, section 4.5.2)."""
+
+from __future__ import annotations
+
+from math import pi, radians
+from typing import Annotated
+
+import numpy as np
+from mpi4py import MPI
+from typer import Option
+
+from .. import meshes
+from ..case import Case, Record, trace
+from ..mesh.reader import Model, read
+from ..path import Until
+from ..scene import Beam, Contact, Monitor, PointForce, Push, RigidCylinder, Scene, clamp, symmetry
+from ..section import Elastic, Rectangle
+from ..show import contact as contact_pictures
+from ..show.curves import path_curve
+from ..show.files import paraview
+from ..show.pictures import shapes
+from ..solve.control import ArcLength
+
+RADIUS, WIDTH, MODULUS = 3380.6, 25.4, 72395.0
+
+
+def scene(
+    ratio: Annotated[float, Option(help="radius of the punch over that of the arch")] = 1.0,
+    no_punch: Annotated[bool, Option("--no-punch", help="point load instead of the punch")] = False,
+    friction: Annotated[float, Option(help="Coulomb's coefficient between arch and punch")] = 0.0,
+    half_angle: Annotated[float, Option(help="half of the arch's opening angle, degrees")] = 7.338,
+    thickness: Annotated[float, Option(help="depth of the section, mm")] = 4.7625,
+    elements: Annotated[int, Option(help="elements on half the arch")] = 320,
+    degree: Annotated[int, Option(help="of the elements: 1 (two nodes) or 2")] = 2,
+    contact: Annotated[str, Option(help="contact points: nodes or quadrature")] = "quadrature",
+    layer: Annotated[float | None, Option(help="contact layer, mm (0: exact); default as thin as is smooth")] = None,
+    enforcement: Annotated[str | None, Option(help="penalty, uzawa or semismooth; default the fastest")] = None,
+    full: Annotated[bool, Option("--full", help="the whole arch instead of its symmetric half")] = False,
+    imperfection: Annotated[float, Option(help="amplitude of an antisymmetric imperfection, mm (with --full)")] = 0.0,
+    to: Annotated[float, Option(help="deflection of the crown at which the path ends, mm")] = 40.0,
+    step: Annotated[float, Option(help="first arc length")] = 0.005,
+) -> Case:
+    """Circular arch under a rigid punch: the thesis's benchmark B.
+
+    The thesis gives neither half angle nor supports; those of the classical clamped shallow arch
+    are taken (same section, modulus and radius; half angle 7.338 degrees).
+    """
+    model = arch_model(half_angle, elements, degree, full, imperfection)
+    beam = Beam(model, Rectangle(WIDTH, thickness), Elastic(MODULUS), degree=degree)
+    copies = 1 if full else 2
+    contacts, pictures = [], [path_curve, shapes, paraview]
+    if no_punch:
+        loads = [PointForce(model, "crown", (0.0, -1.0 / copies))]
+    else:
+        if not ratio > 0:
+            raise ValueError(f"arch: ratio is {ratio}; it must be positive (for no punch use --no-punch)")
+        radius = ratio * RADIUS
+        top = crown_height(model)
+        punch = RigidCylinder(radius, (0.0, top + radius), travel=(0.0, -1.0))
+        contacts = [Contact(beam, punch, contact, friction, layer=layer, enforcement=enforcement)]
+        loads = [Push(punch, 1.0 / copies)]
+        pictures += [contact_pictures.contact_history, contact_pictures.tractions(500.0)]
+    return Case(
+        scene=Scene(
+            beams=[beam], contacts=contacts, loads=loads, copies=copies,
+            supports=[clamp(model, "end"), clamp(model, "start") if full else symmetry(model, "crown")],
+            monitor=Monitor(model, "crown", "y", -1.0)),
+        control=ArcLength(step=step), until=Until(deflection=to),
+        quantities=lambda record: quantities(record, thickness), pictures=pictures,
+        axes=("deflection of the crown (mm)", "load on the whole arch (N)"))
+
+
+def arch_model(half_angle: float, elements: int, degree: int, full: bool, imperfection: float = 0.0) -> Model:
+    """Mesh of the arch, or of its half from the crown, with the points start, crown and end."""
+    if not 0 < half_angle <= 180:
+        raise ValueError(f"arch: half angle is {half_angle} degrees; it must lie between 0 and 180")
+    if elements < 1:
+        raise ValueError(f"arch: elements is {elements}; at least 1 is needed")
+    if imperfection and not full:
+        raise ValueError("arch: an antisymmetric imperfection needs the whole arch; add --full")
+    angle = radians(half_angle)
+    start, count = (-angle, 2 * elements) if full else (0.0, elements)
+    model = read(lambda: meshes.arc(RADIUS, start, angle, count, {"crown": 0.0}), 2, min(degree, 2))
+    if imperfection:
+        x = model.mesh.geometry.x
+        polar = np.arctan2(x[:, 0], x[:, 1])
+        x[:, :2] += imperfection * np.sin(pi * polar / angle)[:, None] * x[:, :2] / RADIUS
+    return model
+
+
+def crown_height(model: Model) -> float:
+    """Height of the model's highest point (of the crown where the arch is perfect)."""
+    return model.mesh.comm.allreduce(float(model.mesh.geometry.x[:, 1].max()), op=MPI.MAX)
+
+
+def quantities(record: Record, thickness: float) -> dict[str, float]:
+    """Limit loads, and with a punch their ratio to the limit load of the same mesh without one.
+
+    Contact at nodes makes the path a sawtooth with many limit points: the highest counts.
+    """
+    limits = [p for p in record.critical_points if p.kind == "limit"]
+    values: dict[str, float] = {}
+    if limits:
+        highest = max(limits, key=lambda p: p.load)
+        values |= {"limit_load": highest.load, "limit_deflection": highest.deflection}
+        later = limits[limits.index(highest) + 1:]
+        if later:
+            lowest = min(later, key=lambda p: p.load)
+            values |= {"lowest_load": lowest.load, "lowest_deflection": lowest.deflection}
+    if record.case.scene.contacts:
+        values["penetration_over_depth"] = max(s.penetration for s in record.states) / thickness
+        if limits:
+            values["limit_ratio"] = values["limit_load"] / limit_without_contact(record)
+    return values
+
+
+def limit_without_contact(record: Record) -> float:
+    """Limit load of the same arch under a point load."""
+    scene = record.case.scene
+    model = scene.beams[0].model
+    bare = Scene(scene.beams, scene.supports, [PointForce(model, "crown", (0.0, -1.0 / scene.copies))],
+                 scene.monitor, copies=scene.copies)
+    path = trace(Case(bare, until=Until(deflection=15.0)))
+    return next(p.load for p in path.critical_points if p.kind == "limit")

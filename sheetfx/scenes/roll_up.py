@@ -1,0 +1,62 @@
+"""Cantilever rolled up by an end moment (Sze, Liu and Lo 2004, section 4.2)."""
+
+from __future__ import annotations
+
+from math import cos, hypot, pi, sin
+from typing import Annotated
+
+from typer import Option
+
+from .. import meshes
+from ..case import Case, Record
+from ..mesh.reader import Model, read
+from ..scene import Beam, Moment, Monitor, Scene, clamp
+from ..section import Elastic, Rectangle
+from ..solve.control import LoadControl
+
+LENGTH = 12.0
+SECTION, MATERIAL = Rectangle(1.0, 0.1), Elastic(1.2e6, 0.0)
+
+
+def scene(
+    turns: Annotated[int, Option(help="full turns of the tip")] = 2,
+    elements: Annotated[int, Option(help="elements on the cantilever")] = 24,
+    degree: Annotated[int, Option(help="of the elements: 1 (two nodes) or 2")] = 2,
+    spatial: Annotated[bool, Option("--spatial", help="in space instead of in the plane")] = False,
+    steps: Annotated[int, Option(help="load steps to a full turn")] = 10,
+) -> Case:
+    """Cantilever rolled into circles: after each full turn the tip is back at the clamp."""
+    for name, value in (("turns", turns), ("elements", elements), ("steps", steps)):
+        if value < 1:
+            raise ValueError(f"roll_up: {name} is {value}; at least 1 is needed")
+    dimension = 3 if spatial else 2
+    nodes = {"base": (0, 0), "tip": (LENGTH, 0)}
+    model = read(lambda: meshes.frame(nodes, {"cantilever": ("base", "tip", elements)}), dimension)
+    beam = Beam(model, SECTION, MATERIAL, degree=degree, up=(0.0, 1.0, 0.0))
+    moment = 2 * pi * turns * SECTION.stiffness(MATERIAL, 2)[2] / LENGTH
+    return Case(
+        scene=Scene(
+            beams=[beam], supports=[clamp(model, "base")],
+            loads=[Moment(model, "tip", (0.0, 0.0, moment) if spatial else moment)],
+            monitor=Monitor(model, "tip", "x", -1.0)),
+        control=LoadControl(step=1 / (turns * steps), fixed=True),
+        quantities=lambda record: quantities(record, model), axes=("displacement of the tip", "moment"))
+
+
+def quantities(record: Record, model: Model) -> dict[str, float]:
+    """Place of the tip at the end, its error over the length, and its angle in the plane.
+
+    The exact tip is LENGTH (sin a, 1 - cos a) / a when the tip has turned by the angle a, since a
+    constant moment bends a straight beam into an arc.
+    """
+    last = record.states[-1]
+    angle = last.load * LENGTH / SECTION.stiffness(MATERIAL, 2)[2]
+    record.show(last)
+    kinematics = record.path.discretisation.kinematics(model)
+    tip = kinematics.displacement(model, "tip")
+    x, y = float(LENGTH + tip[0]), float(tip[1])
+    error = hypot(x - LENGTH * sin(angle) / angle, y - LENGTH * (1 - cos(angle)) / angle) / LENGTH
+    values = {"tip_x": x, "tip_y": y, "tip_error": error}
+    if model.dimension == 2:
+        values["tip_angle"] = kinematics.angle(model, "tip")
+    return values

@@ -1,0 +1,106 @@
+"""Load against deflection."""
+
+from __future__ import annotations
+
+from pathlib import Path as Folder
+
+import numpy as np
+
+from ..case import Record
+from ..state import CriticalPoint, State
+from .evaluate import communicator, most_telling, unit_of, with_unit
+from .labels import place_labels
+
+STABLE, UNSTABLE = "#0b4f8a", "#c4432b"
+MARKERS = {"limit": ("o", "limit point"), "bifurcation": ("D", "bifurcation point")}
+MOST_LABELS = 6
+
+
+def path_curve(record: Record, folder: Folder, name: str = "path.png") -> None:
+    """Draw load against deflection with stability and critical points (process 0 writes the file)."""
+    if communicator(record).rank == 0:
+        figure = draw_path(record)
+        figure.savefig(Folder(folder) / name, dpi=150)
+
+
+def draw_path(record: Record):
+    """The matplotlib figure of `path_curve`."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(8.0, 5.2), layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.add_subplot()
+    knots, unstable = path_knots(record.states)
+    curve, segment = smooth(knots)
+    flags = unstable[segment]
+    named = record.states[-1].unstable is not None
+    for flag, colour, dashes, label in ((False, STABLE, "-", "stable" if named else "path"),
+                                        (True, UNSTABLE, (0, (5, 2)), "unstable")):
+        for i, (first, last) in enumerate(_runs(flags == flag)):
+            axes.plot(*curve[first:last + 1].T, color=colour, linestyle=dashes, linewidth=1.6, zorder=2,
+                      label=label if i == 0 else None)
+    axes.plot([s.deflection for s in record.states], [s.load for s in record.states], ".", color="#333333",
+              markersize=3.5, zorder=3, label="converged states")
+    points = record.critical_points
+    for kind, (marker, label) in MARKERS.items():
+        chosen = [p for p in points if p.kind == kind]
+        if chosen:
+            axes.plot([p.deflection for p in chosen], [p.load for p in chosen], marker, color="white",
+                      markeredgecolor="black", markeredgewidth=1.3, markersize=7, zorder=4, label=_count(label, chosen))
+    axes.set_xlabel(record.case.axes[0])
+    axes.set_ylabel(record.case.axes[1])
+    axes.grid(color="#dddddd", linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.margins(x=0.05, y=0.12)
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.legend(frameon=True, framealpha=0.9, edgecolor="none", fontsize=9)
+    unit = unit_of(record.case.axes[1])
+    texts = [(p.deflection, p.load, f"{p.kind} {with_unit(p.load, unit)}") for p in most_telling(points, MOST_LABELS)]
+    place_labels(axes, texts, curve)
+    return figure
+
+
+def path_knots(states: list[State]) -> tuple[np.ndarray, np.ndarray]:
+    """Points of the path in order, and whether it is unstable between each and the next.
+
+    Returns
+    -------
+    (n, 2) deflection and load of states and critical points; (n - 1,) bool
+    """
+    rows, unstable = [(states[0].deflection, states[0].load)], []
+    for before, after in zip(states[:-1], states[1:], strict=True):
+        ends = bool(before.unstable), bool(after.unstable)
+        inner = [True] * (len(after.critical) - 1)
+        unstable += [ends[0], *inner, ends[1]] if after.critical else [ends[1]]
+        rows += [(p.deflection, p.load) for p in after.critical] + [(after.deflection, after.load)]
+    return np.array(rows), np.array(unstable, dtype=bool)
+
+
+def smooth(knots: np.ndarray, pieces: int = 12) -> tuple[np.ndarray, np.ndarray]:
+    """Akima's curve through points, by the length of the chords.
+
+    Returns
+    -------
+    (m, 2) points; (m - 1,) number of the interval between knots that each piece lies in
+    """
+    from scipy.interpolate import Akima1DInterpolator
+
+    extent = np.ptp(knots, axis=0)
+    chords = np.linalg.norm(np.diff(knots, axis=0) / np.where(extent > 0, extent, 1), axis=1)
+    parameter = np.concatenate([[0], np.cumsum(np.maximum(chords, 1e-9))])
+    if len(knots) < 3:
+        return knots, np.arange(len(knots) - 1)
+    start, step = parameter[:-1, None], np.diff(parameter)[:, None]
+    fine = np.append((start + step * np.arange(pieces) / pieces).ravel(), parameter[-1])
+    return Akima1DInterpolator(parameter, knots)(fine), np.repeat(np.arange(len(knots) - 1), pieces)
+
+
+def _runs(chosen: np.ndarray) -> list[tuple[int, int]]:
+    """First and one past the last index of each stretch of true values."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], chosen, [False]]).astype(int)))
+    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
+
+
+def _count(label: str, chosen: list[CriticalPoint]) -> str:
+    return label if len(chosen) == 1 else f"{label}s ({len(chosen)})"

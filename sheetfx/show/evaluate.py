@@ -1,0 +1,128 @@
+"""What pictures show of a state, gathered on process 0."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+import ufl
+from dolfinx import fem
+from mpi4py import MPI
+
+from ..case import Record
+from ..compat import JIT
+from ..contact.fields import ContactFields, ContactState
+from ..state import CriticalPoint
+
+POINTS_PER_CELL = 5
+
+
+def communicator(record: Record) -> MPI.Comm:
+    return record.case.scene.beams[0].model.mesh.comm
+
+
+def unit_of(axis: str) -> str:
+    """The unit in a name such as "load (N)", "" where it has none."""
+    return axis[axis.rindex("(") + 1:-1] if axis.endswith(")") else ""
+
+
+def with_unit(value: float, unit: str) -> str:
+    """A number with four digits or more, and its unit."""
+    if 1e-3 <= abs(value) < 1e4:
+        digits = f"{value:#.4g}".rstrip(".")
+    else:
+        digits = f"{value:.0f}" if 1e4 <= abs(value) < 1e7 else f"{value:.4g}"
+    return f"{digits} {unit}".rstrip()
+
+
+@contextmanager
+def last_state_kept(record: Record) -> Iterator[None]:
+    """Other states may be shown inside; afterwards the fields are those of the last one again."""
+    try:
+        yield
+    finally:
+        record.show(record.states[-1])
+
+
+def most_telling(points: list[CriticalPoint], most: int) -> list[CriticalPoint]:
+    """At most `most` critical points: the first, the highest, the lowest and others spread over the path."""
+    if len(points) <= most:
+        return points
+    loads = [p.load for p in points]
+    chosen = {0, int(np.argmax(loads)), int(np.argmin(loads))}
+    chosen.update(np.linspace(0, len(points) - 1, most - len(chosen) + 1)[1:].astype(int).tolist())
+    return [points[i] for i in sorted(chosen)]
+
+
+class Curves:
+    """The curves of all models, several points to each cell so that curved cells look curved."""
+
+    def __init__(self, record: Record):
+        points = np.linspace(0, 1, POINTS_PER_CELL)[:, None]
+        discretisation = record.path.discretisation
+        self._comm = communicator(record)
+        self._parts = []
+        for model in dict.fromkeys(beam.model for beam in record.case.scene.beams):
+            x = ufl.SpatialCoordinate(model.mesh)
+            both = [*x, *(x + discretisation.kinematics(model).u)]
+            self._parts.append((model, fem.Expression(ufl.as_vector(both), points, jit_options=JIT)))
+
+    def evaluate(self) -> tuple[np.ndarray, np.ndarray] | None:
+        """Undeformed and current places, each (cells, points, 3), on process 0; None elsewhere."""
+        rows = []
+        for model, expression in self._parts:
+            d = model.dimension
+            table = expression.eval(model.mesh, model.group(None)).reshape(-1, POINTS_PER_CELL, 2, d)
+            rows.append(np.pad(table, [(0, 0), (0, 0), (0, 0), (0, 3 - d)]))
+        gathered = self._comm.gather(np.concatenate(rows))
+        if gathered is None:
+            return None
+        table = np.concatenate(gathered)
+        return table[:, :, 0], table[:, :, 1]
+
+
+class ContactPoints:
+    """All contact points of a record; points of several cells at one node are one point."""
+
+    def __init__(self, record: Record):
+        self.fields: list[ContactFields] = record.path.discretisation.contacts
+        self._comm = communicator(record)
+        self._numbers = [self._comm.gather(_point_numbers(c)) for c in self.fields]
+
+    def evaluate(self) -> list[ContactState] | None:
+        """State of each contact in order of x, on process 0; None elsewhere."""
+        states = []
+        for contact, numbers in zip(self.fields, self._numbers, strict=True):
+            parts = self._comm.gather(vars(contact.evaluate()))
+            if parts is not None:
+                states.append(_merge(parts, np.concatenate(numbers)))
+        return states if self._comm.rank == 0 else None
+
+
+def _point_numbers(contact: ContactFields) -> np.ndarray:
+    """Global number of each contact point of this process, in the order of its evaluation."""
+    beam = contact.contact.beam
+    dofmap = contact.multiplier.function_space.dofmap
+    return dofmap.index_map.local_to_global(dofmap.list[beam.model.group(beam.group)].ravel())
+
+
+def _merge(parts: list[dict], numbers: np.ndarray) -> ContactState:
+    values = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    _, first, place = np.unique(numbers, return_index=True, return_inverse=True)
+    weight = np.bincount(place, weights=values["weight"])
+    values = {name: value[first] for name, value in values.items()} | {"weight": weight}
+    order = np.argsort(values["position"][:, 0], kind="stable")
+    return ContactState(**{name: value[order] for name, value in values.items()})
+
+
+def travel(record: Record, obstacle) -> np.ndarray:
+    """Displacement of an obstacle in the shown state, shape (2,); meaningful on process 0."""
+    if obstacle.travel is None:
+        return np.zeros(2)
+    components = ufl.as_vector(record.path.discretisation.travel(obstacle))
+    mesh = next(c.beam.model.mesh for c in record.case.scene.contacts if c.obstacle is obstacle)
+    cells = np.arange(min(1, mesh.topology.index_map(1).size_local), dtype=np.int32)
+    values = fem.Expression(components, np.array([[0.5]]), jit_options=JIT).eval(mesh, cells)
+    gathered = communicator(record).gather(values.reshape(-1, 2))
+    return np.concatenate(gathered)[0] if gathered is not None else np.zeros(2)

@@ -1,0 +1,57 @@
+"""Fields of a path as files for other programs."""
+
+from __future__ import annotations
+
+from pathlib import Path as Folder
+
+import ufl
+from dolfinx import fem
+from dolfinx.io import VTKFile
+
+from ..case import Record
+from ..compat import JIT
+from ..kinematics import Kinematics
+from ..mesh.reader import Model
+from .evaluate import last_state_kept
+
+
+def paraview(record: Record, folder: Folder) -> None:
+    """Write path.pvd: displacement and rotation of all states, with the step as time.
+
+    Both have three components: a planar rotation is an angle about z, a spatial one the rotation
+    vector (radians, below a full turn). A scene of several models gets path.pvd, path1.pvd and so on.
+    """
+    models = list(dict.fromkeys(beam.model for beam in record.case.scene.beams))
+    with last_state_kept(record):
+        for i, model in enumerate(models):
+            _write(record, model, Folder(folder) / f"path{i or ''}.pvd")
+
+
+def _write(record: Record, model: Model, file: Folder) -> None:
+    kinematics = record.path.discretisation.kinematics(model)
+    degree = min(kinematics.u.function_space.element.basix_element.degree, 2)
+    space = fem.functionspace(model.mesh, ("P", degree, (3,)))
+    values = {"displacement": _padded(kinematics.u), "rotation": _rotation_vector(model, kinematics)}
+    points = space.element.interpolation_points()
+    expressions = [fem.Expression(v, points, jit_options=JIT) for v in values.values()]
+    functions = [fem.Function(space, name=name) for name in values]
+    with VTKFile(model.mesh.comm, file, "w") as stream:
+        for state in record.states:
+            record.show(state)
+            for function, expression in zip(functions, expressions, strict=True):
+                function.interpolate(expression)
+            stream.write_function(functions, float(state.step))
+
+
+def _padded(u):
+    return ufl.as_vector([*u, *([0.0] * (3 - len(u)))])
+
+
+def _rotation_vector(model: Model, kinematics: Kinematics):
+    """Angle times axis, as a UFL vector of three components."""
+    if model.dimension == 2:
+        return ufl.as_vector([0.0, 0.0, kinematics.spin])
+    q = kinematics.rotation.quaternion
+    vector = ufl.as_vector([q[1], q[2], q[3]])
+    sine = ufl.sqrt(ufl.dot(vector, vector) + 1e-30)
+    return 2 * ufl.atan2(sine, q[0]) / sine * vector

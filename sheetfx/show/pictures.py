@@ -1,0 +1,111 @@
+"""Pictures of a structure's shapes."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+from pathlib import Path as Folder
+
+import numpy as np
+
+from ..case import Record
+from ..contact.fields import ContactState
+from ..scene import RigidCylinder, RigidPlane
+from ..state import State
+from .display import NoDisplay, display
+from .evaluate import ContactPoints, Curves, communicator, last_state_kept, most_telling, travel, unit_of, with_unit
+from .layout import Sheet
+
+SIZE = (1600, 900)
+COLOURS = ("#0b4f8a", "#c4432b", "#1b8a5a", "#8e44ad", "#0097a7", "#7f6a00", "#d81b60")
+UNDEFORMED, LAST = "#9a9a9a", "#222222"
+STATUS = {"stick": ("#111111", "sticking"), "slip": ("#f2a900", "slipping")}
+TOUCHING = ("#f2a900", "touching")
+
+
+@dataclass
+class Shape:
+    """A state as it is drawn.
+
+    Attributes
+    ----------
+    label, colour : of its line
+    cells : (cells, points, 3), current places
+    obstacles : obstacle and its displacement (2,)
+    contacts : points to be drawn, none at the last state
+    """
+
+    label: str
+    colour: str
+    cells: np.ndarray
+    obstacles: list[tuple[RigidCylinder | RigidPlane, np.ndarray]]
+    contacts: list[ContactState]
+
+
+def shapes(record: Record, folder: Folder, name: str = "shape.png") -> None:
+    """Draw the structure undeformed, at critical points and at the last state (process 0 writes the file).
+
+    A critical point is drawn as the state at the end of the step that contains it; points of one step
+    share a line. The picture is
+    left out with a warning where there is no X server and Xvfb is missing.
+    """
+    undeformed, drawn = _collect(record)
+    if communicator(record).rank > 0:
+        return
+    friction = any(c.friction for c in record.case.scene.contacts)
+    spatial = record.case.scene.beams[0].model.dimension == 3
+    sheet = Sheet(SIZE, spatial, unit_of(record.case.axes[0]), record.case.scene.copies,
+                  entries=3 if record.case.scene.contacts else int(spatial))
+    sheet.line("undeformed", UNDEFORMED, undeformed, width=2.5)
+    for shape in drawn:
+        sheet.line(shape.label, shape.colour, shape.cells, width=5)
+    sheet.fit()
+    for shape in drawn:
+        for obstacle, shift in shape.obstacles:
+            sheet.obstacle(shape.colour, obstacle, shift)
+        for contact in shape.contacts:
+            for status, (colour, meaning) in STATUS.items():
+                chosen = contact.position[contact.status == status]
+                sheet.spheres(*((colour, meaning) if friction else TOUCHING), chosen)
+    try:
+        with display():
+            sheet.save(Folder(folder) / name)
+    except NoDisplay as missing:
+        warnings.warn(f"{name} is not drawn: {missing}", stacklevel=2)
+
+
+def _collect(record: Record) -> tuple[np.ndarray | None, list[Shape]]:
+    """The undeformed structure and all shapes, on process 0."""
+    curves, points = Curves(record), ContactPoints(record)
+    obstacles = list(dict.fromkeys(c.obstacle for c in record.case.scene.contacts))
+    undeformed, drawn = None, []
+    with last_state_kept(record):
+        for state, label, colour, critical in _choose(record):
+            record.show(state)
+            shifts = [(o, travel(record, o)) for o in obstacles]
+            contacts, cells = points.evaluate(), curves.evaluate()
+            if cells is not None:
+                undeformed = cells[0]
+                drawn.append(Shape(label, colour, cells[1], shifts, contacts if critical else []))
+    return undeformed, drawn
+
+
+def _choose(record: Record) -> list[tuple[State, str, str, bool]]:
+    """States to draw: label, colour and whether each belongs to a critical point."""
+    length, force = (unit_of(a) for a in record.case.axes)
+
+    def place(at) -> str:
+        return f"load {with_unit(at.load, force)}, deflection {with_unit(at.deflection, length)}"
+
+    every = record.critical_points
+    points = most_telling(every, len(COLOURS))
+    left_out = f" ({len(points)} of {len(every)} are drawn)" if len(points) < len(every) else ""
+    labels: dict[int, list[str]] = {}
+    for i, point in enumerate(points):
+        labels.setdefault(point.step, []).append(f"{point.kind} point{left_out if i == 0 else ''}: {place(point)}")
+    states, last = {s.step: s for s in record.states}, record.states[-1]
+    critical = [(states[step], "; ".join(lines), colour, True)
+                for (step, lines), colour in zip(labels.items(), COLOURS, strict=False)]
+    if last.step in labels:
+        return critical
+    return [*critical, (last, f"end: {place(last)}", LAST, False)]

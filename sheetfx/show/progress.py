@@ -1,0 +1,79 @@
+"""Progress of a run on the terminal."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+from mpi4py import MPI
+from rich.console import Console
+from rich.live import Live
+from rich.table import Table
+from rich.text import Text
+
+from ..case import Case
+from ..state import State
+
+
+class Progress:
+    """One line that follows the path on a terminal; a line for every tenth step elsewhere.
+
+    Only process 0 prints.
+    """
+
+    def __init__(self, name: str, folder: Path):
+        self.name, self.folder = name, folder
+        self.console = Console(quiet=MPI.COMM_WORLD.rank > 0, highlight=False)
+        self._live = Live(Text(f"{name}: compiling forms, meshing"), console=self.console, transient=True)
+        self._until = None
+        self._start = time.perf_counter()
+
+    def __enter__(self) -> Progress:
+        if self.console.is_terminal:
+            self._live.start()
+        return self
+
+    def __exit__(self, *_) -> None:
+        if self.console.is_terminal:
+            self._live.stop()
+
+    def begin(self, case: Case) -> None:
+        self._until = case.until
+
+    def __call__(self, state: State) -> None:
+        for point in state.critical:
+            self.console.print(f"{point.kind} point: load {point.load:.6g} at deflection {point.deflection:.6g} "
+                               f"(step {point.step})")
+        if self.console.is_terminal:
+            self._live.update(Text(self._line(state)))
+        elif state.step % 10 == 0:
+            self.console.print(self._line(state))
+
+    def _line(self, state: State) -> str:
+        line = (f"{self.name}: step {state.step}, load {state.load:.5g}, deflection {state.deflection:.5g}, "
+                f"{state.iterations} iterations")
+        if state.contact_points:
+            line += f", {state.contact_points} contact points"
+        if state.unstable:
+            line += f", {state.unstable} unstable directions"
+        return line + self._rest(state)
+
+    def _rest(self, state: State) -> str:
+        """Estimated rest, from the share of the final deflection that is reached."""
+        if self._until is None or not self._until.deflection or state.step < 3:
+            return ""
+        share = min(1.0, abs(state.deflection) / self._until.deflection)
+        spent = time.perf_counter() - self._start
+        return f", about {spent * (1 - share) / share:.0f} s to go" if share > 0 else ""
+
+    def report(self, summary: dict) -> None:
+        """Print the result of a run."""
+        self.console.print(f"{summary['status']}: {summary['message']}")
+        table = Table(show_header=False, box=None)
+        for key, value in summary["quantities"].items():
+            table.add_row(key.replace("_", " "), f"{value:.6g}")
+        table.add_row("steps, iterations", f"{summary['steps']}, {summary['iterations']}")
+        table.add_row("unknowns", str(summary["unknowns"]))
+        table.add_row("CPU seconds", f"{summary['timings']['total']:.2f}")
+        table.add_row("results in", str(self.folder))
+        self.console.print(table)

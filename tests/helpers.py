@@ -1,0 +1,106 @@
+"""Small structures and independent solutions that tests share."""
+
+from __future__ import annotations
+
+from math import radians
+
+import numpy as np
+from scipy.integrate import solve_bvp, solve_ivp
+from scipy.optimize import fsolve
+from scipy.spatial.transform import Rotation
+
+from sheetfx import meshes
+from sheetfx.case import Case, Record, trace
+from sheetfx.mesh.reader import Model, read
+from sheetfx.path import Until
+from sheetfx.scene import Beam, Monitor, PointForce, Scene, clamp, symmetry
+from sheetfx.section import Elastic, Rectangle
+from sheetfx.solve.control import LoadControl
+
+
+def straight(elements: int, length: float = 1.0, dimension: int = 2) -> Model:
+    """Straight model along x with the points base and tip."""
+    nodes = {"base": (0, 0), "tip": (length, 0)}
+    return read(lambda: meshes.frame(nodes, {"beam": ("base", "tip", elements)}), dimension)
+
+
+def cantilever(model: Model, loads, component: str = "y", **beam) -> Scene:
+    """Scene of a straight model of length 1, clamped at its base; `loads` is a function of the beam."""
+    settings = {"section": Rectangle(0.1, 0.1), "material": Elastic(1.2e5, 0.0)} | beam
+    structure = Beam(model, **settings)
+    return Scene([structure], [clamp(model, "base")], loads(structure), Monitor(model, "tip", component))
+
+
+def shallow_arch(elements: int, degree: int = 2) -> Scene:
+    """Symmetric half of the clamped shallow arch under a point load (thesis, section 4.5.2)."""
+    model = read(lambda: meshes.arc(3380.6, 0.0, radians(7.338), elements, {"crown": 0.0}), 2, min(degree, 2))
+    beam = Beam(model, Rectangle(25.4, 4.7625), Elastic(72395.0), degree=degree)
+    return Scene([beam], [clamp(model, "end"), symmetry(model, "crown")],
+                 [PointForce(model, "crown", (0.0, -0.5))], Monitor(model, "crown", "y", -1.0), copies=2)
+
+
+def follow(scene: Scene, control=None, deflection=None, **case) -> Record:
+    """Trace a scene; load control in ten steps unless told otherwise."""
+    return trace(Case(scene, control or LoadControl(), Until(deflection=deflection), **case))
+
+
+def displacement(record: Record, at: str = "tip") -> np.ndarray:
+    """Displacement of a point in the last state."""
+    record.show(record.states[-1])
+    model = record.case.scene.beams[0].model
+    return record.path.discretisation.kinematics(model).displacement(model, at)
+
+
+def elastica_under_line_force(bending: float, force: float, follower: bool) -> np.ndarray:
+    """Tip of an inextensible, shear-rigid cantilever of length 1 under a transverse line force.
+
+    theta' = m / EI, m' = n_x sin(theta) - n_y cos(theta), n' = -f (Antman 2005, section 4.1), by
+    collocation, independent of finite elements.
+    """
+    def rates(s, y):
+        angle, moment, nx, ny = y[:4]
+        direction = np.array([-np.sin(angle), np.cos(angle)]) if follower else np.array([0 * angle, 1 + 0 * angle])
+        return np.vstack([moment / bending, nx * np.sin(angle) - ny * np.cos(angle), -force * direction,
+                          np.cos(angle), np.sin(angle)])
+
+    def ends(a, b):
+        return np.array([a[0], b[1], b[2], b[3], a[4], a[5]])
+
+    s = np.linspace(0, 1, 50)
+    guess = np.vstack([0 * s, 0 * s, 0 * s, force * (1 - s), s, 0 * s])
+    solution = solve_bvp(rates, ends, s, guess, tol=1e-8, max_nodes=100000)
+    assert solution.success
+    return solution.y[4:, -1]
+
+
+def rod_bend(radius: float, angle: float, force: float, stiffness: list[float]) -> np.ndarray:
+    """Tip of a planar circular bend under a tip force along z, by shooting for the clamp's moment.
+
+    Equilibrium of the rod m' = -x' x n with constant n, and the strains of Simo (1985, eqs. 3.7-3.8)
+    on axes (tangent, z, tangent x z); independent of finite elements.
+    """
+    stiffness, n = np.asarray(stiffness), np.array([0.0, 0.0, force])
+
+    def axes(s):
+        t = np.array([np.sin(s / radius), np.cos(s / radius), 0.0])
+        z = np.array([0.0, 0.0, 1.0])
+        return np.array([t, z, np.cross(t, z)])
+
+    def rates(s, y):
+        turn, frame = Rotation.from_quat(y[3:7]).as_matrix(), axes(s)
+        stretch = frame.T @ ((frame @ (turn.T @ n)) / stiffness[:3])
+        curvature = turn @ frame.T @ ((frame @ (turn.T @ y[7:])) / stiffness[3:])
+        along = turn @ (frame[0] + stretch)
+        v, w = y[3:6], y[6]
+        quaternion = np.append(w * curvature + np.cross(curvature, v), -curvature @ v) / 2
+        return np.concatenate([along, quaternion, -np.cross(along, n)])
+
+    def tip(moment):
+        start = np.concatenate([[0.0, 0, 0, 0, 0, 0, 1], moment])
+        return solve_ivp(rates, (0, radius * angle), start, rtol=1e-9, atol=1e-9, max_step=radius * angle / 20).y[:, -1]
+
+    moment = np.zeros(3)
+    for part in np.linspace(0.1, 1.0, 10):
+        n = np.array([0.0, 0.0, part * force])
+        moment = fsolve(lambda m: tip(m)[7:], moment, xtol=1e-11)
+    return tip(moment)[:3]

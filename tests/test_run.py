@@ -1,0 +1,189 @@
+"""Folders, resumption, the command line, messages of errors, and two processes."""
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from petsc4py import PETSc
+
+from sheetfx.case import Case, run, trace
+from sheetfx.path import PathFailure, Until
+from sheetfx.scene import Contact, Monitor, PointForce, RigidCylinder, Scene, Support
+from sheetfx.scenes.arch import arch_model, scene
+
+SMALL = {"ratio": 1.0, "elements": 40, "layer": 10.8, "to": 12.0}
+CONTRACT = {"scene", "parameters", "status", "message", "unknowns", "steps", "iterations", "factorisations",
+            "critical_points", "quantities", "timings"}
+PARTS = {"compile", "assembly", "factorisation", "solve", "contact", "output", "total"}
+
+
+def sheetfx(*arguments, processes=1, **options):
+    command = [sys.executable, "-m", "sheetfx", *map(str, arguments)]
+    if processes > 1:
+        command = ["mpirun", "-n", str(processes), *command]
+    return subprocess.run(command, capture_output=True, text=True, timeout=300, **options)
+
+
+def table(folder):
+    with (folder / "path.csv").open() as stream:
+        rows = list(csv.DictReader(stream))
+    return np.array([[float(r["load"]), float(r["deflection"])] for r in rows])
+
+
+def small(folder, resume=False, listeners=()):
+    case = scene(**SMALL)
+    plain = Case(case.scene, case.control, case.until, case.quantities)
+    return run(plain, "arch", SMALL, folder, resume, listeners)
+
+
+def test_summary_and_files(tmp_path):
+    result = sheetfx("run", "arch", "--no-punch", "--elements", 16, "-o", tmp_path)
+    assert result.returncode == 0, result.stderr
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert set(summary) == CONTRACT
+    assert set(summary["timings"]) == PARTS
+    assert summary["status"] == "finished"
+    assert [p["kind"] for p in summary["critical_points"]] == ["limit", "limit"]
+    for name in ("path.csv", "path.png", "shape.png"):
+        assert (tmp_path / name).stat().st_size > 500
+
+
+def test_interrupted_run_resumes_on_the_same_path(tmp_path):
+    """Stopped by an exception at step 5, then resumed: every later state to solver tolerance."""
+    whole = small(tmp_path / "whole")
+
+    class Interruption(Exception):
+        pass
+
+    def interrupt(state):
+        if state.step == 5:
+            raise Interruption
+
+    with pytest.raises(Interruption):
+        small(tmp_path / "parts", listeners=[interrupt])
+    resumed = small(tmp_path / "parts", resume=True)
+    assert resumed["steps"] == whole["steps"]
+    np.testing.assert_allclose(table(tmp_path / "parts"), table(tmp_path / "whole"), rtol=1e-7, atol=1e-9)
+
+
+def test_killed_run_keeps_its_steps(tmp_path):
+    """SIGKILL in the middle; --resume goes on from the last kept step and ends like a whole run."""
+    options = ["run", "arch", "--no-punch", "--elements", "400", "--step", "0.0005", "--to", "20", "-o"]
+    process = subprocess.Popen([sys.executable, "-m", "sheetfx", *options, str(tmp_path / "killed")],
+                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    marker = tmp_path / "killed" / "states" / "000004.0.npz"
+    for _ in range(1200):
+        if marker.exists() or process.poll() is not None:
+            break
+        time.sleep(0.05)
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    assert marker.exists()
+    assert sheetfx(*options, tmp_path / "killed", "--resume").returncode == 0
+    assert sheetfx(*options, tmp_path / "whole").returncode == 0
+    np.testing.assert_allclose(table(tmp_path / "killed"), table(tmp_path / "whole"), rtol=1e-7, atol=1e-9)
+
+
+def test_resume_with_other_parameters_is_refused(tmp_path):
+    small(tmp_path)
+    case = scene(**SMALL)
+    with pytest.raises(ValueError, match="elements"):
+        run(case, "arch", SMALL | {"elements": 41}, tmp_path, resume=True)
+
+
+def test_two_processes_give_the_same_path(tmp_path):
+    """To solver tolerance (relative residual 1e-8), with a punch whose travel all processes share."""
+    options = ["run", "arch", "--elements", 40, "--layer", 10.8, "--to", 12, "-o"]
+    for processes in (1, 2):
+        result = sheetfx(*options, tmp_path / str(processes), processes=processes)
+        assert result.returncode == 0, result.stderr
+    np.testing.assert_allclose(table(tmp_path / "2"), table(tmp_path / "1"), rtol=1e-6, atol=1e-8)
+
+
+def test_own_script(tmp_path):
+    script = tmp_path / "my_scene.py"
+    script.write_text(
+        "from sheetfx.scenes.arch import scene as arch\n"
+        "def scene(elements: int = 8):\n"
+        "    '''My arch.'''\n"
+        "    return arch(no_punch=True, elements=elements, to=12.0)\n")
+    result = sheetfx("run", script, "--elements", 10, "-o", tmp_path / "out")
+    assert result.returncode == 0, result.stderr
+    assert json.loads((tmp_path / "out" / "summary.json").read_text())["parameters"] == {"elements": 10}
+
+
+def test_scene_list():
+    names = sheetfx("run", "--list").stdout.split()
+    assert "arch" in names and "lee-frame" in names
+
+
+@pytest.mark.parametrize(("arguments", "words"), [
+    (["nowhere"], ["nowhere", "choose one of", "arch"]),
+    (["missing.py"], ["missing.py", "no such file"]),
+    (["arch", "--ratio", "0"], ["ratio is 0", "positive"]),
+    (["arch", "--ratio", "-0.5"], ["ratio is -0.5", "positive"]),
+    (["arch", "--step", "0"], ["step is 0", "positive"]),
+    (["arch", "--thickness", "-1"], ["depth is -1", "positive"]),
+    (["arch", "--half-angle", "0"], ["half angle is 0", "between"]),
+    (["arch", "--elements", "0"], ["elements is 0", "at least 1"]),
+    (["arch", "--contact", "edges"], ["edges", "nodes", "quadrature"]),
+    (["arch", "--friction", "-0.1"], ["friction is -0.1", "negative"]),
+    (["arch", "--to", "-1"], ["deflection is -1", "positive"]),
+    (["arch", "--imperfection", "1"], ["--full"]),
+])
+def test_errors_name_object_value_and_remedy(arguments, words, tmp_path):
+    result = sheetfx("run", *arguments, "-o", tmp_path / "out", env=os.environ | {"COLUMNS": "400"})
+    assert result.returncode == 2
+    for word in words:
+        assert word in result.stderr
+    assert "Traceback" not in result.stderr
+
+
+def bare_arch(supports, contacts=()):
+    model = arch_model(7.338, 8, 2, False)
+    base = scene(no_punch=True, elements=8).scene
+    beam = type(base.beams[0])(model, base.beams[0].section, base.beams[0].material)
+    made = [Contact(beam, obstacle) for obstacle in contacts]
+    return Scene([beam], [Support(model, *s) for s in supports], [PointForce(model, "crown", (0.0, -1.0))],
+                 Monitor(model, "crown", "y", -1.0), made)
+
+
+def test_structure_that_can_move_freely():
+    with pytest.raises(ValueError, match="move freely"):
+        trace(Case(bare_arch([("end", "x")])))
+
+
+def test_structure_without_support():
+    with pytest.raises(ValueError, match="no support"):
+        bare_arch([])
+
+
+def test_unknown_point_and_component():
+    with pytest.raises(ValueError, match="'middle'.*crown"):
+        bare_arch([("middle", "x")])
+    with pytest.raises(ValueError, match="'z'.*x y rz"):
+        bare_arch([("end", "z")])
+
+
+def test_obstacle_inside_the_structure():
+    inside = RigidCylinder(100.0, (0.0, 3380.6 + 90.0))
+    with pytest.raises(ValueError, match="RigidCylinder: starts 10 inside"):
+        trace(Case(bare_arch([("end", "x y rz"), ("crown", "x rz")], [inside])))
+
+
+def test_failed_path_says_where_and_keeps_its_states():
+    """One Newton iteration a step, through PETSc's own option, is not enough."""
+    options = PETSc.Options()
+    options["sheetfx_snes_max_it"] = 1
+    try:
+        with pytest.raises(PathFailure, match="step 1 from load 0.*DIVERGED_MAX_IT") as failure:
+            trace(Case(scene(no_punch=True, elements=8).scene, until=Until(deflection=1.0)))
+    finally:
+        options.delValue("sheetfx_snes_max_it")
+    assert len(failure.value.record.states) == 1

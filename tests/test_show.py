@@ -1,0 +1,160 @@
+"""Pictures and files of a traced path: complete, not empty, and true to the record."""
+
+import csv
+import os
+import xml.etree.ElementTree as ElementTree
+from collections import Counter
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+from mpi4py import MPI
+
+from sheetfx import ArcLength, Beam, Case, Contact, Elastic, Monitor, Push, Rectangle, RigidCylinder, Scene, Until
+from sheetfx import clamp, meshes, read, symmetry, trace
+from sheetfx.archive import Archive
+from sheetfx.show import contact, curves, display, pictures
+from sheetfx.show.evaluate import ContactPoints, Curves, most_telling, travel, unit_of, with_unit
+from sheetfx.show.files import paraview
+from sheetfx.state import CriticalPoint
+
+RADIUS, COPIES = 3380.6, 2
+
+
+@pytest.fixture(scope="module")
+def record(tmp_path_factory):
+    """Half an arch under a punch, with friction, kept in an archive as a run keeps it."""
+    model = read(lambda: meshes.arc(RADIUS, 0.0, np.radians(7.338), 10, {"crown": 0.0}), 2, 2)
+    beam = Beam(model, Rectangle(25.4, 4.7625), Elastic(72395.0))
+    punch = RigidCylinder(RADIUS, (0.0, 2 * RADIUS), travel=(0.0, -1.0))
+    scene = Scene([beam], [clamp(model, "end"), symmetry(model, "crown")], [Push(punch, 1 / COPIES)],
+                  Monitor(model, "crown", "y", -1.0), [Contact(beam, punch, "nodes", friction=0.2)], COPIES)
+    case = Case(scene, ArcLength(step=0.005), Until(deflection=20.0), axes=("deflection (mm)", "load (N)"))
+    archive = Archive(tmp_path_factory.mktemp("run"), MPI.COMM_WORLD)
+    archive.clear({})
+    record = trace(case, [archive])
+    record.table = archive.folder / "path.csv"
+    assert record.critical_points
+    return record
+
+
+def assert_picture(file, shape=None):
+    image = imread(file)[..., :3]
+    assert shape is None or image.shape[:2] == shape
+    assert 0.005 < (image < 0.9).any(axis=2).mean() < 0.7
+
+
+def fields(record):
+    return {k: v.copy() for k, v in record.path.discretisation.snapshot().items()}
+
+
+def test_path_curve_marks_each_state_and_critical_point(record, tmp_path):
+    curves.path_curve(record, tmp_path)
+    assert_picture(tmp_path / "path.png")
+    lines = {line.get_label(): line.get_xydata() for line in curves.draw_path(record).axes[0].lines}
+    with record.table.open() as stream:
+        table = [(float(row["deflection"]), float(row["load"])) for row in csv.DictReader(stream)]
+    assert np.allclose(lines["converged states"], table)
+    kinds = Counter(p.kind for p in record.critical_points)
+    for kind, (_, label) in curves.MARKERS.items():
+        drawn = [len(xy) for name, xy in lines.items() if name.startswith(label)]
+        assert drawn == ([kinds[kind]] if kinds[kind] else [])
+
+
+def test_labels_name_kind_and_load(record):
+    texts = [t.get_text() for t in curves.draw_path(record).axes[0].texts]
+    points = most_telling(record.critical_points, curves.MOST_LABELS)
+    assert texts == [f"{p.kind} {with_unit(p.load, 'N')}" for p in points]
+
+
+def test_path_changes_stability_at_critical_points(record):
+    class Stop:
+        def __init__(self, load, unstable, *critical):
+            self.deflection, self.load, self.unstable, self.critical = load, load, unstable, critical
+
+    first, second = (CriticalPoint("limit", load, load, 2) for load in (1.5, 1.7))
+    knots, unstable = curves.path_knots([Stop(0, 0), Stop(1, 0), Stop(2, 0, first, second), Stop(3, 1)])
+    assert knots[:, 1].tolist() == [0, 1, 1.5, 1.7, 2, 3]
+    assert unstable.tolist() == [False, False, True, False, True]
+    curve, segment = curves.smooth(knots)
+    assert len(curve) == len(segment) + 1
+    assert all(np.isclose(curve, knot).all(axis=1).any() for knot in knots)
+
+
+def test_contact_forces_add_up_to_the_load(record, tmp_path):
+    before, state = fields(record), record.nearest(150.0)
+    contact.tractions(150.0)(record, tmp_path)
+    assert_picture(tmp_path / "tractions.png")
+    record.show(state)
+    (points,) = ContactPoints(record).evaluate()
+    record.show(record.states[-1])
+    assert len(points.pressure) == 21
+    assert COPIES * (points.weight @ points.pressure) == pytest.approx(state.load, rel=1e-3)
+    assert all(np.array_equal(v, before[k]) for k, v in fields(record).items())
+
+
+def test_contact_history(record, tmp_path):
+    contact.contact_history(record, tmp_path)
+    assert_picture(tmp_path / "contact_history.png")
+    row = contact.summarise(ContactPoints(record).evaluate())
+    assert row["touching"] == row["sticking"] + row["slipping"] > 0
+    assert row["first"] <= row["peak"] <= row["last"]
+
+
+def test_curves_and_obstacle_follow_the_state(record):
+    undeformed, current = Curves(record).evaluate()
+    assert np.allclose(np.linalg.norm(undeformed, axis=2), RADIUS, rtol=1e-6)
+    crown = np.unravel_index(undeformed[..., 0].argmin(), undeformed.shape[:2])
+    assert undeformed[crown][1] - current[crown][1] == pytest.approx(record.states[-1].deflection)
+    assert -25 < travel(record, record.case.scene.contacts[0].obstacle)[1] < -10
+
+
+def test_shapes(record, tmp_path):
+    before = fields(record)
+    pictures.shapes(record, tmp_path)
+    pictures.shapes(record, tmp_path, "again.png")
+    assert_picture(tmp_path / "shape.png", (900, 1600))
+    assert_picture(tmp_path / "again.png", (900, 1600))
+    assert all(np.array_equal(v, before[k]) for k, v in fields(record).items())
+
+
+def test_shapes_without_display_are_left_out_with_a_remedy(record, tmp_path, monkeypatch):
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.setattr(display.shutil, "which", lambda name: None)
+    with pytest.warns(UserWarning, match="install the package xvfb"):
+        pictures.shapes(record, tmp_path)
+    assert not (tmp_path / "shape.png").exists()
+
+
+def test_display_leaves_the_environment_as_it_was(monkeypatch):
+    monkeypatch.setenv("DISPLAY", ":12345")
+    with display.display():
+        assert os.environ["DISPLAY"] != ":12345"
+    assert os.environ["DISPLAY"] == ":12345"
+
+
+def test_paraview_has_every_state(record, tmp_path):
+    import pyvista
+
+    paraview(record, tmp_path)
+    entries = list(ElementTree.parse(tmp_path / "path.pvd").iter("DataSet"))
+    assert [float(e.get("timestep")) for e in entries] == [s.step for s in record.states]
+    grid = pyvista.read(tmp_path / entries[-1].get("file"))
+    crown = np.argmin(grid.points[:, 0])
+    assert grid["displacement"].shape == grid["rotation"].shape == (21, 3)
+    assert -grid["displacement"][crown, 1] == pytest.approx(record.states[-1].deflection)
+
+
+def test_numbers_and_units():
+    assert unit_of("load on the arch (N)") == "N"
+    assert unit_of("load") == ""
+    assert with_unit(159.137, "N") == "159.1 N"
+    assert with_unit(242858.3, "") == "242858"
+
+
+def test_most_telling_points_include_first_highest_and_lowest():
+    points = [CriticalPoint("limit", load, i, i) for i, load in enumerate([3, 9, 4, 4, 4, 4, -1, 4, 4, 4])]
+    chosen = most_telling(points, 5)
+    assert len(chosen) <= 5
+    assert {points[0], points[1], points[6], points[-1]} <= set(chosen)
+    assert most_telling(points, 10) == points
