@@ -32,8 +32,9 @@ class Archive:
         if self.comm.rank == 0:
             for file in self._states.glob("*.npz"):
                 file.unlink()
-            for name in ("path.csv", "summary.json", "path.png", "shape.png"):
-                (self.folder / name).unlink(missing_ok=True)
+            for pattern in ("path.csv", "summary.json", "*.png", "paraview/path*"):
+                for file in self.folder.glob(pattern):
+                    file.unlink()
             self.write_json("parameters.json", parameters | {"processes": self.comm.size})
         self.comm.barrier()
 

@@ -58,9 +58,8 @@ class Record:
         self.path.discretisation.restore(state.fields)
 
     def nearest(self, load: float) -> State:
-        """The state before the first critical point whose load is closest to `load`."""
-        first = next((i for i, s in enumerate(self.states) if s.critical), len(self.states))
-        return min(self.states[: first + 1], key=lambda s: abs(s.load - load))
+        """The state whose load is closest to `load`."""
+        return min(self.states, key=lambda s: abs(s.load - load))
 
 
 def trace(case: Case, listeners: Sequence[Callable[[State], None]] = (), start: Sequence[State] = ()) -> Record:

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import basix.ufl
 import numpy as np
-import ufl
 from dolfinx import fem
 
 from . import forms
@@ -56,7 +55,7 @@ def beam_kinematics(model: Model, degree: int) -> Kinematics:
     spins = () if dimension == 2 else (3,)
     cell = mesh.basix_cell()
     parts = [basix.ufl.element("P", cell, degree, shape=(dimension,)),
-             basix.ufl.element("P", cell, min(degree, 2), shape=spins)]
+             basix.ufl.element("P", cell, degree, shape=spins)]
     space = fem.functionspace(mesh, basix.ufl.mixed_element(parts))
     (u_space, u_dofs), (spin_space, spin_dofs) = (space.sub(i).collapse() for i in range(2))
     u = fem.Function(u_space, name="displacement")
@@ -65,7 +64,7 @@ def beam_kinematics(model: Model, degree: int) -> Kinematics:
     if dimension == 2:
         turn, rotation = AdditiveField(spin, np.asarray(spin_dofs), 1.0), forms.rotation.PlanarRotation(spin)
     else:
-        q = fem.Function(fem.functionspace(mesh, ("P", min(degree, 2), (4,))), name="rotation")
+        q = fem.Function(fem.functionspace(mesh, ("P", degree, (4,))), name="rotation")
         order = _matching_nodes(q.function_space, spin_space)
         turn = QuaternionField(q, spin, np.asarray(spin_dofs).reshape(-1, 3)[order].ravel())
         rotation = forms.rotation.SpatialRotation(q, spin)

@@ -40,7 +40,7 @@ class Beam:
     shear_rigidity: float = 1.0
 
     def __post_init__(self):
-        if self.degree not in (1, 2, 3):
+        if self.degree not in (1, 2):
             raise ValueError(f"Beam: degree is {self.degree}; it must be 1 or 2")
 
     def frame(self):

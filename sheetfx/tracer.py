@@ -29,6 +29,8 @@ class Tracer:
         discretisation.commit()
         try:
             self.state = self._converged(None)
+            self._load.array[:] = np.cos(np.arange(self._load.local_size))
+            self.stepper.linear.check(self._load)
         except SingularTangent:
             raise ValueError(
                 "the unloaded structure can move freely (its tangent is singular): check that the supports "

@@ -54,7 +54,7 @@ def displacement(record: Record, at: str = "tip") -> np.ndarray:
 def elastica_under_line_force(bending: float, force: float, follower: bool) -> np.ndarray:
     """Tip of an inextensible, shear-rigid cantilever of length 1 under a transverse line force.
 
-    theta' = m / EI, m' = n_x sin(theta) - n_y cos(theta), n' = -f (Antman 2005, section 4.1), by
+    theta' = m / EI, m' = n_x sin(theta) - n_y cos(theta), n' = -f (Antman 2005, chapter 4), by
     collocation, independent of finite elements.
     """
     def rates(s, y):

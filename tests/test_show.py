@@ -137,9 +137,9 @@ def test_paraview_has_every_state(record, tmp_path):
     import pyvista
 
     paraview(record, tmp_path)
-    entries = list(ElementTree.parse(tmp_path / "path.pvd").iter("DataSet"))
+    entries = list(ElementTree.parse(tmp_path / "paraview" / "path.pvd").iter("DataSet"))
     assert [float(e.get("timestep")) for e in entries] == [s.step for s in record.states]
-    grid = pyvista.read(tmp_path / entries[-1].get("file"))
+    grid = pyvista.read(tmp_path / "paraview" / entries[-1].get("file"))
     crown = np.argmin(grid.points[:, 0])
     assert grid["displacement"].shape == grid["rotation"].shape == (21, 3)
     assert -grid["displacement"][crown, 1] == pytest.approx(record.states[-1].deflection)

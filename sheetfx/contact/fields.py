@@ -119,8 +119,9 @@ class ContactFields:
         """Virtual work of the contact tractions, and the equations of the multipliers.
 
         The stationary point of (p^2 - m^2) / (2 scale) - compliance m^2 / 2 with p = <m - scale gap>
-        (Alart and Curnier 1991, eq. 3.9, with an elastic layer). In a layer sticking is elastic too,
-        since several points of a cell cannot all stick exactly.
+        (Alart and Curnier 1991, eq. 3.9, with an elastic layer). Sticking is elastic too, with a
+        thousandth of the compliance at nodes: several points of a cell cannot all stick exactly, nor can
+        a point that a support holds.
         """
         tractions = self.tractions
         density = -tractions[0] * vary(self.gap)
@@ -129,7 +130,7 @@ class ContactFields:
         if self.block is not None:
             for traction, multiplier in zip(tractions, self.multipliers, strict=True):
                 density += (traction - multiplier) / self.scale * vary(multiplier)
-            compliances = [self.compliance, 1 / self.scale if self.layer else 0.0]
+            compliances = [self.compliance, (1.0 if self.layer else 1e-3) / self.scale]
             for compliance, multiplier in zip(compliances, self.multipliers):
                 density -= compliance * multiplier * vary(multiplier)
         return density * self.integral

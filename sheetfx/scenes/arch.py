@@ -65,7 +65,7 @@ def scene(
             beams=[beam], contacts=contacts, loads=loads, copies=copies,
             supports=[clamp(model, "end"), clamp(model, "start") if full else symmetry(model, "crown")],
             monitor=Monitor(model, "crown", "y", -1.0)),
-        control=ArcLength(step=step), until=Until(deflection=to),
+        control=ArcLength(step=step, largest=4.0), until=Until(deflection=to),
         quantities=lambda record: quantities(record, thickness), pictures=pictures,
         axes=("deflection of the crown (mm)", "load on the whole arch (N)"))
 

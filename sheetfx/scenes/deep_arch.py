@@ -1,4 +1,8 @@
-"""Deep circular arch, clamped and hinged, under a point load (DaDeppo and Schmidt 1975)."""
+"""Deep circular arch, clamped and hinged, under a point load (DaDeppo and Schmidt 1975).
+
+DaDeppo and Schmidt's theory knows neither extension nor shear; the effects of both vanish with
+the square of depth / radius (load factor 8.9704 with a depth of 1, 8.9724 with 0.5).
+"""
 
 from __future__ import annotations
 
@@ -13,6 +17,9 @@ from ..mesh.reader import read
 from ..path import Until
 from ..scene import Beam, Monitor, PointForce, Scene, clamp, pin
 from ..section import Elastic, Rectangle
+from ..show.curves import path_curve
+from ..show.files import paraview
+from ..show.pictures import shapes
 from ..solve.control import ArcLength
 
 RADIUS, OPENING, MODULUS = 100.0, 215.0, 1.2e6
@@ -25,15 +32,11 @@ def scene(
     to: Annotated[float, Option(help="deflection of the crown at which the path ends")] = 125.0,
     step: Annotated[float, Option(help="first arc length")] = 0.05,
 ) -> Case:
-    """Clamped-hinged deep arch under a point load: asymmetric buckling at P R^2 / EI = 8.9728.
-
-    DaDeppo and Schmidt's theory knows neither extension nor shear; the effects of both vanish with
-    the square of depth / radius (load factor 8.9704 with a depth of 1, 8.9724 with 0.5).
-    """
+    """Clamped-hinged deep arch under a point load: asymmetric buckling at P R^2 / EI = 8.9728."""
     if elements < 2:
-        raise ValueError(f"deep_arch: elements is {elements}; at least 2 are needed, one on each side of the crown")
+        raise ValueError(f"deep-arch: elements is {elements}; at least 2 are needed, one on each side of the crown")
     if not 0 < depth < RADIUS / 10:
-        raise ValueError(f"deep_arch: depth is {depth}; a slender arch needs one between 0 and {RADIUS / 10:g}")
+        raise ValueError(f"deep-arch: depth is {depth}; a slender arch needs one between 0 and {RADIUS / 10:g}")
     half = radians(OPENING / 2)
     model = read(lambda: meshes.arc(RADIUS, -half, half, elements, {"crown": 0.0}), 2, min(degree, 2))
     section, material = Rectangle(1.0, depth), Elastic(MODULUS)
@@ -44,6 +47,7 @@ def scene(
             beams=[beam], supports=[clamp(model, "start"), pin(model, "end")],
             loads=[PointForce(model, "crown", (0.0, -unit))], monitor=Monitor(model, "crown", "y", -1.0)),
         control=ArcLength(step=step), until=Until(deflection=to), quantities=lambda record: quantities(record, unit),
+        pictures=[path_curve, shapes, paraview],
         axes=("deflection of the crown", "load"))
 
 

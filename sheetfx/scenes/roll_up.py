@@ -1,4 +1,4 @@
-"""Cantilever rolled up by an end moment (Sze, Liu and Lo 2004, section 4.2)."""
+"""Cantilever rolled up by an end moment (Sze, Liu and Lo 2004)."""
 
 from __future__ import annotations
 
@@ -12,6 +12,9 @@ from ..case import Case, Record
 from ..mesh.reader import Model, read
 from ..scene import Beam, Moment, Monitor, Scene, clamp
 from ..section import Elastic, Rectangle
+from ..show.curves import path_curve
+from ..show.files import paraview
+from ..show.pictures import shapes
 from ..solve.control import LoadControl
 
 LENGTH = 12.0
@@ -28,7 +31,7 @@ def scene(
     """Cantilever rolled into circles: after each full turn the tip is back at the clamp."""
     for name, value in (("turns", turns), ("elements", elements), ("steps", steps)):
         if value < 1:
-            raise ValueError(f"roll_up: {name} is {value}; at least 1 is needed")
+            raise ValueError(f"roll-up: {name} is {value}; at least 1 is needed")
     dimension = 3 if spatial else 2
     nodes = {"base": (0, 0), "tip": (LENGTH, 0)}
     model = read(lambda: meshes.frame(nodes, {"cantilever": ("base", "tip", elements)}), dimension)
@@ -40,7 +43,8 @@ def scene(
             loads=[Moment(model, "tip", (0.0, 0.0, moment) if spatial else moment)],
             monitor=Monitor(model, "tip", "x", -1.0)),
         control=LoadControl(step=1 / (turns * steps), fixed=True),
-        quantities=lambda record: quantities(record, model), axes=("displacement of the tip", "moment"))
+        quantities=lambda record: quantities(record, model), pictures=[path_curve, shapes, paraview],
+        axes=("displacement of the tip", "moment"))
 
 
 def quantities(record: Record, model: Model) -> dict[str, float]:

@@ -174,7 +174,8 @@ def _limit_to_touching(axes, contacts: list[ContactState]) -> None:
 
 def _total(name: str, density: np.ndarray, contact: ContactState, unit: str, scene) -> str:
     """Label with the resultant on the part that is modelled and on the whole structure."""
-    total = float(contact.weight @ density)
+    total, pushed = contact.weight @ density, contact.weight @ contact.pressure
+    total = float(total) if abs(total) > 1e-6 * pushed else 0.0
     label = f"{name}, sum {with_unit(total, unit)}"
     if scene.copies > 1:
         label += f" in each of {scene.copies} parts, {with_unit(scene.copies * total, unit)} in all"

@@ -53,7 +53,8 @@ def _start() -> tuple[subprocess.Popen, str]:
         raise NoDisplay("there is no X server and Xvfb is missing: install the package xvfb (apt-get install xvfb)")
     reader, writer = os.pipe()
     options = ["-displayfd", str(writer), "-screen", "0", "1600x900x24", "-nolisten", "tcp"]
-    server = subprocess.Popen([executable, *options], pass_fds=[writer], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    server = subprocess.Popen([executable, *options], pass_fds=[writer],
+                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     os.close(writer)
     with os.fdopen(reader) as stream:
         number = stream.readline().strip()

@@ -24,7 +24,7 @@ def paraview(record: Record, folder: Folder) -> None:
     models = list(dict.fromkeys(beam.model for beam in record.case.scene.beams))
     with last_state_kept(record):
         for i, model in enumerate(models):
-            _write(record, model, Folder(folder) / f"path{i or ''}.pvd")
+            _write(record, model, Folder(folder) / "paraview" / f"path{i or ''}.pvd")
 
 
 def _write(record: Record, model: Model, file: Folder) -> None:

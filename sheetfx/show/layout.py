@@ -10,7 +10,7 @@ from ..scene import RigidCylinder, RigidPlane
 
 DPI, OVERSAMPLING = 100, 2
 EXAGGERATIONS = (3, 4, 5, 6, 8, 10, 15, 20, 30, 50)
-MARGIN = 1.12
+MARGIN, LAYER = 1.12, 0.02
 BOX = "#cccccc"
 LEGEND_COLUMNS, LEGEND_ROW = 2, 27
 LEFT, RIGHT, TOP, BOTTOM = 85, 25, 20, 62
@@ -132,7 +132,7 @@ class Sheet:
             self._add_curve(plotter, cells, colour, width, front)
         for colour, _, places in self._spheres:
             plotter.add_mesh(pyvista.PolyData(self._place(places, front + 1)), color=colour, point_size=28,
-                             render_points_as_spheres=True, ambient=0.6)
+                             render_points_as_spheres=True, ambient=0.3)
         self._aim(plotter)
         image = plotter.screenshot(return_img=True)
         plotter.close()
@@ -153,7 +153,8 @@ class Sheet:
         places = np.pad(places, [(0, 0), (0, 3 - places.shape[1])])
         if self.spatial:
             return places
-        return np.column_stack([places[:, 0], self.exaggeration * places[:, 1], np.full(len(places), front)])
+        depth = front * LAYER * (self._high - self._low)[0]
+        return np.column_stack([places[:, 0], self.exaggeration * places[:, 1], np.full(len(places), depth)])
 
     def _aim(self, plotter) -> None:
         plotter.enable_parallel_projection()
@@ -161,11 +162,12 @@ class Sheet:
             self._aim_isometric(plotter)
             return
         x, y = (self._low + self._high) / 2 * (1, self.exaggeration)
+        width = (self._high - self._low)[0]
         plotter.camera.up = (0, 1, 0)
         plotter.camera.focal_point = (x, y, 0)
-        plotter.camera.position = (x, y, 1000)
+        plotter.camera.position = (x, y, 2 * width)
         plotter.camera.parallel_scale = self.exaggeration * (self._high - self._low)[1] / 2
-        plotter.camera.clipping_range = (1, 2000)
+        plotter.camera.clipping_range = (width / 10, 3 * width)
 
     def _aim_isometric(self, plotter) -> None:
         """Isometric view that all lines and the box around them fill."""

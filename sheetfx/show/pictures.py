@@ -46,7 +46,7 @@ def shapes(record: Record, folder: Folder, name: str = "shape.png") -> None:
     """Draw the structure undeformed, at critical points and at the last state (process 0 writes the file).
 
     A critical point is drawn as the state at the end of the step that contains it; points of one step
-    share a line. The picture is
+    share a line, and the legend tells where it is drawn if that is not close to the point. The picture is
     left out with a warning where there is no X server and Xvfb is missing.
     """
     undeformed, drawn = _collect(record)
@@ -100,10 +100,14 @@ def _choose(record: Record) -> list[tuple[State, str, str, bool]]:
     every = record.critical_points
     points = most_telling(every, len(COLOURS))
     left_out = f" ({len(points)} of {len(every)} are drawn)" if len(points) < len(every) else ""
+    states, last = {s.step: s for s in record.states}, record.states[-1]
+    reach = max(abs(s.deflection) for s in record.states)
     labels: dict[int, list[str]] = {}
     for i, point in enumerate(points):
-        labels.setdefault(point.step, []).append(f"{point.kind} point{left_out if i == 0 else ''}: {place(point)}")
-    states, last = {s.step: s for s in record.states}, record.states[-1]
+        drawn = states[point.step].deflection
+        behind = f" (drawn at {with_unit(drawn, length)})" if abs(drawn - point.deflection) > 0.005 * reach else ""
+        labels.setdefault(point.step, []).append(
+            f"{point.kind} point{left_out if i == 0 else ''}: {place(point)}{behind}")
     critical = [(states[step], "; ".join(lines), colour, True)
                 for (step, lines), colour in zip(labels.items(), COLOURS, strict=False)]
     if last.step in labels:

@@ -86,7 +86,7 @@ class DisplacementControl(StepRule):
     default = 1.0
 
     def predict(self, length, sign, tangent):
-        return sign * length / tangent.monitored(tangent.solution)
+        return sign * length / abs(tangent.monitored(tangent.solution))
 
     def correct(self, length, tangent, increment, load_increment, residual_part):
         target = copysign(length, tangent.monitored(increment))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize_scalar
 
 from ..state import CriticalPoint, State
 
@@ -13,47 +13,64 @@ def locate(tracer, before: State, after: State) -> tuple[CriticalPoint, ...]:
     A change of sign of the load rate is a limit point; another change in the number of unstable
     directions is a bifurcation. Both are refined by repeating the step with other lengths.
     """
-    if before.step == 0 and before.length == 0 and after.length == 0:
-        return ()
-    point = None
     if before.load_rate * after.load_rate < 0:
-        point = _refine(tracer, before, after, "limit", lambda s: s.load_rate)
+        kind, state = "limit", _limit(tracer, before, after)
     elif None not in (before.unstable, after.unstable) and before.unstable != after.unstable:
-        point = _refine(tracer, before, after, "bifurcation",
-                        lambda s: 0.5 if s.unstable == before.unstable else -0.5)
-    if point is None:
+        kind, state = "bifurcation", _bifurcation(tracer, before, after)
+    else:
         return ()
     tracer.back_to(after)
-    return (point,)
+    return (CriticalPoint(kind, state.load, state.deflection, after.step),)
 
 
 class _Missed(ArithmeticError):
     """A step of a shorter length does not converge."""
 
 
-def _refine(tracer, before, after, kind, test) -> CriticalPoint:
-    tried = {0.0: before, after.length: after}
+class _Tries:
+    """The step from a state repeated with other lengths."""
 
-    def value(length: float) -> float:
-        if length not in tried:
-            tracer.back_to(before)
-            state = tracer.attempt(length)
+    def __init__(self, tracer, before: State, after: State):
+        self.tracer, self.before = tracer, before
+        self.states = {0.0: before, after.length: after}
+
+    def __getitem__(self, length: float) -> State:
+        if length not in self.states:
+            self.tracer.back_to(self.before)
+            state = self.tracer.attempt(length)
             if state is None:
                 raise _Missed
-            tried[length] = state
-        return test(tried[length])
+            self.states[length] = state
+        return self.states[length]
 
+
+def _limit(tracer, before: State, after: State) -> State:
+    """State of extreme load within a step, from the load rate's zero.
+
+    As a contact slides over contact points the load rate wavers about that of the smooth path; the
+    load itself hardly does, so with contact its extremum is searched directly too.
+    """
+    tries, sign = _Tries(tracer, before, after), 1.0 if before.load_rate > 0 else -1.0
     try:
-        brentq(value, 0.0, after.length, xtol=1e-7 * after.length)
+        brentq(lambda length: tries[length].load_rate, 0.0, after.length, xtol=1e-7 * after.length)
+        if tracer.discretisation.contacts:
+            minimize_scalar(lambda length: -sign * tries[length].factor, bounds=(0.0, after.length),
+                            method="bounded", options={"xatol": 0.01 * after.length})
     except _Missed:
         pass
-    if kind == "limit":
-        best = (max if before.load_rate > 0 else min)(tried.values(), key=lambda s: s.factor)
-    else:
-        best = _last_like(tried, before)
-    return CriticalPoint(kind, best.load, best.deflection, after.step)
+    return max(tries.states.values(), key=lambda s: sign * s.factor)
 
 
-def _last_like(tried: dict[float, State], before: State) -> State:
-    """The longest step that still has as many unstable directions as the state before."""
-    return tried[max(length for length, s in tried.items() if s.unstable == before.unstable)]
+def _bifurcation(tracer, before: State, after: State) -> State:
+    """Last state within a step that has as many unstable directions as the state before it."""
+    tries, low, high = _Tries(tracer, before, after), 0.0, after.length
+    try:
+        while high - low > 1e-7 * after.length:
+            middle = (low + high) / 2
+            if tries[middle].unstable == before.unstable:
+                low = middle
+            else:
+                high = middle
+    except _Missed:
+        pass
+    return tries.states[low]

@@ -40,7 +40,9 @@ class DirectSolver:
         self.ksp.setOperators(self.matrix)
         if pc.getFactorSolverType() == PETSc.Mat.SolverType.MUMPS:
             pc.setFactorSetUpSolverType()
+            # Inertia needs null pivot detection (ICNTL 24); the threshold keeps it from replacing any.
             pc.getFactorMatrix().setMumpsIcntl(24, 1)
+            pc.getFactorMatrix().setMumpsCntl(3, -1e-100)
         self.factorisations += 1
         pc.setUp()
         if pc.getFailedReason() != PETSc.PC.FailedReason.NOERROR:
@@ -50,6 +52,22 @@ class DirectSolver:
 
     def solve(self, right: PETSc.Vec, solution: PETSc.Vec) -> None:
         self.ksp.getPC().apply(right, solution)
+
+    def check(self, right: PETSc.Vec) -> None:
+        """Solve for any loads and see whether the solution satisfies the equations.
+
+        Rounding hides a zero pivot; the solution is then so large that its residual is too.
+
+        Raises
+        ------
+        SingularTangent
+        """
+        solution, residual = right.duplicate(), right.duplicate()
+        self.solve(right, solution)
+        self.matrix.mult(solution, residual)
+        residual.axpy(-1.0, right)
+        if not residual.norm() <= 1e-3 * right.norm():
+            raise SingularTangent("the tangent is singular")
 
     def negative_pivots(self) -> int | None:
         """Number of negative eigenvalues of the factored matrix; None for LU."""
