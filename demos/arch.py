@@ -14,6 +14,7 @@
 
 # %%
 import os
+from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -21,6 +22,7 @@ import ufl
 
 import sheetfx as fx
 from sheetfx.scenes.arch import quantities, scene
+from sheetfx.show.contact import tractions
 
 QUICK = bool(os.environ.get("SHEETFX_QUICK"))
 
@@ -103,3 +105,27 @@ np.testing.assert_allclose(converged, SEMI_ANALYTIC, rtol=3e-3 if QUICK else 1e-
 np.testing.assert_allclose(forty, [1.0000, 1.0000, 1.0255, 1.1729, 1.3183], rtol=4e-3)
 for name, values in (("converged", converged), ("40 elements", forty), ("thesis", THESIS)):
     print(f"{name:12s}", "  ".join(f"{v:.4f}" for v in values))
+
+# %% [markdown]
+# ## Friction
+#
+# Friction changes the path very little, as the thesis found, but not the tangential forces. Here they are at
+# $r/R = 0.4$ and $F$ = 500 N, behind the snap-through, at the nodes of 80 two-node elements: every
+# touching node slides, so that its tangential force is 0.3 times the normal one.
+
+# %%
+rough = fx.trace(scene(ratio=0.4, friction=0.3, elements=80, degree=1, contact="nodes", step=0.001, to=52.0))
+tractions(500.0)(rough, Path("."))
+rough.show(rough.nearest(500.0))
+contact = rough.path.discretisation.contacts[0].evaluate()
+touching = contact.pressure > 0
+slip = np.abs(contact.traction[touching]) / contact.pressure[touching]
+print(f"at {rough.nearest(500.0).load:.0f} N: tangential over normal force {slip.min():.3f} to {slip.max():.3f}")
+assert slip.max() <= 0.3 * (1 + 1e-6)
+
+# %%
+smooth_limit, rough_limit = (
+    quantities(fx.trace(scene(ratio=1.0, elements=160, layer=2.7, to=20.0, friction=f)), 4.7625)["limit_load"]
+    for f in (0.0, 0.3))
+print(f"limit load at r/R = 1: {smooth_limit:.2f} N without, {rough_limit:.2f} N with friction 0.3")
+assert abs(rough_limit / smooth_limit - 1) < 5e-3

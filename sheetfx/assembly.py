@@ -58,7 +58,8 @@ class System:
     """
 
     def __init__(self, unknowns: Unknowns, factor, internal: Sequence[Internal], work=None, *,
-                 fixed: Sequence[np.ndarray], symmetric: bool = True, mixed_points: bool = True, clock: Stopwatch | None = None):
+                 fixed: Sequence[np.ndarray], symmetric: bool = True, mixed_points: bool = True,
+                 clock: Stopwatch | None = None):
         self.unknowns, self.internal, self.symmetric = unknowns, list(internal), symmetric
         self.clock = clock or Stopwatch()
         self._factor = factor

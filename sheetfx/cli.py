@@ -15,7 +15,8 @@ import click
 import typer
 from typer.core import TyperGroup
 
-app = typer.Typer(help="Stability of thin sheet-and-bar structures.", no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
+PLAIN = {"add_completion": False, "pretty_exceptions_enable": False}
+app = typer.Typer(help="Stability of thin sheet-and-bar structures.", no_args_is_help=True, **PLAIN)
 
 
 def scene_names() -> list[str]:
@@ -63,7 +64,7 @@ class Scenes(TyperGroup):
             function = load_scene(name)
         except ValueError as error:
             raise click.UsageError(str(error)) from None
-        single = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+        single = typer.Typer(**PLAIN)
         single.command(name=Path(name).stem, help=inspect.getdoc(function))(_runner(name, function))
         return typer.main.get_command(single)
 

@@ -31,7 +31,7 @@ class Enforcement:
 
         Thick layers make long steps converge; a step shorter than their indentation fails in them.
         """
-        times = sorted({t for c in self.contacts if c.layer for t in c.contact.approach}, reverse=True)
+        times = sorted({1.0, *(t for c in self.contacts if c.layer for t in c.contact.approach)}, reverse=True)
         return [times, [1.0]] if len(times) > 1 else [[1.0]]
 
     def solve(self, solve: Callable[[], bool], layers: Sequence[float]) -> bool:

@@ -131,7 +131,7 @@ class ContactFields:
             for traction, multiplier in zip(tractions, self.multipliers, strict=True):
                 density += (traction - multiplier) / self.scale * vary(multiplier)
             compliances = [self.compliance, (1.0 if self.layer else 1e-3) / self.scale]
-            for compliance, multiplier in zip(compliances, self.multipliers):
+            for compliance, multiplier in zip(compliances, self.multipliers, strict=False):
                 density -= compliance * multiplier * vary(multiplier)
         return density * self.integral
 
@@ -179,8 +179,8 @@ def resolution(contact: Contact) -> tuple[float, int]:
     Rigid contact of a beam acts at points that slide; on fixed contact points the load hops from one to
     the next. An elastic layer of foundation stiffness EI / layer^4 spreads it over its characteristic
     length (Hetenyi 1946, section 3). The default of 0.12 depths (no less than a cell over 2.4) is
-    indented by less than 1e-6 depths in the arch, and 20 points on a layer keep the tangent smooth as the contact slides (with 5 the
-    slope of the arch's path changes its sign at random near the limit point).
+    indented by less than 1e-6 depths in the arch, and 20 points on a layer keep the tangent smooth as the
+    contact slides (with 5 the slope of the arch's path changes its sign at random near the limit point).
     """
     if contact.points == "nodes":
         return contact.layer or 0.0, contact.beam.degree
@@ -193,8 +193,8 @@ def resolution(contact: Contact) -> tuple[float, int]:
         return 0.0, contact.beam.degree
     needed = 20 * cell / layer * (1 - 1e-9)
     if needed > COUNTS[-1]:
-        raise ValueError(f"Contact: a layer of {layer:.3g} would need {needed:.0f} contact points in each cell of length "
-                         f"{cell:.3g}; refine the mesh or give a layer of at least {cell * 20 / COUNTS[-1]:.3g}")
+        raise ValueError(f"Contact: a layer of {layer:.3g} would need {needed:.0f} contact points in each cell of "
+                         f"length {cell:.3g}; refine the mesh or give a layer of at least {cell * 20 / COUNTS[-1]:.3g}")
     return layer, next(count for count in COUNTS if count >= needed)
 
 
