@@ -75,7 +75,7 @@ def trace(case: Case, listeners: Sequence[Callable[[State], None]] = (), start: 
     PathFailure
         With the attribute `record`, the path so far.
     """
-    path = Path(case.scene, case.control, case.until, start=start[-1] if start else None,
+    path = Path(case.scene, case.control, case.until, start=start,
                 mixed_points=case.mixed_points)
     record = Record(case, path, list(start))
     for listener in listeners:

@@ -8,7 +8,7 @@ for state in Path(scene, ArcLength(), until=Until(deflection=40.0)):
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from .discretise import Discretisation
@@ -56,7 +56,7 @@ class Path:
     scene : Scene
     control : LoadControl, DisplacementControl or ArcLength
     until : end of the path
-    start : state to resume from; None: the unloaded state
+    start : states of an interrupted path to resume; none: begin with the unloaded state
     mixed_points : large-step tangent (see assembly.System)
     prefix : of PETSc options for this path's SNES, KSP and PC
 
@@ -66,14 +66,15 @@ class Path:
     """
 
     def __init__(self, scene: Scene, control: StepRule | None = None, until: Until | None = None, *,
-                 start: State | None = None, mixed_points: bool = True, prefix: str = "sheetfx_"):
+                 start: Sequence[State] = (), mixed_points: bool = True, prefix: str = "sheetfx_"):
         self.scene, self.control, self.until = scene, control or ArcLength(), until or Until()
         self.discretisation = Discretisation(scene, mixed_points)
         self.tracer = Tracer(self.discretisation, self.control, prefix)
         self.message = ""
         self._listeners: list[Callable[[State], None]] = []
-        if start is not None:
-            self.tracer.back_to(start)
+        self._earlier = start[-2] if len(start) > 1 else None
+        if start:
+            self.tracer.back_to(start[-1])
 
     @property
     def clock(self):
@@ -122,9 +123,9 @@ class Path:
                 raise PathFailure(self._complaint(before, length))
         growth = self.control.growth(after.hardest)
         after = replace(after, next_length=min(largest, length * growth))
-        points = locate(self.tracer, before, after)
+        points = locate(self.tracer, self._earlier, before, after)
         after = replace(after, critical=points)
-        self.tracer.state = after
+        self.tracer.state, self._earlier = after, before
         return after
 
     def _complaint(self, state: State, length: float) -> str:

@@ -178,12 +178,15 @@ def test_obstacle_inside_the_structure():
 
 
 def test_failed_path_says_where_and_keeps_its_states():
-    """A tolerance below rounding, through PETSc's own option, cannot be met."""
+    """One iteration a step and a tolerance below rounding, through PETSc's own options."""
     options = PETSc.Options()
-    options["sheetfx_snes_rtol"] = 1e-30
+    settings = {"sheetfx_snes_max_it": 1, "sheetfx_snes_rtol": 1e-30}
+    for name, value in settings.items():
+        options[name] = value
     try:
         with pytest.raises(PathFailure, match="step 1 from load 0.*DIVERGED_MAX_IT") as failure:
             trace(Case(scene(no_punch=True, elements=8).scene, until=Until(deflection=1.0)))
     finally:
-        options.delValue("sheetfx_snes_rtol")
+        for name in settings:
+            options.delValue(name)
     assert len(failure.value.record.states) == 1

@@ -14,7 +14,8 @@ from ..compat import JIT
 from ..scene import Contact
 from ..unknowns import AdditiveField, Block
 
-# Numbers of contact points in a cell: few, so that forms are compiled once for many meshes.
+# Contact points on the length of a layer, and numbers of them in a cell: few numbers, so that forms are compiled once for many meshes.
+POINTS_ON_LAYER = 16
 COUNTS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)
 
 
@@ -178,8 +179,8 @@ def resolution(contact: Contact) -> tuple[float, int]:
 
     Rigid contact of a beam acts at points that slide; on fixed contact points the load hops from one to
     the next. An elastic layer of foundation stiffness EI / layer^4 spreads it over its characteristic
-    length (Hetenyi 1946, section 3). The default of 0.12 depths (no less than a cell over 2.4) is
-    indented by less than 1e-6 depths in the arch, and 20 points on a layer keep the tangent smooth as the
+    length (Hetenyi 1946, section 3). The default of 0.1 depths (no less than a third of a cell) is
+    indented by less than 1e-6 depths in the arch, and 16 points on a layer keep the tangent smooth as the
     contact slides (with 5 the slope of the arch's path changes its sign at random near the limit point).
     """
     if contact.points == "nodes":
@@ -188,13 +189,13 @@ def resolution(contact: Contact) -> tuple[float, int]:
     cell = contact.beam.model.length / mesh.topology.index_map(1).size_global
     layer = contact.layer
     if layer is None:
-        layer = max(0.12 * contact.beam.section.depth, cell / 2.4)
+        layer = max(0.1 * contact.beam.section.depth, cell / 3)
     if not layer:
         return 0.0, contact.beam.degree
-    needed = 20 * cell / layer * (1 - 1e-9)
+    needed = POINTS_ON_LAYER * cell / layer * (1 - 1e-9)
     if needed > COUNTS[-1]:
         raise ValueError(f"Contact: a layer of {layer:.3g} would need {needed:.0f} contact points in each cell of "
-                         f"length {cell:.3g}; refine the mesh or give a layer of at least {cell * 20 / COUNTS[-1]:.3g}")
+                         f"length {cell:.3g}; refine the mesh or give a layer of at least {cell * POINTS_ON_LAYER / COUNTS[-1]:.3g}")
     return layer, next(count for count in COUNTS if count >= needed)
 
 

@@ -7,20 +7,28 @@ from scipy.optimize import brentq, minimize_scalar
 from ..state import CriticalPoint, State
 
 
-def locate(tracer, before: State, after: State) -> tuple[CriticalPoint, ...]:
-    """Critical points inside the step from `before` to `after`; the tracer ends at `after`.
+def locate(tracer, earlier: State | None, before: State, after: State) -> tuple[CriticalPoint, ...]:
+    """Critical points that the step from `before` to `after` brings to light; the tracer ends at `after`.
 
-    A change of sign of the load rate is a limit point; another change in the number of unstable
-    directions is a bifurcation. Both are refined by repeating the step with other lengths.
+    A change of sign of the load rate is a limit point; a change in the number of unstable directions
+    without one is a bifurcation. Both are refined by repeating the step with other lengths.
+
+    As a contact slides over contact points the load rate wavers about that of the smooth path, while
+    the load itself hardly does. With contact a limit point is therefore a step in which the load
+    turns, and is searched there and in the step before it, which starts at `earlier`.
     """
-    if before.load_rate * after.load_rate < 0:
+    turned = before.load_rate * after.load_rate < 0
+    if tracer.discretisation.contacts and before.load_increment * after.load_increment < 0:
+        steps = [(before, after)] if earlier is None else [(earlier, before), (before, after)]
+        kind, state = "limit", _highest(tracer, steps, 1.0 if before.load_increment > 0 else -1.0)
+    elif turned and not tracer.discretisation.contacts:
         kind, state = "limit", _limit(tracer, before, after)
-    elif None not in (before.unstable, after.unstable) and before.unstable != after.unstable:
+    elif not turned and None not in (before.unstable, after.unstable) and before.unstable != after.unstable:
         kind, state = "bifurcation", _bifurcation(tracer, before, after)
     else:
         return ()
     tracer.back_to(after)
-    return (CriticalPoint(kind, state.load, state.deflection, after.step),)
+    return (CriticalPoint(kind, state.load, state.deflection, state.step),)
 
 
 class _Missed(ArithmeticError):
@@ -45,20 +53,31 @@ class _Tries:
 
 
 def _limit(tracer, before: State, after: State) -> State:
-    """State of extreme load within a step, from the load rate's zero.
-
-    As a contact slides over contact points the load rate wavers about that of the smooth path; the
-    load itself hardly does, so with contact its extremum is searched directly too.
-    """
+    """State within a step whose load rate is zero."""
     tries, sign = _Tries(tracer, before, after), 1.0 if before.load_rate > 0 else -1.0
     try:
         brentq(lambda length: tries[length].load_rate, 0.0, after.length, xtol=1e-7 * after.length)
-        if tracer.discretisation.contacts:
-            minimize_scalar(lambda length: -sign * tries[length].factor, bounds=(0.0, after.length),
-                            method="bounded", options={"xatol": 0.01 * after.length})
     except _Missed:
         pass
     return max(tries.states.values(), key=lambda s: sign * s.factor)
+
+
+def _highest(tracer, steps, sign: float) -> State:
+    """State of the highest load (lowest for a negative sign) within steps."""
+    found = []
+    for before, after in steps:
+        tries = _Tries(tracer, before, after)
+
+        def opposite_load(length, tries=tries, before=before):
+            try:
+                return -sign * tries[length].factor
+            except _Missed:
+                return -sign * before.factor
+
+        minimize_scalar(opposite_load, bounds=(0.0, after.length), method="bounded",
+                        options={"xatol": 0.02 * after.length})
+        found += tries.states.values()
+    return max(found, key=lambda s: sign * s.factor)
 
 
 def _bifurcation(tracer, before: State, after: State) -> State:
