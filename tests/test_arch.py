@@ -106,3 +106,14 @@ def test_punch_is_in_equilibrium_with_the_contact_pressure():
     upwards = (state.position[:, 1] - centre) / punch.radius
     total = 2 * -(state.pressure * state.weight * upwards).sum()
     assert total == pytest.approx(record.states[-1].load, rel=1e-6)
+
+
+def test_bifurcation_behind_the_limit_point():
+    """A higher arch tilts sideways on its way down: the same point for steps that differ by 4 (1e-5)."""
+    found = []
+    for step in (0.005, 0.00125):
+        record, _ = arch(no_punch=True, elements=40, full=True, half_angle=12.0, to=45.0, step=step)
+        assert [p.kind for p in record.critical_points] == ["limit", "bifurcation"]
+        found.append(record.critical_points[1].load)
+        assert record.states[-1].unstable == 2
+    assert found[0] == pytest.approx(found[1], rel=1e-5)

@@ -10,25 +10,33 @@ from ..state import CriticalPoint, State
 def locate(tracer, earlier: State | None, before: State, after: State) -> tuple[CriticalPoint, ...]:
     """Critical points that the step from `before` to `after` brings to light; the tracer ends at `after`.
 
-    A change of sign of the load rate is a limit point; a change in the number of unstable directions
-    without one is a bifurcation. Both are refined by repeating the step with other lengths.
+    A change of sign of the load rate is a limit point, which changes the number of unstable directions
+    by one; any other change in that number is a bifurcation. Both are refined by repeating the step
+    with other lengths.
 
     As a contact slides over contact points the load rate wavers about that of the smooth path, while
     the load itself hardly does. With contact a limit point is therefore a step in which the load
     turns, and is searched there and in the step before it, which starts at `earlier`.
     """
-    turned = before.load_rate * after.load_rate < 0
-    if tracer.discretisation.contacts and before.load_increment * after.load_increment < 0:
-        steps = [(before, after)] if earlier is None else [(earlier, before), (before, after)]
-        kind, state = "limit", _highest(tracer, steps, 1.0 if before.load_increment > 0 else -1.0)
-    elif turned and not tracer.discretisation.contacts:
-        kind, state = "limit", _limit(tracer, before, after)
-    elif not turned and None not in (before.unstable, after.unstable) and before.unstable != after.unstable:
-        kind, state = "bifurcation", _bifurcation(tracer, before, after)
-    else:
+    found = []
+    if tracer.discretisation.contacts:
+        if before.load_increment * after.load_increment < 0:
+            steps = [(before, after)] if earlier is None else [(earlier, before), (before, after)]
+            found.append(("limit", _highest(tracer, steps, 1.0 if before.load_increment > 0 else -1.0)))
+    elif before.load_rate * after.load_rate < 0:
+        found.append(("limit", _limit(tracer, before, after)))
+    if _beyond_limits(before) != _beyond_limits(after):
+        found.append(("bifurcation", _bifurcation(tracer, before, after)))
+    if not found:
         return ()
     tracer.back_to(after)
-    return (CriticalPoint(kind, state.load, state.deflection, state.step),)
+    found.sort(key=lambda item: (item[1].step, item[1].length))
+    return tuple(CriticalPoint(kind, s.load, s.deflection, s.step) for kind, s in found)
+
+
+def _beyond_limits(state: State) -> int | None:
+    """Unstable directions beyond the one that a falling load brings; changes at bifurcations only."""
+    return None if state.unstable is None else state.unstable - (state.load_rate < 0)
 
 
 class _Missed(ArithmeticError):
@@ -81,12 +89,12 @@ def _highest(tracer, steps, sign: float) -> State:
 
 
 def _bifurcation(tracer, before: State, after: State) -> State:
-    """Last state within a step that has as many unstable directions as the state before it."""
+    """Last state within a step that has not passed a bifurcation."""
     tries, low, high = _Tries(tracer, before, after), 0.0, after.length
     try:
         while high - low > 1e-7 * after.length:
             middle = (low + high) / 2
-            if tries[middle].unstable == before.unstable:
+            if _beyond_limits(tries[middle]) == _beyond_limits(before):
                 low = middle
             else:
                 high = middle
