@@ -79,7 +79,7 @@ class Enforcement:
         touching, penetration = 0, 0.0
         for c in self.contacts:
             state = self.state(c)
-            touching += c.contact.beam.model.mesh.comm.allreduce(int((state.status != "open").sum()))
+            touching += c.contact.beam.model.mesh.comm.allreduce(c.touching(state))
             penetration = max(penetration, self.penetration(c, state))
         return touching, penetration
 

@@ -14,7 +14,8 @@ from ..compat import JIT
 from ..scene import Contact
 from ..unknowns import AdditiveField, Block
 
-# Contact points on the length of a layer, and numbers of them in a cell: few numbers, so that forms are compiled once for many meshes.
+# Contact points on the length of a layer, and the numbers of them in a cell that are used: few, so that
+# forms are compiled once for many meshes.
 POINTS_ON_LAYER = 16
 COUNTS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)
 
@@ -162,10 +163,19 @@ class ContactFields:
         status = np.where(pressure <= 0, "open", np.where(sliding, "slip", "stick"))
         return ContactState(table[:, :d], gap, pressure, traction, weight, status)
 
+    def _points_of_rows(self) -> np.ndarray:
+        """Local number of the contact point of each row of a state; cells may share a node."""
+        beam = self.contact.beam
+        return self.multiplier.function_space.dofmap.list[beam.model.group(beam.group)].ravel()
+
+    def touching(self, state: ContactState) -> int:
+        """Number of contact points of this process that touch."""
+        points = np.unique(self._points_of_rows()[state.status != "open"])
+        return int((points < self.multiplier.function_space.dofmap.index_map.size_local).sum())
+
     def store(self, state: ContactState, normal: bool) -> None:
         """Put evaluated tractions into multipliers that are not unknowns."""
-        beam = self.contact.beam
-        dofs = self.multiplier.function_space.dofmap.list[beam.model.group(beam.group)].ravel()
+        dofs = self._points_of_rows()
         table = self.multiplier.x.array.reshape(-1, 2 if self.contact.friction else 1)
         if normal:
             table[dofs, 0] = state.pressure
@@ -195,7 +205,8 @@ def resolution(contact: Contact) -> tuple[float, int]:
     needed = POINTS_ON_LAYER * cell / layer * (1 - 1e-9)
     if needed > COUNTS[-1]:
         raise ValueError(f"Contact: a layer of {layer:.3g} would need {needed:.0f} contact points in each cell of "
-                         f"length {cell:.3g}; refine the mesh or give a layer of at least {cell * POINTS_ON_LAYER / COUNTS[-1]:.3g}")
+                         f"length {cell:.3g}; refine the mesh or give a layer of at least "
+                         f"{cell * POINTS_ON_LAYER / COUNTS[-1]:.3g}")
     return layer, next(count for count in COUNTS if count >= needed)
 
 

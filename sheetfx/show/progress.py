@@ -43,11 +43,11 @@ class Progress:
     def __call__(self, state: State) -> None:
         for point in state.critical:
             self.console.print(f"{point.kind} point: load {point.load:.6g} at deflection {point.deflection:.6g} "
-                               f"(step {point.step})")
+                               f"(step {point.step})", soft_wrap=True)
         if self.console.is_terminal:
             self._live.update(Text(self._line(state)))
         elif state.step % 10 == 0:
-            self.console.print(self._line(state))
+            self.console.print(self._line(state), soft_wrap=True)
 
     def _line(self, state: State) -> str:
         line = (f"{self.name}: step {state.step}, load {state.load:.5g}, deflection {state.deflection:.5g}, "
@@ -68,7 +68,7 @@ class Progress:
 
     def report(self, summary: dict) -> None:
         """Print the result of a run."""
-        self.console.print(f"{summary['status']}: {summary['message']}")
+        self.console.print(f"{summary['status']}: {summary['message']}", soft_wrap=True)
         table = Table(show_header=False, box=None)
         for key, value in summary["quantities"].items():
             table.add_row(key.replace("_", " "), f"{value:.6g}")
