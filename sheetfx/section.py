@@ -51,8 +51,7 @@ class Section:
         Parameters
         ----------
         dimension : 2: EA, k GA, EI; 3: EA, k GA, k GA, GJ, EI about the normal, EI about the binormal
-        shear_rigidity : factor on the shear stiffness; 1e4 makes a beam of slenderness 10 or more
-            shear-rigid to 1e-6
+        shear_rigidity : factor on the shear stiffness; with 1e3 a slender beam is shear-rigid
         """
         axial = material.modulus * self.area
         shear = self.shear_factor * material.shear_modulus * self.area * shear_rigidity

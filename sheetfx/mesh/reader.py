@@ -92,10 +92,11 @@ class Model:
 
         Each vertex is integrated from one side, that of a single cell on a single process.
         """
+        self.at(name)
         if "ds" not in self._measures:
             self._measures["ds"] = [(i, self._sides(v)) for i, v in enumerate(self.points.values())]
         return ufl.Measure("ds", domain=self.mesh, subdomain_data=self._measures["ds"],
-                           subdomain_id=list(self.points).index(name) if self.at(name) is not None else -1)
+                           subdomain_id=list(self.points).index(name))
 
     def _sides(self, vertices: np.ndarray) -> np.ndarray:
         """Pairs (cell, local vertex) for the vertices that this process answers for."""

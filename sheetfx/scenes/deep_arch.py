@@ -1,7 +1,8 @@
 """Deep circular arch, clamped and hinged, under a point load (DaDeppo and Schmidt 1975).
 
 DaDeppo and Schmidt's theory knows neither extension nor shear; the effects of both vanish with
-the square of depth / radius (load factor 8.9704 with a depth of 1, 8.9724 with 0.5).
+the square of depth / radius. Shear is taken out by a thousandfold shear stiffness (8.97283 instead of
+8.97245 with a depth of 0.5).
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ def scene(
     model = read(lambda: meshes.arc(RADIUS, -half, half, elements, {"crown": 0.0}), 2, min(degree, 2))
     section, material = Rectangle(1.0, depth), Elastic(MODULUS)
     unit = section.stiffness(material, 2)[2] / RADIUS**2
-    beam = Beam(model, section, material, degree=degree)
+    beam = Beam(model, section, material, degree=degree, shear_rigidity=1e3)
     return Case(
         scene=Scene(
             beams=[beam], supports=[clamp(model, "start"), pin(model, "end")],
