@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import pi
+from math import pi, tanh
 
 
 def _require_positive(owner, **values):
@@ -82,9 +82,10 @@ class Rectangle(Section):
 
     @property
     def torsion(self):
-        """Saint-Venant constant (Roark, table 10.1, item 4; within 0.5 %)."""
-        a, b = max(self.width, self.depth) / 2, min(self.width, self.depth) / 2
-        return a * b**3 * (16 / 3 - 3.36 * b / a * (1 - b**4 / (12 * a**4)))
+        """Saint-Venant's torsion constant (Timoshenko and Goodier 1970, eq. 170), six terms of the series."""
+        long, short = max(self.width, self.depth), min(self.width, self.depth)
+        series = sum(tanh(n * pi * long / (2 * short)) / n**5 for n in range(1, 12, 2))
+        return long * short**3 * (1 / 3 - 64 / pi**5 * short / long * series)
 
 
 @dataclass(frozen=True)

@@ -91,11 +91,11 @@ def test_cantilever_rolls_up_to_circles_in_space():
 
 
 def test_bend_reaches_the_published_tip():
-    """Tolerance: the torsion constant of Rectangle is 0.2 % off, which moves the tip by 0.01 %."""
+    """Tolerance: the digits of the published values."""
     case = bend.scene()
     values = case.quantities(trace(case))
     tip = [values[f"tip_{c}"] for c in "xyz"]
-    assert tip == pytest.approx((15.558, 46.892, 53.61), rel=2e-4)
+    assert tip == pytest.approx((15.558, 46.892, 53.61), abs=5e-3)
     assert values["most_iterations"] <= 5
 
 
