@@ -57,12 +57,14 @@ class Archive:
     def __call__(self, state: State) -> None:
         """Keep a state."""
         state.save(self._file(state.step))
+        self._tabulate(state)
+
+    def _tabulate(self, state: State) -> None:
+        """Add a line to the table, which begins anew at step 0."""
         if self.comm.rank == 0:
-            file = self.folder / "path.csv"
-            new = state.step == 0 or not file.exists()
-            with file.open("w" if new else "a", newline="") as stream:
+            with (self.folder / "path.csv").open("a" if state.step else "w", newline="") as stream:
                 writer = csv.writer(stream)
-                if new:
+                if state.step == 0:
                     writer.writerow(COLUMNS)
                 writer.writerow([getattr(state, c) for c in COLUMNS])
 
@@ -78,9 +80,6 @@ class Archive:
     def resume(self) -> list[State]:
         """States to go on from; the table is cut back to them."""
         states = self.states()
-        for state in states if self.comm.rank == 0 else []:
-            if state.step == 0:
-                (self.folder / "path.csv").unlink(missing_ok=True)
         for state in states:
-            self(state)
+            self._tabulate(state)
         return states

@@ -10,7 +10,6 @@ from mpi4py import MPI
 
 from . import forms
 from .assembly import Internal, System
-from .compat import JIT
 from .contact.enforcement import Enforcement
 from .contact.fields import ContactFields
 from .kinematics import Kinematics, beam_kinematics
@@ -39,16 +38,14 @@ class Discretisation:
         self.contacts = [ContactFields(c, f"multiplier{i}") for i, c in enumerate(scene.contacts)]
         blocks += [c.block for c in self.contacts if c.block is not None]
         self.unknowns = Unknowns(blocks)
-        self._close_contacts()
         self.clock = Stopwatch()
+        self._close_contacts()
         self.system = System(
             self.unknowns, self.factor, [self._internal(b) for b in scene.beams], self._work(),
             fixed=[self._fixed(b) for b in blocks],
             symmetric=not any(c.friction for c in scene.contacts) and not any(_turning(load) for load in scene.loads),
             mixed_points=mixed_points, clock=self.clock,
         )
-        for c in self.contacts:
-            c.prepare(self.unknowns.at_rest)
         self._unit_load = sum(self._magnitude(load) for load in scene.loads)
         self.enforcement = Enforcement(self.contacts, self.clock)
 
@@ -95,10 +92,9 @@ class Discretisation:
         for c in self.contacts:
             contact, model = c.contact, c.contact.beam.model
             c.close(self.position(contact), self.travel(contact.obstacle), self._before)
-            points = c.multiplier.function_space.element.interpolation_points()
-            gaps = fem.Expression(self.unknowns.at_rest(c.gap), points, jit_options=JIT).eval(
-                model.mesh, model.group(contact.beam.group))
-            smallest = model.mesh.comm.allreduce(float(gaps.min(initial=np.inf)), op=MPI.MIN)
+            with self.clock("compile"):
+                c.prepare(self.unknowns.at_rest)
+            smallest = model.mesh.comm.allreduce(float(c.evaluate().gap.min(initial=np.inf)), op=MPI.MIN)
             if smallest < -1e-6 * contact.beam.section.depth:
                 raise ValueError(
                     f"{type(contact.obstacle).__name__}: starts {-smallest:.4g} inside the structure; "

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
+from .checks import require_positive
 from .discretise import Discretisation
 from .scene import Scene
 from .solve.control import ArcLength, LoadControl, StepRule
@@ -32,10 +33,7 @@ class Until:
     steps: int = 2000
 
     def __post_init__(self):
-        for name in ("deflection", "load", "steps"):
-            value = getattr(self, name)
-            if value is not None and not value > 0:
-                raise ValueError(f"Until: {name} is {value}; it must be positive")
+        require_positive(self, "deflection", "load", "steps")
 
     def reached(self, state: State) -> str | None:
         """Why the path ends at this state, or None."""

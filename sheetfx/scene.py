@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from . import forms
+from .checks import require_positive
 from .mesh.reader import Model
 from .section import Elastic, Section
 
@@ -93,8 +94,7 @@ class RigidCylinder:
     travel: tuple[float, float] | None = None
 
     def __post_init__(self):
-        if not self.radius > 0:
-            raise ValueError(f"RigidCylinder: radius is {self.radius}; it must be positive")
+        require_positive(self, "radius")
 
     def gap(self, x, shift):
         return forms.interface.cylinder_gap(x, self._centre(shift), self.radius)

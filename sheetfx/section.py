@@ -5,11 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import pi, tanh
 
-
-def _require_positive(owner, **values):
-    for name, value in values.items():
-        if not value > 0:
-            raise ValueError(f"{type(owner).__name__}: {name} is {value}; it must be positive")
+from .checks import require_positive
 
 
 @dataclass(frozen=True)
@@ -27,7 +23,7 @@ class Elastic:
     poisson: float = 0.3
 
     def __post_init__(self):
-        _require_positive(self, modulus=self.modulus)
+        require_positive(self, "modulus")
         if not -1 < self.poisson <= 0.5:
             raise ValueError(f"Elastic: poisson is {self.poisson}; it must lie above -1 and not above 0.5")
 
@@ -70,7 +66,7 @@ class Rectangle(Section):
     shear_factor: float = 5 / 6
 
     def __post_init__(self):
-        _require_positive(self, width=self.width, depth=self.depth)
+        require_positive(self, "width", "depth")
 
     @property
     def area(self):
@@ -97,7 +93,7 @@ class Tube(Section):
     shear_factor: float = 0.5
 
     def __post_init__(self):
-        _require_positive(self, diameter=self.diameter, thickness=self.thickness)
+        require_positive(self, "diameter", "thickness")
         if 2 * self.thickness > self.diameter:
             raise ValueError(f"Tube: thickness {self.thickness} is more than half the diameter {self.diameter}")
 

@@ -48,7 +48,7 @@ class State:
     current_stiffness : Bergan's current stiffness parameter
     reference : squared norm of the first response, and its work
     contact_points, penetration : points that touch and largest penetration
-    critical : critical points between the last state and this one
+    critical : critical points that this state brought to light, in its step or the one before
     fields : values of all fields on this process
     """
 

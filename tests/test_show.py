@@ -70,7 +70,8 @@ def test_labels_name_kind_and_load(record):
 def test_path_changes_stability_at_critical_points(record):
     class Stop:
         def __init__(self, load, unstable, *critical):
-            self.deflection, self.load, self.unstable, self.critical = load, load, unstable, critical
+            self.step = self.deflection = self.load = load
+            self.unstable, self.critical = unstable, critical
 
     first, second = (CriticalPoint("limit", load, load, 2) for load in (1.5, 1.7))
     knots, unstable = curves.path_knots([Stop(0, 0), Stop(1, 0), Stop(2, 0, first, second), Stop(3, 1)])

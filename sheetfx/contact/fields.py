@@ -92,7 +92,6 @@ class ContactFields:
         self._position = position
         self.gap = obstacle.gap(position, travel)
         self.slip = obstacle.slip(position, travel, previous(position), [previous(t) for t in travel])
-        self._expression = None
 
     @property
     def multipliers(self) -> list:

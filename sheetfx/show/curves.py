@@ -69,11 +69,12 @@ def path_knots(states: list[State]) -> tuple[np.ndarray, np.ndarray]:
     (n, 2) deflection and load of states and critical points; (n - 1,) bool
     """
     rows, unstable = [(states[0].deflection, states[0].load)], []
+    points = [p for s in states for p in s.critical]
     for before, after in zip(states[:-1], states[1:], strict=True):
+        inside = [(p.deflection, p.load) for p in points if p.step == after.step]
         ends = bool(before.unstable), bool(after.unstable)
-        inner = [True] * (len(after.critical) - 1)
-        unstable += [ends[0], *inner, ends[1]] if after.critical else [ends[1]]
-        rows += [(p.deflection, p.load) for p in after.critical] + [(after.deflection, after.load)]
+        unstable += [ends[0], *[True] * (len(inside) - 1), ends[1]] if inside else [ends[1]]
+        rows += [*inside, (after.deflection, after.load)]
     return np.array(rows), np.array(unstable, dtype=bool)
 
 

@@ -11,12 +11,7 @@ from math import copysign, sqrt
 
 from petsc4py import PETSc
 
-
-def _positive(owner, *names):
-    for name in names:
-        value = getattr(owner, name)
-        if value is not None and not value > 0:
-            raise ValueError(f"{type(owner).__name__}: {name} is {value}; it must be positive")
+from ..checks import require_positive
 
 
 @dataclass(frozen=True)
@@ -39,7 +34,7 @@ class StepRule:
     turn: float = 0.8
 
     def __post_init__(self):
-        _positive(self, "step", "smallest", "largest", "iterations", "turn")
+        require_positive(self, "step", "smallest", "largest", "iterations", "turn")
 
     @property
     def first(self) -> float:
