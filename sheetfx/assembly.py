@@ -2,44 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 
-import basix.ufl
 import numpy as np
 import ufl
 from dolfinx import fem
 from dolfinx.cpp.la.petsc import get_local_vectors, scatter_local_vectors
-from dolfinx.fem.petsc import create_vector_block
-from dolfinx.mesh import Mesh
 from petsc4py import PETSc
 from ufl.algorithms.map_integrands import map_integrands
 
 from . import compat
 from .compat import JIT
+from .elements import ElementWork, Internal
 from .timing import Stopwatch
 from .unknowns import Unknowns
-
-
-@dataclass(frozen=True)
-class Internal:
-    """Internal virtual work of one group of cells with one quadrature rule.
-
-    Attributes
-    ----------
-    strains : UFL vector of generalised strains
-    law : function from strains to stress resultants
-    integral : measure
-    degree : quadrature degree of the measure
-    mesh, cells : what the measure covers
-    """
-
-    strains: object
-    law: Callable
-    integral: ufl.Measure
-    degree: int
-    mesh: Mesh
-    cells: np.ndarray
 
 
 class System:
@@ -50,29 +26,27 @@ class System:
     unknowns : Unknowns
     factor : ufl variable around a fem.Constant, the load factor as it appears in `work`
     internal : terms of internal virtual work
-    work : UFL form of all other virtual work (contact positive, loads negative), or None
+    work : UFL form of all other virtual work (contact positive, loads negative)
     fixed : for each block the local dofs whose increment is zero
     symmetric : whether the tangent is symmetric (no friction, conservative loads)
     mixed_points : use the mixed integration point tangent (Magisano, Leonetti and Garcea 2017)
         instead of the plain derivative of the residual
     """
 
-    def __init__(self, unknowns: Unknowns, factor, internal: Sequence[Internal], work=None, *,
+    def __init__(self, unknowns: Unknowns, factor, internal: Sequence[Internal], work, *,
                  fixed: Sequence[np.ndarray], symmetric: bool = True, mixed_points: bool = True,
                  clock: Stopwatch | None = None):
-        self.unknowns, self.internal, self.symmetric = unknowns, list(internal), symmetric
+        self.unknowns, self.symmetric = unknowns, symmetric
         self.clock = clock or Stopwatch()
         self._factor = factor
-        self._increments = [fem.Function(b.space) for b in unknowns.blocks]
-        self._stresses = [_StressStore(t, unknowns, self._increments) for t in internal] if mixed_points else []
-        with self.clock("compile"):
-            self._compile(work)
         self._maps = [(b.space.dofmap.index_map, b.space.dofmap.index_map_bs) for b in unknowns.blocks]
+        self._offsets = np.concatenate(([0], np.cumsum([m.size_local * bs for m, bs in self._maps])))
+        self._changes = [fem.Function(f.value.function_space) for f in unknowns.fields] if mixed_points else None
+        with self.clock("compile"):
+            self.internal = [ElementWork(t, unknowns.fields, self._changes) for t in internal]
+            self._compile(work)
         self._fix(fixed)
-        self.matrix = compat.create_matrix(self._tangent)
-        if symmetric:
-            self.matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-            self.matrix.setOption(PETSc.Mat.Option.SYMMETRY_ETERNAL, True)
+        self._create_matrix()
         self.weights = self._inner_product_weights()
 
     @property
@@ -96,40 +70,83 @@ class System:
         )
 
     def _compile(self, work) -> None:
-        vary, linearise = self.unknowns.vary, self.unknowns.linearise
-        forces = sum(ufl.inner(t.law(t.strains), vary(t.strains)) * t.integral for t in self.internal)
-        residual = forces + work if work is not None else forces
-        if self._stresses:
-            tangent = sum(
-                ufl.inner(linearise(t.law(t.strains)), vary(t.strains)) * t.integral
-                + ufl.inner(s.stress, linearise(vary(t.strains))) * t.integral
-                for t, s in zip(self.internal, self._stresses, strict=True)
-            )
-            if work is not None:
-                tangent += linearise(work)
-        else:
-            tangent = linearise(residual)
-        load = -map_integrands(lambda e: ufl.diff(e, self._factor), ufl.algorithms.expand_derivatives(residual))
-        self._residual = self._compiled(residual)
-        self._tangent = self._compiled(tangent)
+        load = -map_integrands(lambda e: ufl.diff(e, self._factor), ufl.algorithms.expand_derivatives(work))
+        self._residual = self._compiled(work)
+        tangent = self._compiled(self.unknowns.linearise(work))
+        self._tangent = tangent and self._square(tangent)
         self._load = self._compiled(load)
-        if all(form is None for form in self._load):
+        if self._load is None:
             raise ValueError("no load of the scene depends on the load factor; add one to `loads`")
 
     def _compiled(self, form) -> list:
-        return fem.form(self.unknowns.blocks_of(self.unknowns.at_rest(form)), jit_options=JIT)
+        form = self.unknowns.at_rest(form)
+        return None if form.empty() else fem.form(self.unknowns.blocks_of(form), jit_options=JIT)
+
+    def _square(self, forms: list) -> list:
+        """Put empty forms on the diagonal, which DOLFINx needs for the spaces and for fixed unknowns."""
+        for n, block in enumerate(self.unknowns.blocks):
+            if forms[n][n] is None:
+                zero = fem.Constant(block.space.mesh, 0.0)
+                u, v = ufl.TrialFunction(block.space), ufl.TestFunction(block.space)
+                forms[n][n] = fem.form(zero * ufl.inner(u, v) * ufl.dx, jit_options=JIT)
+        return forms
 
     def _fix(self, fixed) -> None:
         self._conditions, rows = [], []
-        offset = 0
-        for block, (index_map, size), dofs in zip(self.unknowns.blocks, self._maps, fixed, strict=True):
-            owned = index_map.size_local * size
+        for block, dofs, offset in zip(self.unknowns.blocks, fixed, self._offsets, strict=False):
             if block.space.mesh.comm.allreduce(len(dofs)):
                 self._conditions.append(fem.dirichletbc(fem.Function(block.space), np.asarray(dofs, dtype=np.int32)))
-            rows.append(offset + dofs[dofs < owned])
-            offset += owned
+            rows.append(offset + dofs[dofs < self._owned(block)])
+        self._fixed_dofs = fixed
         self._fixed = np.concatenate(rows).astype(np.int32)
-        self.size = self.comm.allreduce(offset - len(self._fixed))
+        self.size = self.comm.allreduce(int(self._offsets[-1]) - len(self._fixed))
+
+    def _create_matrix(self) -> None:
+        """A matrix for the entries of internal work, of other work and of fixed unknowns, in this order."""
+        numbers = dict(zip((id(b) for b in self.unknowns.blocks), self._free_numbers(), strict=True))
+        place = {id(f): numbers[id(b)][f.dofs].reshape(-1, f.width) for b in self.unknowns.blocks for f in b.fields}
+        places = [place[id(f)] for f in self.unknowns.fields]
+        rows, columns = [], []
+        for work in self.internal:
+            for pair in work.pairs:
+                left = np.broadcast_to(places[pair.rows][pair.nodes[:, 0], :, None], pair.values.shape).ravel()
+                right = np.broadcast_to(places[pair.columns][pair.nodes[:, 1], None, :], pair.values.shape).ravel()
+                mirrored = pair.rows != pair.columns
+                rows += [left, right] if mirrored else [left]
+                columns += [right, left] if mirrored else [right]
+            for number in work.places:
+                if self.unknowns.fields[number].curved:
+                    rows.append(places[number].ravel())
+                    columns.append(places[number].ravel())
+        self._other = None
+        if self._tangent is not None:
+            self._other = compat.create_matrix(self._tangent)
+            compat.assemble_matrix(self._other, self._tangent, self._conditions)
+            first, pointer, column = self._other.getOwnershipRange()[0], *self._other.getValuesCSR()[:2]
+            rows.append(first + np.repeat(np.arange(len(pointer) - 1), np.diff(pointer)))
+            columns.append(column)
+        ends = self.comm.scan(int(self._offsets[-1]))
+        fixed = self._fixed + ends - self._offsets[-1]
+        rows, columns = np.concatenate([*rows, fixed]), np.concatenate([*columns, fixed])
+        lost = (rows < 0) | (columns < 0)
+        rows[lost], columns[lost] = -1, -1
+        self.matrix = compat.create_coo_matrix(self.comm, int(self._offsets[-1]), rows, columns)
+        if self.symmetric:
+            self.matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+            self.matrix.setOption(PETSc.Mat.Option.SYMMETRY_ETERNAL, True)
+
+    def _free_numbers(self) -> list[np.ndarray]:
+        """For each block the global number of each local dof; -1 if it is fixed."""
+        start = self.comm.scan(int(self._offsets[-1])) - int(self._offsets[-1])
+        numbers = []
+        for block, offset, fixed in zip(self.unknowns.blocks, self._offsets, self._fixed_dofs, strict=False):
+            number = fem.Function(block.space)
+            owned = self._owned(block)
+            number.x.array[:owned] = start + offset + np.arange(owned)
+            number.x.array[fixed[fixed < owned]] = -1
+            number.x.scatter_forward()
+            numbers.append(np.rint(number.x.array).astype(np.int64))
+        return numbers
 
     def _inner_product_weights(self) -> PETSc.Vec:
         """Weights that make increments of translations and rotations commensurate.
@@ -148,12 +165,16 @@ class System:
         return weights
 
     @staticmethod
+    def _owned(block) -> int:
+        return block.space.dofmap.index_map.size_local * block.space.dofmap.index_map_bs
+
+    @staticmethod
     def _local_size(block) -> int:
         index_map = block.space.dofmap.index_map
         return (index_map.size_local + index_map.num_ghosts) * block.space.dofmap.index_map_bs
 
     def create_vector(self) -> PETSc.Vec:
-        return create_vector_block(self._residual)
+        return compat.create_vector(self._maps)
 
     def configure(self, x: PETSc.Vec) -> None:
         """Put all fields to the last converged state followed by the increments x."""
@@ -175,7 +196,7 @@ class System:
 
     def residual(self, out: PETSc.Vec) -> None:
         """Out-of-balance forces of the current configuration."""
-        self._assemble(self._residual, out)
+        self._assemble(self._residual, out, self._internal_forces)
         self.reaction = self.comm.allreduce(float(self._support @ self._support)) ** 0.5
 
     def load(self, out: PETSc.Vec) -> None:
@@ -183,10 +204,24 @@ class System:
         self._assemble(self._load, out)
 
     def tangent(self) -> PETSc.Mat:
+        """Derivative of the residual with respect to increments of the current configuration."""
         with self.clock("assembly"):
-            return compat.assemble_matrix(self.matrix, self._tangent, self._conditions)
+            values = []
+            for work in self.internal:
+                work.tangent()
+                for pair in work.pairs:
+                    values += [pair.values.ravel()] * (1 if pair.rows == pair.columns else 2)
+                for number, curvature in zip(work.places, work.curvatures, strict=True):
+                    field = self.unknowns.fields[number]
+                    if field.curved:
+                        values.append(np.repeat(curvature, field.width))
+            if self._other is not None:
+                values.append(compat.assemble_matrix(self._other, self._tangent, self._conditions).getValuesCSR()[2])
+            values.append(np.ones(len(self._fixed)))
+            compat.set_coo_values(self.matrix, np.concatenate(values))
+            return self.matrix
 
-    def _assemble(self, forms, out) -> None:
+    def _assemble(self, forms, out, further=lambda arrays: None) -> None:
         with self.clock("assembly"):
             arrays = []
             for block, form in zip(self.unknowns.blocks, forms, strict=True):
@@ -194,25 +229,44 @@ class System:
                 if form is not None:
                     fem.assemble_vector(array, form)
                 arrays.append(array)
+            further(arrays)
             scatter_local_vectors(out, arrays, self._maps)
             out.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
             self._support = out.array[self._fixed]
             out.array[self._fixed] = 0
 
+    def _internal_forces(self, arrays) -> None:
+        """Add internal forces to the local arrays of the blocks."""
+        fields = self.unknowns.fields
+        forces = [np.zeros((len(f.value.x.array) // f.value.function_space.dofmap.bs,
+                            f.value.function_space.dofmap.bs)) for f in fields]
+        for work in self.internal:
+            work.residual(forces)
+        touched = {number for work in self.internal for number in work.places}
+        force_of = {id(f): forces[n] for n, f in enumerate(fields) if n in touched}
+        for block, array in zip(self.unknowns.blocks, arrays, strict=True):
+            for f in block.fields:
+                if id(f) in force_of:
+                    force = force_of[id(f)]
+                    basis = np.broadcast_to(f.variations(), (len(force), force.shape[1], f.width))
+                    array[f.dofs] += np.einsum("na,nai->ni", force, basis).ravel()
+
     def extrapolate_stress(self, step: PETSc.Vec | None = None) -> None:
         """Stresses of the tangent: those of the current state plus their linear change by `step`."""
-        if not self._stresses:
+        if self._changes is None:
             return
         with self.clock("assembly"):
-            if step is None:
-                for function in self._increments:
-                    function.x.array[:] = 0
-            else:
+            for change in self._changes:
+                change.x.array[:] = 0
+            if step is not None:
                 step.ghostUpdate(addv=PETSc.InsertMode.INSERT, mode=PETSc.ScatterMode.FORWARD)
-                for function, array in zip(self._increments, get_local_vectors(step, self._maps), strict=True):
-                    function.x.array[:] = array
-            for store in self._stresses:
-                store.update()
+                local = get_local_vectors(step, self._maps)
+                changes = iter(self._changes)
+                for block, array in zip(self.unknowns.blocks, local, strict=True):
+                    for f in block.fields:
+                        next(changes).x.array[:] = f.change(array)
+            for work in self.internal:
+                work.extrapolate_stress()
 
     def commit(self) -> None:
         """Accept the current configuration as converged; increments count from here."""
@@ -228,25 +282,3 @@ class System:
         for f in self.unknowns.fields:
             f.previous.x.array[:] = snapshot[f.name]
             f.value.x.array[:] = f.previous.x.array
-
-
-class _StressStore:
-    """Stress at the integration points of one internal term, extrapolated along an increment."""
-
-    def __init__(self, term: Internal, unknowns: Unknowns, increments):
-        mesh = term.mesh
-        shape = term.strains.ufl_shape
-        element = basix.ufl.quadrature_element(mesh.basix_cell(), value_shape=shape, degree=term.degree)
-        self.stress = fem.Function(fem.functionspace(mesh, element))
-        self._cells = term.cells
-        resultants = term.law(term.strains)
-        change = unknowns.linearise_along(resultants, increments)
-        points = element.custom_quadrature()[0]
-        expression = unknowns.at_rest(resultants + change)
-        self._expression = fem.Expression(expression, points, jit_options=JIT)
-        self._dofs = self.stress.function_space.dofmap.list[self._cells]
-        self._width = shape[0]
-
-    def update(self) -> None:
-        values = self._expression.eval(self.stress.function_space.mesh, self._cells)
-        self.stress.x.array.reshape(-1, self._width)[self._dofs.ravel()] = values.reshape(-1, self._width)

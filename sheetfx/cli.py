@@ -128,6 +128,33 @@ def warm(scenes: Annotated[list[str] | None, typer.Argument(help="Names of scene
         Discretisation(load_scene(name)().scene)
 
 
+@app.command()
+def chart(
+    name: Annotated[str, typer.Argument(help="Name of a scene, or a script.")],
+    repeat: Annotated[int, typer.Option(min=1, help="Runs of each method; the median counts.")] = 3,
+    no_peers: Annotated[bool, typer.Option("--no-peers", help="Leave other programs out.")] = False,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="Folder; default results/NAME-chart.")] = None,
+) -> None:
+    """Draw error against CPU time of a scene's meshes and forms, beside other programs."""
+    from rich.console import Console
+
+    from .show.chart import draw_chart, print_table, write_table
+    from .study import family, measure
+
+    console, title = Console(highlight=False), Path(name).stem
+    reference, members, peers = family(name)
+    points = measure(reference, members, [] if no_peers else peers, repeat,
+                     lambda line: console.print(line, soft_wrap=True, markup=False))
+    if not points:
+        raise ValueError(f"chart of {name}: no method gave a result; the lines above say why")
+    folder = output or Path("results") / f"{title}-chart"
+    folder.mkdir(parents=True, exist_ok=True)
+    write_table(points, folder / "chart.csv")
+    draw_chart(points, title).savefig(folder / "chart.png", dpi=150)
+    print_table(points, console)
+    console.print(f"results in {folder}", soft_wrap=True)
+
+
 def main() -> None:
     """Entry point: errors of input are one line that names object, value and remedy."""
     try:

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import ctypes
+
+import dolfinx.cpp.fem.petsc as cpp_petsc
 import dolfinx.fem.petsc as petsc_fem
+import numpy as np
+from petsc4py import PETSc
 
 try:
     from dolfinx.io import gmsh as _gmshio
@@ -20,6 +25,43 @@ def model_to_mesh(model, comm, dimension):
     return result.mesh, result.cell_tags, result.facet_tags
 
 
+def create_vector(maps):
+    """Ghosted vector for blocks with the given index maps and block sizes."""
+    return cpp_petsc.create_vector_block(maps)
+
+
+_petsc = ctypes.CDLL(PETSc.__file__)
+
+
+def create_coo_matrix(comm, size, rows, columns):
+    """Sparse matrix that sums its entries by coordinates (petsc4py 3.22 lacks these calls of PETSc).
+
+    Parameters
+    ----------
+    size : number of rows of this process
+    rows, columns : global places of the entries; an entry at a negative place is ignored
+    """
+    matrix = PETSc.Mat().create(comm)
+    matrix.setSizes(((size, None), (size, None)))
+    matrix.setType(PETSc.Mat.Type.AIJ)
+    rows, columns = (np.array(x, dtype=PETSc.IntType) for x in (rows, columns))
+    _check(_petsc.MatSetPreallocationCOO(ctypes.c_void_p(matrix.handle), ctypes.c_ssize_t(len(rows)),
+                                         rows.ctypes.data_as(ctypes.c_void_p), columns.ctypes.data_as(ctypes.c_void_p)))
+    return matrix
+
+
+def set_coo_values(matrix, values):
+    """Give the entries their values, in the order of `create_coo_matrix`."""
+    values = np.ascontiguousarray(values, dtype=PETSc.ScalarType)
+    _check(_petsc.MatSetValuesCOO(ctypes.c_void_p(matrix.handle), values.ctypes.data_as(ctypes.c_void_p),
+                                  ctypes.c_int(int(PETSc.InsertMode.INSERT_VALUES))))
+
+
+def _check(code):
+    if code:
+        raise PETSc.Error(code)
+
+
 def create_matrix(forms):
     """Sparse matrix of a square array of forms."""
     if hasattr(petsc_fem, "create_matrix_block"):
@@ -28,11 +70,11 @@ def create_matrix(forms):
 
 
 def assemble_matrix(matrix, forms, conditions):
-    """Assemble a square array of forms; ones on the diagonal of fixed unknowns."""
+    """Assemble a square array of forms without the rows and columns of fixed unknowns."""
     matrix.zeroEntries()
     if hasattr(petsc_fem, "assemble_matrix_block"):
-        petsc_fem.assemble_matrix_block(matrix, forms, bcs=conditions)
+        petsc_fem.assemble_matrix_block(matrix, forms, bcs=conditions, diagonal=0.0)
     else:
-        petsc_fem.assemble_matrix(matrix, forms, bcs=conditions)
+        petsc_fem.assemble_matrix(matrix, forms, bcs=conditions, diag=0.0)
     matrix.assemble()
     return matrix

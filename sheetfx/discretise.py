@@ -9,11 +9,13 @@ from dolfinx import fem
 from mpi4py import MPI
 
 from . import forms
-from .assembly import Internal, System
+from .assembly import System
 from .contact.enforcement import Enforcement
 from .contact.fields import ContactFields
 from .kinematics import Kinematics, beam_kinematics
+from .elements import Internal
 from .mesh.reader import Model
+from .quadrature import gauss
 from .scene import COMPONENTS, Beam, Contact, LineForce, Moment, Monitor, Motion, PointForce, Push, Scene
 from .timing import Stopwatch
 from .unknowns import AdditiveField, Block, Unknowns
@@ -109,12 +111,10 @@ class Discretisation:
     def _internal(self, beam: Beam) -> Internal:
         k = self.kinematics(beam.model)
         stiffness = beam.section.stiffness(beam.material, beam.model.dimension, beam.shear_rigidity)
-        degree = 2 * beam.degree - 1
         return Internal(
-            strains=beam.strains(k.u, k.rotation, beam.frame()),
+            strains=beam.strains(k.u, k.total_rotation, beam.frame()),
             law=lambda strains: beam.law(strains, stiffness),
-            integral=beam.model.integral({"quadrature_degree": degree}, beam.group),
-            degree=degree,
+            rule=gauss(beam.model.mesh.basix_cell(), beam.degree),
             mesh=beam.model.mesh,
             cells=beam.model.group(beam.group),
         )

@@ -16,11 +16,17 @@ from .unknowns import AdditiveField, Block, QuaternionField
 
 @dataclass(frozen=True)
 class Kinematics:
-    """Displacement and rotation of the beams of one model."""
+    """Displacement and rotation of the parts of one model.
+
+    Attributes
+    ----------
+    rotation, total_rotation : with and without the symbol of its increment, for virtual work and strains
+    """
 
     u: fem.Function
     spin: fem.Function
     rotation: object
+    total_rotation: object
     block: Block
 
     def sub_space(self, component: str):
@@ -62,13 +68,14 @@ def beam_kinematics(model: Model, degree: int) -> Kinematics:
     displacement = AdditiveField(u, np.asarray(u_dofs), model.size)
     spin = fem.Function(spin_space, name="rotation")
     if dimension == 2:
-        turn, rotation = AdditiveField(spin, np.asarray(spin_dofs), 1.0), forms.rotation.PlanarRotation(spin)
+        turn = AdditiveField(spin, np.asarray(spin_dofs), 1.0)
+        rotation = total = forms.rotation.PlanarRotation(spin)
     else:
         q = fem.Function(fem.functionspace(mesh, ("P", degree, (4,))), name="rotation")
         order = _matching_nodes(q.function_space, spin_space)
         turn = QuaternionField(q, spin, np.asarray(spin_dofs).reshape(-1, 3)[order].ravel())
-        rotation = forms.rotation.SpatialRotation(q, spin)
-    return Kinematics(u, spin, rotation, Block(space, (displacement, turn)))
+        rotation, total = forms.rotation.SpatialRotation(q, spin), forms.rotation.SpatialRotation(q)
+    return Kinematics(u, spin, rotation, total, Block(space, (displacement, turn)))
 
 
 def _matching_nodes(space, other) -> np.ndarray:

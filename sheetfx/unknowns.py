@@ -42,8 +42,23 @@ class AdditiveField:
     def name(self) -> str:
         return self.value.name
 
+    @property
+    def width(self) -> int:
+        """Number of components of a nodal increment."""
+        return self.value.function_space.dofmap.bs
+
+    curved = False
+
+    def variations(self) -> np.ndarray:
+        """Nodal variations by a unit increment, shape (nodes or 1 if all alike, components, width)."""
+        return np.eye(self.width)[None]
+
     def advance(self, block_increment: np.ndarray) -> None:
         self.value.x.array[:] = self.previous.x.array + block_increment[self.dofs]
+
+    def change(self, block_increment: np.ndarray) -> np.ndarray:
+        """First-order change of the value's array by a further increment."""
+        return block_increment[self.dofs]
 
     def combine(self, total: np.ndarray, further: np.ndarray) -> None:
         """Follow the increment `total` (changed in place) by `further`."""
@@ -58,7 +73,14 @@ class AdditiveField:
 
 
 class QuaternionField(AdditiveField):
-    """Rotations as nodal quaternions (scalar first) with Rodrigues increments of 3 components."""
+    """Rotations as nodal quaternions (scalar first) with Rodrigues increments of 3 components.
+
+    The value is of unit length at nodes; its second variation by an increment a is -|a|^2 / 4 times itself,
+    so that fields of this type are curved.
+    """
+
+    curved = True
+    width = 3
 
     def __init__(self, value: Function, symbol: Function, dofs: np.ndarray):
         super().__init__(value, dofs, 1.0)
@@ -66,9 +88,18 @@ class QuaternionField(AdditiveField):
         value.x.array.reshape(-1, 4)[:] = (1, 0, 0, 0)
         self.commit()
 
+    def variations(self):
+        q = self.value.x.array.reshape(-1, 4)
+        q0, q1, q2, q3 = q.T / 2
+        rows = [[-q1, -q2, -q3], [q0, q3, -q2], [-q3, q0, q1], [q2, -q1, q0]]
+        return np.ascontiguousarray(np.array(rows).transpose(2, 0, 1))
+
     def advance(self, block_increment):
         increment = block_increment[self.dofs].reshape(-1, 3)
         self.value.x.array.reshape(-1, 4)[:] = _compose(increment, self.previous.x.array.reshape(-1, 4))
+
+    def change(self, block_increment):
+        return np.einsum("nai,ni->na", self.variations(), block_increment[self.dofs].reshape(-1, 3)).ravel()
 
     def combine(self, total, further):
         before = total[self.dofs].reshape(-1, 3)
@@ -121,10 +152,6 @@ class Unknowns:
     def linearise(self, expression):
         """Derivative of an expression or form in the direction of the trial functions."""
         return ufl.derivative(expression, self._symbols, self._trials)
-
-    def linearise_along(self, expression, directions: Sequence):
-        """Derivative of an expression in the direction of given functions, one for each block."""
-        return ufl.derivative(expression, self._symbols, self._pieces(directions))
 
     def previous(self, expression):
         """The expression as it was at the last converged state."""

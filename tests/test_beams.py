@@ -81,12 +81,12 @@ def test_cantilever_rolls_up_to_circles_in_the_plane(degree):
 
 
 def test_cantilever_rolls_up_to_circles_in_space():
-    """The error of the fourth order comes from the interpolated quaternions."""
+    """The error of the fourth order comes from the interpolated quaternions, 30 degrees on an element of 24."""
     errors = []
     for elements in (24, 48):
         case = roll_up.scene(turns=2, elements=elements, spatial=True)
         errors.append(case.quantities(trace(case))["tip_error"])
-    assert errors[0] < 1e-5
+    assert errors[0] < 1e-4
     assert np.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.2)
 
 
@@ -218,7 +218,7 @@ SCENES = {
 @pytest.mark.parametrize("mixed_points", [True, False])
 @pytest.mark.parametrize("name", SCENES)
 def test_tangent_is_the_derivative_of_the_residual(name, mixed_points):
-    """Where the mixed stress is the current stress; 1e-6 is the error of central differences."""
+    """Where the mixed stress is the current stress; the bound is the error of central differences."""
     discretisation = Discretisation(SCENES[name](), mixed_points)
     x = move_until_partly_touching(discretisation) if discretisation.contacts else move_at_random(discretisation)
     assembled, differences = tangents(discretisation.system, x)
@@ -260,35 +260,24 @@ def test_spatial_tangent_with_equal_rotations(mixed_points):
     assert distance(assembled, differences) > 1e-4
 
 
-NODAL_UPDATE = (
-    "the forms vary the interpolated quaternion by the interpolated spin, the update composes node by node: "
-    "the tangent lacks terms of the second order in the rotation between neighbouring nodes")
-
-
-@pytest.mark.xfail(strict=True, reason=NODAL_UPDATE)
 @pytest.mark.parametrize("mixed_points", [True, False])
 def test_spatial_tangent_is_the_symmetric_derivative_of_the_residual(mixed_points):
     discretisation = Discretisation(beam_scene(3), mixed_points)
     x = move_at_random(discretisation)
     assembled, differences = tangents(discretisation.system, x)
-    assert distance(assembled + assembled.T, differences + differences.T) < 1e-6
+    assert distance(assembled + assembled.T, differences + differences.T) < 1e-7
 
 
-def test_spatial_tangent_at_equilibrium_converges_to_the_derivative_of_the_residual():
-    """Second order in the cell length, see NODAL_UPDATE; 2.3e-3 on three elements."""
-    errors = []
-    for elements in (3, 6, 12):
-        scene = cantilever(straight(elements, dimension=3), lambda b: [PointForce(b.model, "tip", (1.0, 5.0, 20.0))],
-                           section=Rectangle(0.2, 0.1), up=(0.0, 1.0, 0.0), component="z")
-        record = follow(scene)
-        system = record.path.discretisation.system
-        x = system.create_vector()
-        system.configure(x)
-        system.extrapolate_stress()
-        errors.append(distance(*tangents(system, x)))
-        assert record.states[-1].deflection > 0.5
-    assert errors[0] < 3e-3
-    assert np.log2(np.divide(errors[:-1], errors[1:])) == pytest.approx([2, 2], abs=0.2)
+def test_spatial_tangent_at_equilibrium_is_the_derivative_of_the_residual():
+    scene = cantilever(straight(3, dimension=3), lambda b: [PointForce(b.model, "tip", (1.0, 5.0, 20.0))],
+                       section=Rectangle(0.2, 0.1), up=(0.0, 1.0, 0.0), component="z")
+    record = follow(scene)
+    system = record.path.discretisation.system
+    x = system.create_vector()
+    system.configure(x)
+    system.extrapolate_stress()
+    assert distance(*tangents(system, x)) < 1e-7
+    assert record.states[-1].deflection > 0.5
 
 
 def small_strain(u, rotation, frame):
@@ -344,9 +333,9 @@ def turn_rigidly(discretisation, angle, axis, steps):
 
 def energy_and_residual(discretisation):
     system = discretisation.system
-    term = system.internal[0]
+    term = system.internal[0].term
     density = ufl.inner(term.law(term.strains), term.strains) / 2
-    energy = fem.assemble_scalar(fem.form(discretisation.unknowns.at_rest(density * term.integral)))
+    energy = fem.assemble_scalar(fem.form(density * ufl.dx(metadata=term.rule.metadata)))
     out = system.create_vector()
     system.residual(out)
     return energy, np.linalg.norm(out.array)

@@ -71,14 +71,17 @@ class PlanarRotation:
 class SpatialRotation:
     """Stored quaternion followed by a Rodrigues increment; no limit on the total rotation.
 
-    The increment is zero when forms are evaluated; it exists so that forms can be
-    differentiated. Its variation at zero is the spin, so moments are conjugate to the spin.
+    An increment is zero when forms are evaluated; it exists so that the virtual work of loads can be
+    written with the spin, its variation at zero.
     """
 
     quaternion: object
-    increment: object
+    increment: object = None
 
     def _product(self):
+        if self.increment is None:
+            q = self.quaternion
+            return q[0], ufl.as_vector([q[1], q[2], q[3]])
         return compose(self.increment, self.quaternion)
 
     def rotate(self, a):

@@ -1,0 +1,241 @@
+"""Shell benchmarks of Sze, Liu and Lo (2004) in Kratos Multiphysics, for the charts of sheetfx.
+
+python3 kratos.py hemisphere --cells 24 --steps 10 --solver amgcl
+
+The last line of output that starts with a brace reports the run: quantities, unknowns, iterations,
+and the CPU seconds of the loop over the steps.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from math import cos, pi, radians, sin
+
+import KratosMultiphysics as Kratos
+import KratosMultiphysics.LinearSolversApplication  # noqa: F401, registers sparse_lu
+import KratosMultiphysics.StructuralMechanicsApplication as Structural
+from KratosMultiphysics.python_linear_solver_factory import ConstructSolver
+from scipy.interpolate import CubicSpline
+
+MITC4 = "ShellThickElementCorotational3D4N"
+SOLVERS = {"amgcl": "amgcl", "sparse_lu": "LinearSolversApplication.sparse_lu"}
+MOST_ITERATIONS = 50
+FREEDOMS = {
+    "x": Kratos.DISPLACEMENT_X, "y": Kratos.DISPLACEMENT_Y, "z": Kratos.DISPLACEMENT_Z,
+    "rx": Kratos.ROTATION_X, "ry": Kratos.ROTATION_Y, "rz": Kratos.ROTATION_Z}
+FORCES = {"x": Structural.POINT_LOAD_X, "y": Structural.POINT_LOAD_Y, "z": Structural.POINT_LOAD_Z}
+
+
+class Shell:
+    """A shell on a grid of corotational quadrilaterals.
+
+    Parameters
+    ----------
+    cells : along the two directions of the grid
+    place : function (s, t) -> coordinates, for s and t from 0 to 1
+    material : Young's modulus, Poisson's ratio, thickness
+    element : Kratos's name of the element
+    """
+
+    def __init__(self, cells, place, material, element=MITC4):
+        self.cells, self.iterations = cells, 0
+        self._model = Kratos.Model()
+        self.part = self._model.CreateModelPart("shell", 2)
+        for variable in (Kratos.DISPLACEMENT, Kratos.REACTION, Kratos.ROTATION, Kratos.REACTION_MOMENT,
+                         Kratos.VOLUME_ACCELERATION, Structural.POINT_LOAD):
+            self.part.AddNodalSolutionStepVariable(variable)
+        self.part.ProcessInfo[Kratos.DOMAIN_SIZE] = 3
+        self._properties = _properties(self.part, material, element)
+        self._build_mesh(place, element)
+        for axis in "XYZ":
+            for freedom, reaction in (("DISPLACEMENT_", "REACTION_"), ("ROTATION_", "REACTION_MOMENT_")):
+                Kratos.VariableUtils().AddDof(
+                    getattr(Kratos, freedom + axis), getattr(Kratos, reaction + axis), self.part)
+
+    def _number(self, i, j):
+        return 1 + j + i * (self.cells[1] + 1)
+
+    def _build_mesh(self, place, element):
+        along, across = self.cells
+        for i in range(along + 1):
+            for j in range(across + 1):
+                self.part.CreateNewNode(self._number(i, j), *place(i / along, j / across))
+        corners = ((0, 0), (1, 0), (1, 1), (0, 1))
+        for i in range(along):
+            for j in range(across):
+                nodes = [self._number(i + di, j + dj) for di, dj in corners]
+                self.part.CreateNewElement(element, 1 + j + i * across, nodes, self._properties)
+
+    def node(self, i, j):
+        """Node by its place in the grid; negative numbers count from the end."""
+        return self.part.Nodes[self._number(i % (self.cells[0] + 1), j % (self.cells[1] + 1))]
+
+    def line(self, i=None, j=None):
+        """Nodes of the grid line with the given first or second number."""
+        if i is not None:
+            return [self.node(i, k) for k in range(self.cells[1] + 1)]
+        return [self.node(k, j) for k in range(self.cells[0] + 1)]
+
+    def fix(self, nodes, freedoms):
+        """Fix the named freedoms of nodes, for example "x ry rz"."""
+        for node in nodes:
+            for name in freedoms.split():
+                node.Fix(FREEDOMS[name])
+
+    def load(self, node, component, force):
+        """Make a point load; returns what `advance` scales."""
+        number = self.part.NumberOfConditions() + 1
+        self.part.CreateNewCondition("PointLoadCondition3D1N", number, [node.Id], self._properties)
+        return node, FORCES[component], force
+
+    def prepare(self, solver, tolerance, reactions=False):
+        """Set up Newton's method with convergence to a relative change of displacements."""
+        self._builder = Kratos.ResidualBasedBlockBuilderAndSolver(
+            ConstructSolver(Kratos.Parameters(json.dumps({"solver_type": SOLVERS[solver]}))))
+        criterion = Kratos.DisplacementCriteria(tolerance, 1e-12)
+        criterion.SetEchoLevel(0)
+        self._newton = Kratos.ResidualBasedNewtonRaphsonStrategy(
+            self.part, Kratos.ResidualBasedIncrementalUpdateStaticScheme(), criterion, self._builder,
+            MOST_ITERATIONS, reactions, False, True)
+        self._newton.SetEchoLevel(0)
+        self._newton.Initialize()
+        self._newton.Check()
+
+    def advance(self, step, controls, factor):
+        """Solve the next step under all controls (node, variable, value) times a factor."""
+        self.part.CloneTimeStep(float(step))
+        self.part.ProcessInfo[Kratos.STEP] = step
+        for node, variable, value in controls:
+            node.SetSolutionStepValue(variable, 0, factor * value)
+        self._newton.InitializeSolutionStep()
+        self._newton.Predict()
+        converged = self._newton.SolveSolutionStep()
+        self._newton.FinalizeSolutionStep()
+        self.iterations += self.part.ProcessInfo[Kratos.NL_ITERATION_NUMBER]
+        if not converged:
+            raise ArithmeticError(f"no convergence in step {step}")
+
+    @property
+    def unknowns(self):
+        return self._builder.GetEquationSystemSize()
+
+
+def _properties(part, material, element):
+    """MITC4 takes a law for all eight resultants, the other elements one for plane stress."""
+    properties = part.CreateNewProperties(1)
+    for variable, value in zip((Kratos.YOUNG_MODULUS, Kratos.POISSON_RATIO, Kratos.THICKNESS), material, strict=True):
+        properties[variable] = value
+    properties[Kratos.DENSITY] = 1.0
+    properties[Kratos.CONSTITUTIVE_LAW] = (Structural.ReissnerMindlinShellElasticConstitutiveLaw() if element == MITC4
+                                           else Structural.LinearElasticPlaneStress2DLaw())
+    return properties
+
+
+def at(node, component):
+    return node.GetSolutionStepValue(FREEDOMS[component])
+
+
+def spread(shell, nodes, component, total):
+    """Line load along an edge, as its nodes carry it."""
+    shares = [0.5 if node in (nodes[0], nodes[-1]) else 1.0 for node in nodes]
+    return [shell.load(node, component, total * share / sum(shares)) for node, share in zip(nodes, shares, strict=True)]
+
+
+def by_load(shell, options, controls):
+    """Reach the full load in equal steps; CPU seconds of it."""
+    shell.prepare(options.solver, options.tolerance)
+    start = time.process_time()
+    for step in range(1, options.steps + 1):
+        shell.advance(step, controls, step / options.steps)
+    return time.process_time() - start
+
+
+def hemisphere(options):
+    """Quarter of the pinched hemisphere with a hole of 18 degrees: radius 10, force 400."""
+    def place(s, t):
+        azimuth, height = s * pi / 2, t * radians(72.0)
+        return 10.0 * cos(height) * cos(azimuth), 10.0 * cos(height) * sin(azimuth), 10.0 * sin(height)
+
+    shell = Shell((options.cells, options.across or options.cells), place, (6.825e7, 0.3, 0.04), options.element)
+    outward, inward = shell.node(0, 0), shell.node(-1, 0)
+    shell.fix(shell.line(i=0), "y rx rz")
+    shell.fix(shell.line(i=-1), "x ry rz")
+    shell.fix([outward], "z")
+    cpu = by_load(shell, options, [shell.load(outward, "x", 200.0), shell.load(inward, "y", -200.0)])
+    return shell, cpu, {"u_A": at(outward, "x"), "u_B": -at(inward, "y")}
+
+
+def slit_annulus(options):
+    """Slit annular plate, radii 6 and 10, lifted along one side of the slit by 0.8 per length."""
+    def place(s, t):
+        radius, angle = 6.0 + 4.0 * t, 2 * pi * s
+        return radius * cos(angle), radius * sin(angle), 0.0
+
+    cells = options.cells, options.across or max(2, options.cells // 5)
+    shell = Shell(cells, place, (21e6, 0.0, 0.03), options.element)
+    shell.fix(shell.line(i=-1), "x y z rx ry rz")
+    cpu = by_load(shell, options, spread(shell, shell.line(i=0), "z", 3.2))
+    return shell, cpu, {"w_A": at(shell.node(0, 0), "z"), "w_B": at(shell.node(0, -1), "z")}
+
+
+def cantilever(options):
+    """Cantilever strip 10 x 1 x 0.1 under an end shear of 4."""
+    shell = Shell((options.cells, options.across or 1), lambda s, t: (10.0 * s, t, 0.0), (1.2e6, 0.0, 0.1),
+                  options.element)
+    shell.fix(shell.line(i=0), "x y z rx ry rz")
+    cpu = by_load(shell, options, spread(shell, shell.line(i=-1), "z", 4.0))
+    return shell, cpu, {"u_tip": -at(shell.node(-1, 0), "x"), "w_tip": at(shell.node(-1, 0), "z")}
+
+
+def roof(options):
+    """Quarter of the hinged cylindrical roof, pushed down at its crown by equal steps."""
+    def place(s, t):
+        return 254.0 * s, 2540.0 * sin(0.1 * t), 2540.0 * (cos(0.1 * t) - 1.0)
+
+    shell = Shell((options.cells, options.across or options.cells), place, (3102.75, 0.3, options.thickness),
+                  options.element)
+    crown = shell.node(0, 0)
+    shell.fix(shell.line(i=0), "x ry rz")
+    shell.fix(shell.line(j=0), "y rx rz")
+    shell.fix(shell.line(j=-1), "x y z")
+    shell.fix([crown], "z")
+    shell.prepare(options.solver, options.tolerance, reactions=True)
+    deflections, loads = [0.0], [0.0]
+    start = time.process_time()
+    for step in range(1, int(options.to / options.step) + 1):
+        deflections.append(options.step * step)
+        shell.advance(step, [(crown, FREEDOMS["z"], -1.0)], deflections[-1])
+        loads.append(-4.0 * crown.GetSolutionStepValue(Kratos.REACTION_Z))
+    cpu = time.process_time() - start
+    curve = CubicSpline(deflections, loads)
+    extrema = [float(curve(w)) for w in sorted(curve.derivative().roots(extrapolate=False))]
+    return shell, cpu, dict(zip(("limit_load", "lower_limit_load"), extrema, strict=False))
+
+
+BENCHMARKS = {"hemisphere": hemisphere, "slit-annulus": slit_annulus, "cantilever": cantilever, "roof": roof}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("benchmark", choices=BENCHMARKS)
+    parser.add_argument("--cells", type=int, default=16, help="along the first direction of the grid")
+    parser.add_argument("--across", type=int, help="cells in the other direction")
+    parser.add_argument("--steps", type=int, default=10, help="load steps")
+    parser.add_argument("--step", type=float, default=2.0, help="roof: step of the crown in mm")
+    parser.add_argument("--to", type=float, default=30.0, help="roof: last deflection of the crown in mm")
+    parser.add_argument("--thickness", type=float, default=12.7, help="of the roof in mm")
+    parser.add_argument("--solver", choices=SOLVERS, default="amgcl")
+    parser.add_argument("--element", default=MITC4)
+    parser.add_argument("--tolerance", type=float, default=1e-6, help="relative change of displacements")
+    options = parser.parse_args()
+    Kratos.Logger.GetDefaultOutput().SetSeverity(Kratos.Logger.Severity.WARNING)
+    shell, cpu, quantities = BENCHMARKS[options.benchmark](options)
+    name = "Kratos MITC4" if options.element == MITC4 else f"Kratos {options.element}"
+    print(json.dumps({"peer": name, "unknowns": shell.unknowns, "iterations": shell.iterations,
+                      "cpu_s": cpu, "quantities": quantities}), flush=True)
+
+
+if __name__ == "__main__":
+    main()
