@@ -195,7 +195,11 @@ class Moment:
 
 @dataclass(frozen=True, eq=False)
 class LineForce:
-    """Force per reference length on a beam; `follower`: components on the turning frame."""
+    """Force per reference length on a beam; `follower`: components on the turning frame.
+
+    In space the tangent of a follower force takes rotations between nodes to the first order, which costs
+    an iteration, not accuracy.
+    """
 
     beam: Beam
     force: tuple[float, ...]
