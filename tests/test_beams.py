@@ -187,7 +187,8 @@ def move_at_random(discretisation, seed=1, size=0.2):
 def tangents(system, x, step=1e-5):
     """Assembled tangent and differences of the residual of the fourth order, on the free unknowns."""
     system.configure(x)
-    assembled = system.tangent().copy().convert("dense").getDenseArray().copy()
+    matrix = system.tangent().copy().convert("dense")
+    assembled = matrix.getDenseArray().copy()
     size = len(x.array)
     free = np.setdiff1d(np.arange(size), system._fixed)
     differences = np.zeros((size, size))
