@@ -50,7 +50,7 @@ model = fx.read(lambda: fx.meshes.arc(3380.6, 0.0, np.radians(7.338), 40, {"crow
 arch = fx.Beam(model, fx.Rectangle(25.4, 4.7625), fx.Elastic(72395.0), strains=reissner)
 punch = fx.RigidCylinder(radius=3380.6, centre=(0.0, 2 * 3380.6), travel=(0.0, -1.0))
 half = fx.Scene(
-    beams=[arch],
+    parts=[arch],
     contacts=[fx.Contact(arch, punch)],
     supports=[fx.clamp(model, "end"), fx.symmetry(model, "crown")],
     loads=[fx.Push(punch, 0.5)],

@@ -1,5 +1,6 @@
 """Geometry of the scenes, as gmsh scripts with named physical groups."""
 
 from .curves import arc, frame
+from .surfaces import panels, rectangle
 
-__all__ = ["arc", "frame"]
+__all__ = ["arc", "frame", "panels", "rectangle"]

@@ -8,7 +8,9 @@ from importlib import import_module as _import_module
 
 _HOMES = {
     "Beam": "scene", "Contact": "scene", "LineForce": "scene", "Moment": "scene",
-    "Monitor": "scene", "Motion": "scene", "PointForce": "scene", "Push": "scene", "RigidCylinder": "scene",
+    "Monitor": "scene", "Motion": "scene", "PointForce": "scene", "Push": "scene",
+    "EdgeForce": "scene", "SurfaceForce": "scene", "Pressure": "scene", "Shell": "shell", "ShellForm": "shell",
+    "Plate": "section", "GivenPlate": "section", "ShellStiffness": "section", "RigidCylinder": "scene",
     "RigidPlane": "scene", "Scene": "scene", "Support": "scene", "clamp": "scene", "pin": "scene",
     "symmetry": "scene", "Elastic": "section", "Rectangle": "section", "Tube": "section", "round_bar": "section",
     "Path": "path", "PathFailure": "path", "Until": "path", "Case": "case", "Record": "case", "trace": "case",

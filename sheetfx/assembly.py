@@ -8,6 +8,7 @@ import numpy as np
 import ufl
 from dolfinx import fem
 from dolfinx.cpp.la.petsc import get_local_vectors, scatter_local_vectors
+from mpi4py import MPI
 from petsc4py import PETSc
 from ufl.algorithms.map_integrands import map_integrands
 
@@ -26,7 +27,8 @@ class System:
     unknowns : Unknowns
     factor : ufl variable around a fem.Constant, the load factor as it appears in `work`
     internal : terms of internal virtual work
-    work : UFL form of all other virtual work (contact positive, loads negative)
+    work : UFL form of all other virtual work (contact positive, loads negative), or None
+    nodal : for each block forces on its dofs for a load factor of 1
     fixed : for each block the local dofs whose increment is zero
     symmetric : whether the tangent is symmetric (no friction, conservative loads)
     mixed_points : use the mixed integration point tangent (Magisano, Leonetti and Garcea 2017)
@@ -34,11 +36,11 @@ class System:
     """
 
     def __init__(self, unknowns: Unknowns, factor, internal: Sequence[Internal], work, *,
-                 fixed: Sequence[np.ndarray], symmetric: bool = True, mixed_points: bool = True,
+                 nodal: Sequence[np.ndarray], fixed: Sequence[np.ndarray], symmetric: bool = True, mixed_points: bool = True,
                  clock: Stopwatch | None = None):
         self.unknowns, self.symmetric = unknowns, symmetric
         self.clock = clock or Stopwatch()
-        self._factor = factor
+        self._factor, self._nodal = factor, nodal
         self._maps = [(b.space.dofmap.index_map, b.space.dofmap.index_map_bs) for b in unknowns.blocks]
         self._offsets = np.concatenate(([0], np.cumsum([m.size_local * bs for m, bs in self._maps])))
         self._changes = [fem.Function(f.value.function_space) for f in unknowns.fields] if mixed_points else None
@@ -70,13 +72,19 @@ class System:
         )
 
     def _compile(self, work) -> None:
+        self._residual = self._load = self._tangent = None
+        loaded = self.comm.allreduce(any(f.any() for f in self._nodal), op=MPI.LOR)
+        if work is not None:
+            self._compile_work(work)
+        if self._load is None and not loaded:
+            raise ValueError("no load of the scene depends on the load factor; add one to `loads`")
+
+    def _compile_work(self, work) -> None:
         load = -map_integrands(lambda e: ufl.diff(e, self._factor), ufl.algorithms.expand_derivatives(work))
         self._residual = self._compiled(work)
         tangent = self._compiled(self.unknowns.linearise(work))
         self._tangent = tangent and self._square(tangent)
         self._load = self._compiled(load)
-        if self._load is None:
-            raise ValueError("no load of the scene depends on the load factor; add one to `loads`")
 
     def _compiled(self, form) -> list:
         form = self.unknowns.at_rest(form)
@@ -196,12 +204,12 @@ class System:
 
     def residual(self, out: PETSc.Vec) -> None:
         """Out-of-balance forces of the current configuration."""
-        self._assemble(self._residual, out, self._internal_forces)
+        self._assemble(self._residual, out, -self.factor, self._internal_forces)
         self.reaction = self.comm.allreduce(float(self._support @ self._support)) ** 0.5
 
     def load(self, out: PETSc.Vec) -> None:
         """Derivative of the external forces with respect to the load factor."""
-        self._assemble(self._load, out)
+        self._assemble(self._load, out, 1.0)
 
     def tangent(self) -> PETSc.Mat:
         """Derivative of the residual with respect to increments of the current configuration."""
@@ -221,14 +229,13 @@ class System:
             compat.set_coo_values(self.matrix, np.concatenate(values))
             return self.matrix
 
-    def _assemble(self, forms, out, further=lambda arrays: None) -> None:
+    def _assemble(self, forms, out, nodal: float, further=lambda arrays: None) -> None:
+        """Sum of forms, nodal loads times a factor, and what `further` adds; zero where increments are fixed."""
         with self.clock("assembly"):
-            arrays = []
-            for block, form in zip(self.unknowns.blocks, forms, strict=True):
-                array = np.zeros(self._local_size(block))
+            arrays = [nodal * load for load in self._nodal]
+            for array, form in zip(arrays, forms or [], strict=False):
                 if form is not None:
                     fem.assemble_vector(array, form)
-                arrays.append(array)
             further(arrays)
             scatter_local_vectors(out, arrays, self._maps)
             out.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)

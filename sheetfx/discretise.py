@@ -10,13 +10,29 @@ from mpi4py import MPI
 
 from . import forms
 from .assembly import System
+from .compat import JIT
 from .contact.enforcement import Enforcement
 from .contact.fields import ContactFields
-from .kinematics import Kinematics, beam_kinematics
+from .kinematics import Kinematics, kinematics_of
 from .elements import Internal
 from .mesh.reader import Model
 from .quadrature import gauss
-from .scene import COMPONENTS, Beam, Contact, LineForce, Moment, Monitor, Motion, PointForce, Push, Scene
+from .scene import (
+    COMPONENTS,
+    Beam,
+    Contact,
+    EdgeForce,
+    LineForce,
+    Moment,
+    Monitor,
+    Motion,
+    PointForce,
+    Pressure,
+    Push,
+    Scene,
+    SurfaceForce,
+)
+from .shell import TRIANGLE, Shell
 from .timing import Stopwatch
 from .unknowns import AdditiveField, Block, Unknowns
 
@@ -32,8 +48,8 @@ class Discretisation:
 
     def __init__(self, scene: Scene, mixed_points: bool = True):
         self.scene = scene
-        self.factor = ufl.variable(fem.Constant(scene.beams[0].model.mesh, 0.0))
-        self._kinematics = {b.model: beam_kinematics(b.model, b.degree) for b in scene.beams}
+        self.factor = ufl.variable(fem.Constant(scene.parts[0].model.mesh, 0.0))
+        self._kinematics = {p.model: _kinematics(p) for p in scene.parts}
         blocks = [k.block for k in self._kinematics.values()]
         self._travels = self._obstacle_travels(blocks)
         self._reactions = self._motion_reactions(blocks)
@@ -43,7 +59,8 @@ class Discretisation:
         self.clock = Stopwatch()
         self._close_contacts()
         self.system = System(
-            self.unknowns, self.factor, [self._internal(b) for b in scene.beams], self._work(),
+            self.unknowns, self.factor, [t for p in scene.parts for t in self._internal(p)], self._work(),
+            nodal=self._nodal_loads(blocks),
             fixed=[self._fixed(b) for b in blocks],
             symmetric=not any(c.friction for c in scene.contacts) and not any(_turning(load) for load in scene.loads),
             mixed_points=mixed_points, clock=self.clock,
@@ -108,8 +125,13 @@ class Discretisation:
     def _before(self, expression):
         return self.unknowns.at_rest(self.unknowns.previous(ufl.as_ufl(expression)))
 
-    def _internal(self, beam: Beam) -> Internal:
-        k = self.kinematics(beam.model)
+    def _internal(self, part: Beam | Shell) -> list[Internal]:
+        k = self.kinematics(part.model)
+        if isinstance(part, Shell):
+            return part.internal(k.u, k.total_rotation, surface_frame(part.model.mesh))
+        return [self._beam_work(part, k)]
+
+    def _beam_work(self, beam: Beam, k: Kinematics) -> Internal:
         stiffness = beam.section.stiffness(beam.material, beam.model.dimension, beam.shear_rigidity)
         return Internal(
             strains=beam.strains(k.u, k.total_rotation, beam.frame()),
@@ -120,29 +142,46 @@ class Discretisation:
         )
 
     def _work(self):
-        return sum([c.work(self.unknowns.vary) for c in self.contacts] + [self._load_work(x) for x in self.scene.loads])
+        work = [c.work(self.unknowns.vary) for c in self.contacts]
+        work += [self._load_work(x) for x in self.scene.loads if not _nodal(x)]
+        return sum(work) if work else None
+
+    def _nodal_loads(self, blocks) -> list[np.ndarray]:
+        """Forces and moments at points for a load factor of 1, for each block."""
+        loads = [fem.Function(b.space).x.array for b in blocks]
+        for load in filter(_nodal, self.scene.loads):
+            k = self.kinematics(load.model)
+            array = loads[blocks.index(k.block)]
+            force = load.force if isinstance(load, PointForce) else np.atleast_1d(load.moment)
+            turns = isinstance(load, Moment)
+            names = [c for c in COMPONENTS[load.model.dimension] if c.startswith("r") == turns]
+            for component, value in zip(names, force, strict=True):
+                array[k.point_dofs(load.model, load.at, component)] += value
+        return loads
 
     def _load_work(self, load):
         vary, factor = self.unknowns.vary, self.factor
         match load:
-            case PointForce():
+            case EdgeForce():
                 k = self.kinematics(load.model)
                 work = forms.load.dead_force(factor * forms.vector(load.force), k.u, vary)
-                return -work * load.model.point_measure(load.at)
+                return -work * load.model.facet_measure(load.at)
             case Moment():
                 spin = self.kinematics(load.model).spin
-                moment = load.moment if spin.ufl_shape == () else forms.vector(load.moment)
-                return -forms.load.spin_moment(factor * moment, vary(spin)) * load.model.point_measure(load.at)
+                moment = factor * forms.vector(load.moment)
+                return -forms.load.spin_moment(moment, vary(spin)) * load.model.facet_measure(load.at)
             case LineForce():
                 return -self._line_work(load)
+            case SurfaceForce() | Pressure():
+                return -self._surface_work(load)
             case Push():
                 model, measure = self._touchable(load.obstacle)
-                return -factor * load.force / model.length * vary(self._travels[load.obstacle]) * measure
+                return -factor * load.force / model.measure * vary(self._travels[load.obstacle]) * measure
             case Motion():
                 k = self.kinematics(load.model)
                 index = COMPONENTS[load.model.dimension].index(load.component)
                 error = k.u[index] - factor * load.distance
-                return vary(self._reactions[load] * error) * load.model.point_measure(load.at)
+                return vary(self._reactions[load] * error) * load.model.facet_measure(load.at)
         raise TypeError(f"Scene: {load!r} is not a load")
 
     def _line_work(self, load: LineForce):
@@ -155,6 +194,16 @@ class Discretisation:
             density = forms.load.dead_force(forms.vector(force), k.u, self.unknowns.vary)
         return density * beam.model.integral({"quadrature_degree": 2 * beam.degree - 1}, beam.group)
 
+    def _surface_work(self, load: SurfaceForce | Pressure):
+        shell = load.shell
+        u = self.kinematics(shell.model).u
+        if isinstance(load, Pressure):
+            density = forms.load.pressure(self.factor * load.pressure, u, surface_frame(shell.model.mesh),
+                                          self.unknowns.vary)
+        else:
+            density = forms.load.dead_force(self.factor * forms.vector(load.force), u, self.unknowns.vary)
+        return density * shell.model.integral({"quadrature_degree": 2 * shell.discrete.displacement[1]}, shell.group)
+
     def _touchable(self, obstacle):
         """A model that an obstacle may touch, and the measure over all its curves."""
         beam = next(c.contact.beam for c in self.contacts if c.contact.obstacle is obstacle)
@@ -166,7 +215,7 @@ class Discretisation:
             if k.block is block:
                 for support in self.scene.supports:
                     if support.model is model:
-                        dofs += [fem.locate_dofs_topological(k.sub_space(c), 0, model.at(support.at))
+                        dofs += [fem.locate_dofs_topological(k.sub_space(c), *model.at(support.at))
                                  for c in support.fixed.split()]
         return np.unique(np.concatenate(dofs))
 
@@ -177,9 +226,7 @@ class Discretisation:
             block = next(b for b in self.unknowns.blocks if b.fields[0].value is value)
             return block, np.arange(block.space.dofmap.index_map.size_local)
         k = self.kinematics(monitor.on)
-        dofs = fem.locate_dofs_topological(k.sub_space(monitor.component), 0, monitor.on.at(monitor.at))
-        owned = k.block.space.dofmap.index_map.size_local * k.block.space.dofmap.index_map_bs
-        return k.block, dofs[dofs < owned]
+        return k.block, k.point_dofs(monitor.on, monitor.at, monitor.component)
 
     def _magnitude(self, load) -> float:
         match load:
@@ -188,7 +235,13 @@ class Discretisation:
             case Moment():
                 return float(np.linalg.norm(load.moment))
             case LineForce():
-                return float(np.linalg.norm(load.force)) * load.beam.model.length
+                return float(np.linalg.norm(load.force)) * load.beam.model.measure
+            case EdgeForce():
+                return float(np.linalg.norm(load.force)) * load.model.edge_length(load.at)
+            case SurfaceForce():
+                return float(np.linalg.norm(load.force)) * load.shell.model.measure
+            case Pressure():
+                return abs(load.pressure)
             case Push():
                 return abs(load.force)
         return 0.0
@@ -197,7 +250,7 @@ class Discretisation:
         """Load on the whole structure: the sum of the magnitudes of all loads, or the reaction."""
         copies = self.scene.copies
         if self._reactions:
-            mesh = self.scene.beams[0].model.mesh
+            mesh = self.scene.parts[0].model.mesh
             local = [float(r.x.array[0]) if len(r.x.array) else 0.0 for r in self._reactions.values()]
             return -copies * sum(mesh.comm.allreduce(v, op=MPI.SUM) / mesh.comm.size for v in local)
         return copies * self.system.factor * self._unit_load
@@ -224,4 +277,28 @@ class Discretisation:
 
 def _turning(load) -> bool:
     """Whether a load's tangent is unsymmetric."""
-    return isinstance(load, LineForce) and load.follower or isinstance(load, Moment) and load.model.dimension == 3
+    return isinstance(load, Pressure) or isinstance(load, LineForce) and load.follower
+
+
+def _nodal(load) -> bool:
+    """Whether a load acts at points."""
+    return isinstance(load, PointForce) or isinstance(load, Moment) and load.at in load.model.points
+
+
+def _kinematics(part: Beam | Shell) -> Kinematics:
+    """Fields of a part's model."""
+    if isinstance(part, Shell):
+        return kinematics_of(part.model, part.discrete.displacement, part.discrete.rotation)
+    return kinematics_of(part.model, ("P", part.degree), ("P", part.degree))
+
+
+def surface_frame(mesh) -> forms.shell.SurfaceFrame:
+    """Frame of a surface with its normals interpolated at the nodes of each cell."""
+    degree = mesh.geometry.cmap.degree
+    if mesh.basix_cell() == TRIANGLE and degree == 1:
+        return forms.shell.surface_frame(mesh)
+    family = "DG" if mesh.basix_cell() == TRIANGLE else "DQ"
+    director = fem.Function(fem.functionspace(mesh, (family, degree, (3,))))
+    points = director.function_space.element.interpolation_points()
+    director.interpolate(fem.Expression(forms.shell.unit_normal(mesh), points, jit_options=JIT))
+    return forms.shell.surface_frame(mesh, director)

@@ -41,6 +41,12 @@ class Kinematics:
         """Displacement of a named point, the same on all processes."""
         return self._value(self.u, model, at)
 
+    def point_dofs(self, model: Model, at: str, component: str) -> np.ndarray:
+        """Dofs of a component at the vertices of a named point that this process owns."""
+        dofs = fem.locate_dofs_topological(self.sub_space(component), *model.at(at))
+        space = self.block.space
+        return dofs[dofs < space.dofmap.index_map.size_local * space.dofmap.index_map_bs]
+
     def angle(self, model: Model, at: str) -> float:
         """Rotation of a named point in the plane, in radians."""
         return float(self._value(self.spin, model, at)[0])
@@ -49,19 +55,25 @@ class Kinematics:
     def _value(function: fem.Function, model: Model, at: str) -> np.ndarray:
         space = function.function_space
         size = space.dofmap.index_map_bs
-        nodes = fem.locate_dofs_topological(space, 0, model.at(at))
+        nodes = fem.locate_dofs_topological(space, *model.at(at))
         owned = nodes[nodes < space.dofmap.index_map.size_local]
         found = model.mesh.comm.allgather(function.x.array.reshape(-1, size)[owned[:1]])
         return np.concatenate(found)[0]
 
 
-def beam_kinematics(model: Model, degree: int) -> Kinematics:
-    """Spaces and fields of beams: the angle in the plane, a quaternion in space."""
+def kinematics_of(model: Model, displacement: tuple[str, int], rotation: tuple[str, int]) -> Kinematics:
+    """Spaces and fields of a model's parts: the angle in the plane, a quaternion in space.
+
+    Parameters
+    ----------
+    displacement, rotation : family and degree of the spaces
+    """
     mesh, dimension = model.mesh, model.dimension
     spins = () if dimension == 2 else (3,)
     cell = mesh.basix_cell()
-    parts = [basix.ufl.element("P", cell, degree, shape=(dimension,)),
-             basix.ufl.element("P", cell, degree, shape=spins)]
+    family, degree = rotation
+    parts = [basix.ufl.element(displacement[0], cell, displacement[1], shape=(dimension,)),
+             basix.ufl.element(family, cell, degree, shape=spins)]
     space = fem.functionspace(mesh, basix.ufl.mixed_element(parts))
     (u_space, u_dofs), (spin_space, spin_dofs) = (space.sub(i).collapse() for i in range(2))
     u = fem.Function(u_space, name="displacement")
@@ -69,13 +81,13 @@ def beam_kinematics(model: Model, degree: int) -> Kinematics:
     spin = fem.Function(spin_space, name="rotation")
     if dimension == 2:
         turn = AdditiveField(spin, np.asarray(spin_dofs), 1.0)
-        rotation = total = forms.rotation.PlanarRotation(spin)
+        spatial = total = forms.rotation.PlanarRotation(spin)
     else:
-        q = fem.Function(fem.functionspace(mesh, ("P", degree, (4,))), name="rotation")
+        q = fem.Function(fem.functionspace(mesh, (family, degree, (4,))), name="rotation")
         order = _matching_nodes(q.function_space, spin_space)
         turn = QuaternionField(q, spin, np.asarray(spin_dofs).reshape(-1, 3)[order].ravel())
-        rotation, total = forms.rotation.SpatialRotation(q, spin), forms.rotation.SpatialRotation(q)
-    return Kinematics(u, spin, rotation, total, Block(space, (displacement, turn)))
+        spatial, total = forms.rotation.SpatialRotation(q, spin), forms.rotation.SpatialRotation(q)
+    return Kinematics(u, spin, spatial, total, Block(space, (displacement, turn)))
 
 
 def _matching_nodes(space, other) -> np.ndarray:

@@ -9,6 +9,7 @@ from . import forms
 from .checks import require_positive
 from .mesh.reader import Model
 from .section import Elastic, Section
+from .shell import Shell
 
 COMPONENTS = {2: ("x", "y", "rz"), 3: ("x", "y", "z", "rx", "ry", "rz")}
 
@@ -50,7 +51,7 @@ class Beam:
 
 @dataclass(frozen=True)
 class Support:
-    """Fixed components at a named point: any of x y z rx ry rz, separated by spaces."""
+    """Fixed components at a named point or edge: any of x y z rx ry rz, separated by spaces."""
 
     model: Model
     at: str
@@ -74,9 +75,12 @@ def pin(model: Model, at: str) -> Support:
     return Support(model, at, " ".join(c for c in COMPONENTS[model.dimension] if not c.startswith("r")))
 
 
-def symmetry(model: Model, at: str) -> Support:
-    """Planar structure cut by the line x = const: no x displacement, no rotation."""
-    return Support(model, at, "x rz")
+def symmetry(model: Model, at: str, normal: str = "x") -> Support:
+    """Structure cut by a plane: no displacement along its normal x, y or z, rotation about the normal only."""
+    if normal not in "xyz":
+        raise ValueError(f"symmetry at {at!r}: normal is {normal!r}; it must be x, y or z")
+    turns = [f"r{c}" for c in "xyz" if c != normal and f"r{c}" in COMPONENTS[model.dimension]]
+    return Support(model, at, " ".join([normal, *turns]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,7 +181,7 @@ class Contact:
 
 @dataclass(frozen=True)
 class PointForce:
-    """Force of fixed direction at a named point, for a load factor of 1."""
+    """Force of fixed direction at each vertex of a named point, for a load factor of 1."""
 
     model: Model
     at: str
@@ -186,7 +190,10 @@ class PointForce:
 
 @dataclass(frozen=True)
 class Moment:
-    """Moment at a named point, conjugate to the spin: one number in the plane, three in space."""
+    """Moment at a named point or per length of a named edge, conjugate to the spin.
+
+    One number in the plane, three in space.
+    """
 
     model: Model
     at: str
@@ -204,6 +211,31 @@ class LineForce:
     beam: Beam
     force: tuple[float, ...]
     follower: bool = False
+
+
+@dataclass(frozen=True)
+class EdgeForce:
+    """Force of fixed direction per reference length of a named edge of shells."""
+
+    model: Model
+    at: str
+    force: tuple[float, float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceForce:
+    """Force of fixed direction per reference area of a shell."""
+
+    shell: Shell
+    force: tuple[float, float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Pressure:
+    """Pressure along the current normal of a shell, which follows it as it turns."""
+
+    shell: Shell
+    pressure: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -240,11 +272,12 @@ class Scene:
 
     Attributes
     ----------
+    parts : beams and shells
     copies : how many times the modelled part stands in the whole structure (2 for a half);
         loads are reported for the whole
     """
 
-    beams: Sequence[Beam]
+    parts: Sequence[Beam | Shell]
     supports: Sequence[Support]
     loads: Sequence[object]
     monitor: Monitor
@@ -252,8 +285,8 @@ class Scene:
     copies: int = 1
 
     def __post_init__(self):
-        if not self.beams:
-            raise ValueError("Scene: no structure; give at least one beam")
+        if not self.parts:
+            raise ValueError("Scene: no structure; give at least one beam or shell")
         if not self.loads:
             raise ValueError("Scene: no load; give at least one")
         if not self.supports:

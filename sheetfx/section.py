@@ -122,3 +122,78 @@ class Tube(Section):
 def round_bar(diameter: float) -> Tube:
     """Solid round section."""
     return Tube(diameter, diameter / 2, shear_factor=0.9)
+
+
+@dataclass(frozen=True)
+class ShellStiffness:
+    """Stiffness of a shell section per length, on the axes of the frame, for strains (e11, e22, 2 e12) and so on.
+
+    Attributes
+    ----------
+    membrane, coupling, bending : 3 x 3 (force / length, force, force length)
+    shear : 2 x 2 (force / length)
+    drilling : resistance against rotation about the normal (force / length)
+    """
+
+    membrane: tuple
+    coupling: tuple
+    bending: tuple
+    shear: tuple
+    drilling: float
+
+    @property
+    def coupled(self) -> bool:
+        return any(any(row) for row in self.coupling)
+
+
+@dataclass(frozen=True)
+class Plate:
+    """Homogeneous shell section.
+
+    Attributes
+    ----------
+    thickness : length
+    shear_factor : on the transverse shear stiffness
+    drilling : factor on the membrane's shear stiffness; between 0.1 and 1 results hardly depend on it
+    """
+
+    thickness: float
+    shear_factor: float = 5 / 6
+    drilling: float = 1.0
+
+    def __post_init__(self):
+        require_positive(self, "thickness", "shear_factor", "drilling")
+
+    def stiffness(self, material: Elastic) -> ShellStiffness:
+        """Plane-stress stiffness of an isotropic material."""
+        nu, t = material.poisson, self.thickness
+        plane = material.modulus / (1 - nu**2)
+        unit = ((1.0, nu, 0.0), (nu, 1.0, 0.0), (0.0, 0.0, (1 - nu) / 2))
+        shear = self.shear_factor * material.shear_modulus * t
+        return ShellStiffness(
+            membrane=_scaled(unit, plane * t), coupling=_scaled(unit, 0.0), bending=_scaled(unit, plane * t**3 / 12),
+            shear=((shear, 0.0), (0.0, shear)), drilling=self.drilling * material.shear_modulus * t)
+
+
+@dataclass(frozen=True)
+class GivenPlate:
+    """Shell section whose stiffness is given, for orthotropic or layered shells.
+
+    Attributes
+    ----------
+    thickness : length, for the choice of quadrature
+    matrices : ShellStiffness
+    """
+
+    thickness: float
+    matrices: ShellStiffness
+
+    def __post_init__(self):
+        require_positive(self, "thickness")
+
+    def stiffness(self, material=None) -> ShellStiffness:
+        return self.matrices
+
+
+def _scaled(matrix, factor):
+    return tuple(tuple(factor * c for c in row) for row in matrix)

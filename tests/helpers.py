@@ -47,7 +47,7 @@ def follow(scene: Scene, control=None, deflection=None, **case) -> Record:
 def displacement(record: Record, at: str = "tip") -> np.ndarray:
     """Displacement of a point in the last state."""
     record.show(record.states[-1])
-    model = record.case.scene.beams[0].model
+    model = record.case.scene.parts[0].model
     return record.path.discretisation.kinematics(model).displacement(model, at)
 
 

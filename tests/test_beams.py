@@ -104,7 +104,7 @@ def test_bend_agrees_with_the_rod_equations():
     case = bend.scene()
     record = trace(case)
     values = case.quantities(record)
-    beam = case.scene.beams[0]
+    beam = case.scene.parts[0]
     tip = rod_bend(100.0, pi / 4, 600.0, beam.section.stiffness(beam.material, 3))
     assert [values[f"tip_{c}"] for c in "xyz"] == pytest.approx(tip, rel=1e-6)
 
@@ -311,7 +311,7 @@ def test_section_law_of_the_user():
     scene = cantilever(straight(4), lambda b: [Moment(b.model, "tip", moment)], law=softening)
     record = follow(scene)
     displacement(record)
-    angle = record.path.discretisation.kinematics(scene.beams[0].model).angle(scene.beams[0].model, "tip")
+    angle = record.path.discretisation.kinematics(scene.parts[0].model).angle(scene.parts[0].model, "tip")
     assert angle == pytest.approx(part * limit / sqrt(1 - part**2), rel=1e-9)
 
 
@@ -383,7 +383,7 @@ def test_prescribed_motion_gives_the_path_of_the_load():
     The reaction is the force along y that moves the crown, thus negative.
     """
     loaded = shallow_arch(10)
-    moved = Scene(loaded.beams, loaded.supports, [Motion(loaded.beams[0].model, "crown", "y", -20.0)],
+    moved = Scene(loaded.parts, loaded.supports, [Motion(loaded.parts[0].model, "crown", "y", -20.0)],
                   loaded.monitor, copies=2)
     by_load = follow(loaded, DisplacementControl(**exact_steps(step=1.0)), deflection=20.0).states
     by_motion = follow(moved, LoadControl(step=0.05, fixed=True)).states

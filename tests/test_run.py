@@ -148,7 +148,7 @@ def test_errors_name_object_value_and_remedy(arguments, words, tmp_path):
 def bare_arch(supports, contacts=()):
     model = arch_model(7.338, 8, 2, False)
     base = scene(no_punch=True, elements=8).scene
-    beam = type(base.beams[0])(model, base.beams[0].section, base.beams[0].material)
+    beam = type(base.parts[0])(model, base.parts[0].section, base.parts[0].material)
     made = [Contact(beam, obstacle) for obstacle in contacts]
     return Scene([beam], [Support(model, *s) for s in supports], [PointForce(model, "crown", (0.0, -1.0))],
                  Monitor(model, "crown", "y", -1.0), made)

@@ -195,7 +195,7 @@ def resolution(contact: Contact) -> tuple[float, int]:
     if contact.points == "nodes":
         return contact.layer or 0.0, contact.beam.degree
     mesh = contact.beam.model.mesh
-    cell = contact.beam.model.length / mesh.topology.index_map(1).size_global
+    cell = contact.beam.model.measure / mesh.topology.index_map(1).size_global
     layer = contact.layer
     if layer is None:
         layer = max(0.1 * contact.beam.section.depth, cell / 3)
@@ -216,5 +216,5 @@ def _default_scale(contact: Contact, stiffness: float) -> float:
     length that a point force on a simply supported piece would need.
     """
     model = contact.beam.model
-    cell = model.length / model.mesh.topology.index_map(1).size_global
+    cell = model.measure / model.mesh.topology.index_map(1).size_global
     return 48 * stiffness / ((model.size / 10) ** 3 * cell)

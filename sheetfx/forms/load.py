@@ -19,3 +19,12 @@ def follower_force(components, frame, rotation, u, vary):
 def spin_moment(moment, spin_variation):
     """Moment of fixed direction, conjugate to the spin (Simo and Vu-Quoc 1986, section 3)."""
     return ufl.inner(moment, spin_variation)
+
+
+def pressure(value, u, frame, vary):
+    """Pressure on a deformed surface per reference area, along f_1 x f_2 (Simo, Taylor and Wriggers 1991, eq. 2.9).
+
+    Its consistent tangent is the derivative; it is symmetric only where the edges are held.
+    """
+    first, second = (t + frame.along(u, t) for t in frame.tangents)
+    return value * ufl.dot(ufl.cross(first, second), vary(u))

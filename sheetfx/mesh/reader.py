@@ -24,11 +24,13 @@ class Model:
     ----------
     mesh : dolfinx mesh
     cells : name -> owned cells of this process
+    edges : name -> facets of this process, for surfaces
     points : name -> vertices of this process (may be empty on some)
     """
 
     mesh: Mesh
     cells: dict[str, np.ndarray]
+    edges: dict[str, np.ndarray]
     points: dict[str, np.ndarray]
     _rules: list = field(default_factory=list)
     _measures: dict = field(default_factory=dict)
@@ -48,8 +50,8 @@ class Model:
         return float(np.linalg.norm(high - low))
 
     @property
-    def length(self) -> float:
-        """Length of all curves."""
+    def measure(self) -> float:
+        """Length of all curves, or area of all surfaces."""
         one = fem.Constant(self.mesh, 1.0)
         return self.mesh.comm.allreduce(fem.assemble_scalar(fem.form(one * ufl.dx(self.mesh))))
 
@@ -73,6 +75,11 @@ class Model:
         """The list that all measures of the model share."""
         return self._measures.setdefault("dx", [(i, np.empty(0, dtype=np.int32)) for i in range(RULES)])
 
+    def edge_length(self, name: str) -> float:
+        """Length of a named edge."""
+        one = fem.Constant(self.mesh, 1.0)
+        return self.mesh.comm.allreduce(fem.assemble_scalar(fem.form(one * self.facet_measure(name))))
+
     def group(self, name: str | None) -> np.ndarray:
         """Owned cells of a named group, or all owned cells."""
         if name is None:
@@ -81,49 +88,60 @@ class Model:
             raise ValueError(f"the mesh has no group of cells named {name!r}; it has {', '.join(self.cells)}")
         return self.cells[name]
 
-    def at(self, name: str) -> np.ndarray:
-        """Vertices of a named point (empty where another process has it)."""
-        if name not in self.points:
-            raise ValueError(f"the mesh has no point named {name!r}; it has {', '.join(self.points)}")
-        return self.points[name]
+    def at(self, name: str) -> tuple[int, np.ndarray]:
+        """Dimension and entities of a named point or edge (empty where another process has it)."""
+        if name in self.points:
+            return 0, self.points[name]
+        if name in self.edges:
+            return 1, self.edges[name]
+        raise ValueError(f"the mesh has no point or edge named {name!r}; it has "
+                         f"{', '.join([*self.points, *self.edges])}")
 
-    def point_measure(self, name: str):
-        """Evaluation at a named point, as a measure: the sum over the group's vertices.
+    def facet_measure(self, name: str):
+        """Integral over a named edge of surfaces; on curves the value at a named point.
 
-        Each vertex is integrated from one side, that of a single cell on a single process.
+        Each facet is integrated from one side, that of a single cell on a single process.
         """
-        self.at(name)
+        facets = self.points if self.mesh.topology.dim == 1 else self.edges
+        if name not in facets:
+            raise ValueError(f"the mesh has no {'point' if facets is self.points else 'edge'} named {name!r}; it has "
+                             f"{', '.join(facets)}")
         if "ds" not in self._measures:
-            self._measures["ds"] = [(i, self._sides(v)) for i, v in enumerate(self.points.values())]
+            self._measures["ds"] = [(i, self._sides(v)) for i, v in enumerate(facets.values())]
         return ufl.Measure("ds", domain=self.mesh, subdomain_data=self._measures["ds"],
-                           subdomain_id=list(self.points).index(name))
+                           subdomain_id=list(facets).index(name))
 
-    def _sides(self, vertices: np.ndarray) -> np.ndarray:
-        """Pairs (cell, local vertex) for the vertices that this process answers for."""
+    def _sides(self, facets: np.ndarray) -> np.ndarray:
+        """Pairs (cell, local facet) for the facets that this process answers for."""
         topology = self.mesh.topology
-        topology.create_connectivity(0, 1)
-        to_cells, to_vertices = topology.connectivity(0, 1), topology.connectivity(1, 0)
-        owned = topology.index_map(1).size_local
+        top = topology.dim
+        topology.create_connectivity(top - 1, top)
+        topology.create_connectivity(top, top - 1)
+        to_cells, to_facets = topology.connectivity(top - 1, top), topology.connectivity(top, top - 1)
+        owned = topology.index_map(top).size_local
         pairs = []
         claims = []
-        for vertex in vertices:
-            cells = [c for c in to_cells.links(vertex) if c < owned]
+        for facet in facets:
+            cells = [c for c in to_cells.links(facet) if c < owned]
             if cells:
-                pairs.append((min(cells), int(np.flatnonzero(to_vertices.links(min(cells)) == vertex)[0])))
-                claims.append(topology.index_map(0).local_to_global(np.array([vertex], dtype=np.int32))[0])
+                pairs.append((min(cells), int(np.flatnonzero(to_facets.links(min(cells)) == facet)[0])))
+                claims.append(topology.index_map(top - 1).local_to_global(np.array([facet], dtype=np.int32))[0])
         earlier = self.mesh.comm.allgather(claims)[: self.mesh.comm.rank]
         taken = {c for rank in earlier for c in rank}
         return np.array([p for p, c in zip(pairs, claims, strict=True) if c not in taken], dtype=np.int32).ravel()
 
 
-def read(build: Callable[[], None], dimension: int, order: int = 1, comm: MPI.Comm = MPI.COMM_WORLD) -> Model:
+def read(build: Callable[[], None], dimension: int, order: int = 1, place: Callable | None = None,
+         comm: MPI.Comm = MPI.COMM_WORLD) -> Model:
     """Mesh the geometry that `build` adds to the current gmsh model.
 
     Parameters
     ----------
     build : function without arguments that fills the gmsh model and names physical groups
     dimension : 2 or 3, of the space that the structure lies in
-    order : 1 or 2, of the geometry (2: curved elements)
+    order : of the geometry (2 or more: curved elements)
+    place : function from coordinates in the gmsh model, shape (n, 3), to those in space, shape (n, 3), for
+        structures that are meshed in the plane of their parameters
     """
     import gmsh
 
@@ -131,32 +149,60 @@ def read(build: Callable[[], None], dimension: int, order: int = 1, comm: MPI.Co
     try:
         gmsh.option.setNumber("General.Terminal", 0)
         groups: dict[int, dict[str, list[int]]] = {}
+        nodes: dict[str, list[int]] = {}
         if comm.rank == 0:
             gmsh.model.add("model")
             build()
             top = max(d for d, _ in gmsh.model.getPhysicalGroups())
             gmsh.model.mesh.generate(top)
             gmsh.model.mesh.setOrder(order)
-            groups = _group_by_entity(gmsh.model)
-        groups = comm.bcast(groups, root=0)
-        mesh, cell_tags, point_tags = model_to_mesh(gmsh.model, comm, dimension)
+            nodes = _nodes_of_points(gmsh.model)
+            groups = _group_by_entity(gmsh.model, top)
+        groups, nodes = comm.bcast((groups, nodes), root=0)
+        mesh, cell_tags, edge_tags = model_to_mesh(gmsh.model, comm, dimension)
     finally:
         gmsh.finalize()
     top = mesh.topology.dim
+    for d in range(top):
+        mesh.topology.create_connectivity(d, top)
+    if place is not None:
+        mesh.geometry.x[:] = place(mesh.geometry.x)
     owned = mesh.topology.index_map(top).size_local
     cells = {name: _find(cell_tags, tags) for name, tags in groups[top].items()}
     cells = {name: c[c < owned] for name, c in cells.items()}
-    points = {name: _find(point_tags, tags) for name, tags in groups[0].items()}
-    return Model(mesh, cells, points)
+    edges = {name: _find(edge_tags, tags) for name, tags in groups.get(1, {}).items()} if top == 2 else {}
+    vertices = _vertices_of_nodes(mesh)
+    points = {name: np.array([vertices[n] for n in tags if n in vertices], dtype=np.int32)
+              for name, tags in nodes.items()}
+    return Model(mesh, cells, edges, points)
 
 
-def _group_by_entity(model) -> dict[int, dict[str, list[int]]]:
+def _nodes_of_points(model) -> dict[str, list[int]]:
+    """Names of the groups of points, and the numbers of their nodes."""
+    return {model.getPhysicalName(0, tag): [int(n) - 1 for n in model.mesh.getNodesForPhysicalGroup(0, tag)[0]]
+            for _, tag in model.getPhysicalGroups(0)}
+
+
+def _vertices_of_nodes(mesh: Mesh) -> dict[int, int]:
+    """Vertex of each node of the gmsh mesh that is one, on this process."""
+    top = mesh.topology.dim
+    corners = mesh.topology.connectivity(top, 0)
+    cells = corners.num_nodes
+    vertices = corners.array.reshape(cells, -1)
+    nodes = mesh.geometry.dofmap[:cells, : vertices.shape[1]]
+    numbers = mesh.geometry.input_global_indices[nodes]
+    return dict(zip(numbers.ravel().tolist(), vertices.ravel().tolist(), strict=True))
+
+
+def _group_by_entity(model, top: int) -> dict[int, dict[str, list[int]]]:
     """Give each entity a physical group of its own number, since mesh tags hold one value each.
 
-    Returns, for each dimension, the names of the groups and the entities in them.
+    Returns, for cells and facets, the names of the groups and the entities in them.
     """
-    groups: dict[int, dict[str, list[int]]] = {0: {}, 1: {}, 2: {}}
+    groups: dict[int, dict[str, list[int]]] = {top: {}, top - 1: {}}
     for d, tag in model.getPhysicalGroups():
+        if d not in groups:
+            continue
         groups[d][model.getPhysicalName(d, tag)] = [int(e) for e in model.getEntitiesForPhysicalGroup(d, tag)]
     model.removePhysicalGroups()
     for d, named in groups.items():

@@ -62,7 +62,7 @@ def scene(
         pictures += [contact_pictures.contact_history, contact_pictures.tractions(500.0)]
     return Case(
         scene=Scene(
-            beams=[beam], contacts=contacts, loads=loads, copies=copies,
+            parts=[beam], contacts=contacts, loads=loads, copies=copies,
             supports=[clamp(model, "end"), clamp(model, "start") if full else symmetry(model, "crown")],
             monitor=Monitor(model, "crown", "y", -1.0)),
         control=ArcLength(step=step, largest=4.0), until=Until(deflection=to),
@@ -117,8 +117,8 @@ def quantities(record: Record, thickness: float) -> dict[str, float]:
 def limit_without_contact(record: Record) -> float:
     """Limit load of the same arch under a point load."""
     scene = record.case.scene
-    model = scene.beams[0].model
-    bare = Scene(scene.beams, scene.supports, [PointForce(model, "crown", (0.0, -1.0 / scene.copies))],
+    model = scene.parts[0].model
+    bare = Scene(scene.parts, scene.supports, [PointForce(model, "crown", (0.0, -1.0 / scene.copies))],
                  scene.monitor, copies=scene.copies)
     path = trace(Case(bare, until=Until(deflection=15.0)))
     return next(p.load for p in path.critical_points if p.kind == "limit")

@@ -52,7 +52,7 @@ def scene(
     beam = Beam(model, section, Elastic(1e7, 0.0), degree=degree, up=(0.0, 0.0, 1.0))
     return Case(
         scene=Scene(
-            beams=[beam], supports=[clamp(model, "start")], loads=[PointForce(model, "end", (0.0, 0.0, force))],
+            parts=[beam], supports=[clamp(model, "start")], loads=[PointForce(model, "end", (0.0, 0.0, force))],
             monitor=Monitor(model, "end", "z")),
         control=LoadControl(step=1 / steps, fixed=True), quantities=lambda record: quantities(record, model),
         pictures=[path_curve, shapes, paraview],

@@ -45,7 +45,7 @@ def scene(
     beam = Beam(model, section, material, degree=degree, shear_rigidity=1e3)
     return Case(
         scene=Scene(
-            beams=[beam], supports=[clamp(model, "start"), pin(model, "end")],
+            parts=[beam], supports=[clamp(model, "start"), pin(model, "end")],
             loads=[PointForce(model, "crown", (0.0, -unit))], monitor=Monitor(model, "crown", "y", -1.0)),
         control=ArcLength(step=step), until=Until(deflection=to), quantities=lambda record: quantities(record, unit),
         pictures=[path_curve, shapes, paraview],

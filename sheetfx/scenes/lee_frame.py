@@ -44,7 +44,7 @@ def scene(
     beam = Beam(model, SECTION, MATERIAL, degree=degree, shear_rigidity=1e3)
     return Case(
         scene=Scene(
-            beams=[beam], supports=[pin(model, "base"), pin(model, "end")],
+            parts=[beam], supports=[pin(model, "base"), pin(model, "end")],
             loads=[PointForce(model, "load", (0.0, -1.0))], monitor=Monitor(model, "load", "y", -1.0)),
         control=ArcLength(step=step), until=Until(deflection=to), quantities=quantities,
         pictures=[path_curve, shapes, paraview],

@@ -39,7 +39,7 @@ def scene(
     moment = 2 * pi * turns * SECTION.stiffness(MATERIAL, 2)[2] / LENGTH
     return Case(
         scene=Scene(
-            beams=[beam], supports=[clamp(model, "base")],
+            parts=[beam], supports=[clamp(model, "base")],
             loads=[Moment(model, "tip", (0.0, 0.0, moment) if spatial else moment)],
             monitor=Monitor(model, "tip", "x", -1.0)),
         control=LoadControl(step=1 / (turns * steps), fixed=True),

@@ -19,7 +19,7 @@ POINTS_PER_CELL = 5
 
 
 def communicator(record: Record) -> MPI.Comm:
-    return record.case.scene.beams[0].model.mesh.comm
+    return record.case.scene.parts[0].model.mesh.comm
 
 
 def unit_of(axis: str) -> str:
@@ -63,7 +63,7 @@ class Curves:
         discretisation = record.path.discretisation
         self._comm = communicator(record)
         self._parts = []
-        for model in dict.fromkeys(beam.model for beam in record.case.scene.beams):
+        for model in dict.fromkeys(beam.model for beam in record.case.scene.parts):
             x = ufl.SpatialCoordinate(model.mesh)
             both = [*x, *(x + discretisation.kinematics(model).u)]
             self._parts.append((model, fem.Expression(ufl.as_vector(both), points, jit_options=JIT)))

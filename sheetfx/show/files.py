@@ -21,7 +21,7 @@ def paraview(record: Record, folder: Folder) -> None:
     Both have three components: a planar rotation is an angle about z, a spatial one the rotation
     vector (radians, below a full turn). A scene of several models gets path.pvd, path1.pvd and so on.
     """
-    models = list(dict.fromkeys(beam.model for beam in record.case.scene.beams))
+    models = list(dict.fromkeys(beam.model for beam in record.case.scene.parts))
     with last_state_kept(record):
         for i, model in enumerate(models):
             _write(record, model, Folder(folder) / "paraview" / f"path{i or ''}.pvd")

@@ -1,0 +1,136 @@
+"""Geometrically exact shells: reference frame and strain measures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import ufl
+
+
+@dataclass(frozen=True)
+class SurfaceFrame:
+    """Reference frame of a surface, cell by cell, so that folds and junctions need no shared normal.
+
+    Attributes
+    ----------
+    axes : tuple of three UFL vectors: orthonormal tangents and normal
+    director : UFL vector, the normal as a field whose gradient is the curvature of the surface
+    edges : tuple of two unit vectors along the reference coordinates of the cell
+    """
+
+    axes: tuple
+    director: object
+    edges: tuple
+
+    @property
+    def tangents(self):
+        return self.axes[:2]
+
+    def along(self, f, direction):
+        """Derivative of a field along a tangent vector per unit of reference length."""
+        return ufl.dot(ufl.grad(f), direction)
+
+    @property
+    def dual_edges(self):
+        """Vectors dual to `edges` in the tangent plane."""
+        one, other = self.edges
+        cosine = ufl.dot(one, other)
+        return (one - cosine * other) / (1 - cosine**2), (other - cosine * one) / (1 - cosine**2)
+
+
+def surface_frame(domain, director=None) -> SurfaceFrame:
+    """Frame of a surface from the Jacobian of its mesh.
+
+    Parameters
+    ----------
+    domain : ufl mesh of topological dimension 2 in space
+    director : UFL vector, shape (3,)
+        Unit normals interpolated in each cell; None: the normal of flat cells.
+    """
+    jacobian = ufl.Jacobian(domain)
+    columns = [ufl.as_vector([jacobian[i, a] for i in range(3)]) for a in range(2)]
+    first, second = (c / ufl.sqrt(ufl.dot(c, c)) for c in columns)
+    normal = unit_normal(domain)
+    return SurfaceFrame((first, ufl.cross(normal, first), normal), normal if director is None else director,
+                        (first, second))
+
+
+def unit_normal(domain):
+    """Normal of a surface in its reference configuration."""
+    jacobian = ufl.Jacobian(domain)
+    normal = ufl.cross(*(ufl.as_vector([jacobian[i, a] for i in range(3)]) for a in range(2)))
+    return normal / ufl.sqrt(ufl.dot(normal, normal))
+
+
+@dataclass(frozen=True)
+class ShellStrains:
+    """Generalised strains of a shell on the axes of its frame.
+
+    Attributes
+    ----------
+    membrane : UFL vector (e11, e22, 2 e12)
+    bending : UFL vector (k11, k22, 2 k12), 1 / length
+    shear : UFL vector (g1, g2), transverse
+    drilling : UFL scalar, in-plane rotation of the surface minus that of the rotation field
+    """
+
+    membrane: object
+    bending: object
+    shear: object
+    drilling: object
+
+
+def naghdi(u, rotation, frame, offset=0.0) -> ShellStrains:
+    """Green-Lagrange strains of the one-director shell with finite rotations.
+
+    e_ab = (f_a . f_b - t_a . t_b) / 2, k_ab = sym(f_a . d,_b - t_a . n,_b), g_a = f_a . d - t_a . n
+    (Naghdi 1972, section 11; Simo and Fox 1989, eqs. 4.23-4.25) with f_a = t_a + u,_a and d = R n;
+    drilling (f_1 . R t_2 - f_2 . R t_1) / 2 (Fox and Simo 1992, eq. 3.3).
+
+    Parameters
+    ----------
+    u : UFL vector, shape (3,)
+        Displacement of the reference surface (length unit of the mesh).
+    rotation : SpatialRotation
+        Rotation of the director frame from the reference configuration.
+    frame : SurfaceFrame
+    offset : float
+        Distance of the mid-surface from the reference surface along the director (length): strains are
+        those of the mid-surface, per length of the reference surface.
+    """
+    t, n = frame.tangents, frame.director
+    d = rotation.rotate(n)
+    slope = [frame.along(d, a) for a in t]
+    start = [frame.along(n, a) for a in t]
+    f = [a + frame.along(u, a) for a in t]
+    if offset:
+        f = [a + offset * b for a, b in zip(f, slope, strict=True)]
+        t = [a + offset * b for a, b in zip(t, start, strict=True)]
+
+    def membrane(a, b):
+        return (ufl.dot(f[a], f[b]) - ufl.dot(t[a], t[b])) / 2
+
+    def bending(a, b):
+        return ufl.dot(f[a], slope[b]) - ufl.dot(t[a], start[b])
+
+    turned = [rotation.rotate(a) for a in frame.tangents]
+    return ShellStrains(
+        membrane=ufl.as_vector([membrane(0, 0), membrane(1, 1), 2 * membrane(0, 1)]),
+        bending=ufl.as_vector([bending(0, 0), bending(1, 1), bending(0, 1) + bending(1, 0)]),
+        shear=ufl.as_vector([ufl.dot(f[a], d) - ufl.dot(t[a], n) for a in range(2)]),
+        drilling=(ufl.dot(f[0], turned[1]) - ufl.dot(f[1], turned[0])) / 2,
+    )
+
+
+def along_edge(membrane, shear, frame, number):
+    """Parts of membrane and shear strain that belong to one edge direction of the cells.
+
+    With edge direction s and its dual a the parts are (s . e s) a a and (g . s) a, on the axes of the frame.
+    """
+    edge, dual = frame.edges[number], frame.dual_edges[number]
+    s = [ufl.dot(edge, t) for t in frame.tangents]
+    a = [ufl.dot(dual, t) for t in frame.tangents]
+    strain = membrane[0] * s[0] ** 2 + membrane[1] * s[1] ** 2 + membrane[2] * s[0] * s[1]
+    slide = shear[0] * s[0] + shear[1] * s[1]
+    return (ufl.as_vector([strain * a[0] ** 2, strain * a[1] ** 2, 2 * strain * a[0] * a[1]]),
+            ufl.as_vector([slide * a[0], slide * a[1]]))
