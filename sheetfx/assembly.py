@@ -116,10 +116,10 @@ class System:
         places = [place[id(f)] for f in self.unknowns.fields]
         rows, columns = [], []
         for work in self.internal:
-            for pair in work.pairs:
-                left = np.broadcast_to(places[pair.rows][pair.nodes[:, 0], :, None], pair.values.shape).ravel()
-                right = np.broadcast_to(places[pair.columns][pair.nodes[:, 1], None, :], pair.values.shape).ravel()
-                mirrored = pair.rows != pair.columns
+            for coupling in work.couplings:
+                left = np.broadcast_to(places[coupling.rows][coupling.nodes[:, 0], :, None], coupling.values.shape).ravel()
+                right = np.broadcast_to(places[coupling.columns][coupling.nodes[:, 1], None, :], coupling.values.shape).ravel()
+                mirrored = coupling.rows != coupling.columns
                 rows += [left, right] if mirrored else [left]
                 columns += [right, left] if mirrored else [right]
             for number in work.places:
@@ -217,8 +217,8 @@ class System:
             values = []
             for work in self.internal:
                 work.tangent()
-                for pair in work.pairs:
-                    values += [pair.values.ravel()] * (1 if pair.rows == pair.columns else 2)
+                for coupling in work.couplings:
+                    values += [coupling.values.ravel()] * (1 if coupling.rows == coupling.columns else 2)
                 for number, curvature in zip(work.places, work.curvatures, strict=True):
                     field = self.unknowns.fields[number]
                     if field.curved:

@@ -14,8 +14,9 @@ from .compat import JIT
 from .contact.enforcement import Enforcement
 from .contact.fields import ContactFields
 from .kinematics import Kinematics, kinematics_of
-from .elements import Internal
+from .elements import Internal, Term
 from .mesh.reader import Model
+from .numbers import as_constants
 from .quadrature import gauss
 from .scene import (
     COMPONENTS,
@@ -59,7 +60,7 @@ class Discretisation:
         self.clock = Stopwatch()
         self._close_contacts()
         self.system = System(
-            self.unknowns, self.factor, [t for p in scene.parts for t in self._internal(p)], self._work(),
+            self.unknowns, self.factor, [self._internal(p) for p in scene.parts], self._work(),
             nodal=self._nodal_loads(blocks),
             fixed=[self._fixed(b) for b in blocks],
             symmetric=not any(c.friction for c in scene.contacts) and not any(_turning(load) for load in scene.loads),
@@ -125,21 +126,21 @@ class Discretisation:
     def _before(self, expression):
         return self.unknowns.at_rest(self.unknowns.previous(ufl.as_ufl(expression)))
 
-    def _internal(self, part: Beam | Shell) -> list[Internal]:
+    def _internal(self, part: Beam | Shell) -> Internal:
         k = self.kinematics(part.model)
         if isinstance(part, Shell):
             return part.internal(k.u, k.total_rotation, surface_frame(part.model.mesh))
-        return [self._beam_work(part, k)]
+        return self._beam_work(part, k)
 
     def _beam_work(self, beam: Beam, k: Kinematics) -> Internal:
-        stiffness = beam.section.stiffness(beam.material, beam.model.dimension, beam.shear_rigidity)
-        return Internal(
+        stiffness = as_constants(
+            beam.model.mesh, beam.section.stiffness(beam.material, beam.model.dimension, beam.shear_rigidity))
+        term = Term(
             strains=beam.strains(k.u, k.total_rotation, beam.frame()),
             law=lambda strains: beam.law(strains, stiffness),
             rule=gauss(beam.model.mesh.basix_cell(), beam.degree),
-            mesh=beam.model.mesh,
-            cells=beam.model.group(beam.group),
         )
+        return Internal([term], beam.model.mesh, beam.model.group(beam.group))
 
     def _work(self):
         work = [c.work(self.unknowns.vary) for c in self.contacts]

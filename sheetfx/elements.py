@@ -8,8 +8,9 @@ and tangent are exact derivatives of the energy as a function of the nodal rotat
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import combinations_with_replacement, product
 
 import basix.ufl
@@ -29,187 +30,243 @@ CHUNK = 256
 
 
 @dataclass(frozen=True)
-class Internal:
-    """Internal virtual work of one group of cells with one quadrature rule.
+class Term:
+    """Internal virtual work with one quadrature rule.
 
     Attributes
     ----------
     strains : UFL vector of generalised strains
     law : function from strains to stress resultants, the gradient of an energy density
     rule : quadrature
-    mesh, cells : what is integrated over (cells of this process)
     """
 
     strains: object
     law: Callable
     rule: Rule
+
+
+@dataclass(frozen=True)
+class Internal:
+    """Internal virtual work of one group of cells.
+
+    Attributes
+    ----------
+    terms : what is summed
+    mesh, cells : what is integrated over (cells of this process)
+    """
+
+    terms: Sequence[Term]
     mesh: Mesh
     cells: np.ndarray
 
 
-@dataclass(frozen=True)
-class FieldPair:
+@dataclass
+class Coupling:
     """Blocks of the tangent that couple nodes of two fields.
 
     Attributes
     ----------
-    rows, columns : places of the fields in the list of fields
+    rows, columns : places of the fields in the list of fields, rows <= columns
     nodes : shape (n, 2), pairs of nodes on this process that share a cell
+    pairs : for each cell the number of each of its pairs of nodes
     values : shape (n, components of a node's row increment, of its column increment)
     """
 
     rows: int
     columns: int
     nodes: np.ndarray
+    pairs: np.ndarray
     values: np.ndarray
 
 
 class ElementWork:
-    """Residual and tangent of one internal term.
+    """Residual and tangent of one group of cells.
 
     Parameters
     ----------
-    term : Internal
+    internal : Internal
     fields : fields that the strains may depend on
     increments : for each field a Function with its change in the last Newton step, for the mixed integration
         point tangent (Magisano, Leonetti and Garcea 2017); None: the plain tangent
+
+    Attributes
+    ----------
+    places : places in `fields` of those that occur
+    couplings : list of Coupling, filled by `tangent`
+    curvatures : for each place the second variation of curved fields, a multiple of unity at each node
     """
 
-    def __init__(self, term: Internal, fields: list[AdditiveField], increments: list[fem.Function] | None):
-        self.term, self.mixed = term, increments is not None
-        mesh = term.mesh
-        strains, jet, self._parts = as_function_of_jet(term.strains, [f.value for f in fields])
-        self._fields = [next(f for f in fields if f.value is p.field) for p in self._parts]
-        self.places = [fields.index(f) for f in self._fields]
-        self._tables = [_tabulate(p, mesh, term.rule.points) for p in self._parts]
-        self._nodes = [p.field.function_space.dofmap.list[term.cells].astype(np.int64) for p in self._parts]
-        resultants = term.law(strains)
-        slopes = ufl.diff(strains, jet)
-        if self.mixed:
-            element = basix.ufl.quadrature_element(mesh.basix_cell(), value_shape=strains.ufl_shape,
-                                                   points=term.rule.points, weights=term.rule.weights)
-            self._stress = fem.Function(fem.functionspace(mesh, element))
-            self._stress_dofs = self._stress.function_space.dofmap.list[term.cells]
-            change = {f.value: d for f, d in zip(fields, increments, strict=True)}
-            self._extrapolate = self._expression(
-                term.law(term.strains) + ufl.derivative(term.law(term.strains), list(change), list(change.values())))
-        i, j, k = ufl.indices(3)
-        volume = ufl.JacobianDeterminant(mesh)
-        force = ufl.as_vector(resultants[i] * slopes[i, j], j)
-        self._force = self._expression(volume * force)
-        if self.mixed:
-            held = ufl.as_vector(self._stress[i] * slopes[i, j], j)
-            stiffness = ufl.as_matrix(ufl.diff(resultants, jet)[i, j] * slopes[i, k], (j, k)) + ufl.diff(held, jet)
-        else:
-            held, stiffness = force, ufl.diff(force, jet)
-        self._couplings = [_Coupling(self._parts, a, b) for a, b in combinations_with_replacement(
-            range(len(self._parts)), 2)]
-        entries = [stiffness[e] for c in self._couplings for e in c.entries]
-        entries += [held[e] for e in range(jet.ufl_shape[0])]
-        self._stiffness = self._expression(volume * ufl.as_vector(entries))
-        self.pairs = []
-        for coupling in self._couplings:
-            coupling.table = _products(self._tables[coupling.a], self._tables[coupling.b], term.rule.weights)
-            nodes, coupling.pairs = _node_pairs(self._nodes[coupling.a], self._nodes[coupling.b])
-            widths = [self._fields[n].width for n in (coupling.a, coupling.b)]
-            self.pairs.append(FieldPair(self.places[coupling.a], self.places[coupling.b], nodes,
-                                        np.zeros((len(nodes), *widths))))
-        self.curvatures = [np.zeros(len(f.previous.x.array) // p.components)
-                           for f, p in zip(self._fields, self._parts, strict=True)]
-
-    def _expression(self, expression) -> fem.Expression:
-        return fem.Expression(lift_numbers(ufl.algorithms.expand_derivatives(expression), self.term.mesh),
-                              self.term.rule.points, jit_options=JIT)
+    def __init__(self, internal: Internal, fields: list[AdditiveField], increments: list[fem.Function] | None):
+        self.internal, mesh, cells = internal, internal.mesh, internal.cells
+        self._terms = [_TermWork(t, mesh, cells, fields, increments) for t in internal.terms]
+        self.places = sorted({n for t in self._terms for n in t.places})
+        self._fields = [fields[n] for n in self.places]
+        self._nodes = [f.value.function_space.dofmap.list[cells].astype(np.int64) for f in self._fields]
+        self._raw = [f.value.function_space.dofmap.bs for f in self._fields]
+        self.couplings = []
+        for a, b in combinations_with_replacement(range(len(self.places)), 2):
+            nodes, pairs = _node_pairs(self._nodes[a], self._nodes[b])
+            values = np.zeros((len(nodes), self._fields[a].width, self._fields[b].width))
+            self.couplings.append(Coupling(self.places[a], self.places[b], nodes, pairs, values))
+        self.curvatures = [np.zeros(len(f.value.x.array) // n) for f, n in zip(self._fields, self._raw, strict=True)]
 
     def _chunks(self):
-        count = len(self.term.cells)
+        count = len(self.internal.cells)
         return [slice(start, min(start + CHUNK, count)) for start in range(0, count, CHUNK)]
-
-    def _values(self, expression, chunk) -> np.ndarray:
-        table = expression.eval(self.term.mesh, self.term.cells[chunk])
-        return table.reshape(len(table), len(self.term.rule.weights), -1)
 
     def residual(self, forces: list[np.ndarray]) -> None:
         """Add internal forces, conjugate to the raw components of each field, shape (nodes, components)."""
         for chunk in self._chunks():
-            values = self._values(self._force, chunk)
-            for part, table, nodes, place in zip(self._parts, self._tables, self._nodes, self.places, strict=True):
-                _add_rows(forces[place], nodes[chunk], self._integrate(values, part, table))
-
-    def _integrate(self, values, part: FieldJet, table) -> np.ndarray:
-        """Element vectors of one field from densities at the points: (cells, components, nodes)."""
-        count = part.components * len(part.orders)
-        density = values[:, :, part.start: part.start + count].reshape(
-            *values.shape[:2], part.components, len(part.orders))
-        return np.tensordot(density, table * self.term.rule.weights[None, :, None], ((3, 1), (0, 1)))
+            for term in self._terms:
+                for place, vectors in term.vectors(chunk):
+                    _add_rows(forces[place], self._nodes[self.places.index(place)][chunk], vectors)
 
     def extrapolate_stress(self) -> None:
         """Stresses of the tangent: those of the current state plus their linear change by the increments."""
         for chunk in self._chunks():
-            values = self._values(self._extrapolate, chunk)
-            self._stress.x.array.reshape(-1, values.shape[2])[self._stress_dofs[chunk].ravel()] = values.reshape(
-                -1, values.shape[2])
+            for term in self._terms:
+                term.extrapolate_stress(chunk)
 
     def tangent(self) -> None:
-        """Put the tangent into `pairs`, and the second variation of rotations into `curvatures`."""
-        for pair in self.pairs:
-            pair.values[:] = 0
+        """Put the tangent into `couplings`, and the second variation of rotations into `curvatures`."""
+        for coupling in self.couplings:
+            coupling.values[:] = 0
         for curvature in self.curvatures:
             curvature[:] = 0
-        bases = [f.variations() for f in self._fields]
+        bases = {n: f.variations() for n, f in zip(self.places, self._fields, strict=True)}
+        nodes = dict(zip(self.places, self._nodes, strict=True))
         for chunk in self._chunks():
-            values = self._values(self._stiffness, chunk)
-            start = 0
-            for coupling, pair in zip(self._couplings, self.pairs, strict=True):
-                stop = start + len(coupling.entries)
-                matrices = coupling.matrices(values[:, :, start:stop])
-                _add_blocks(matrices, coupling.block, coupling.flipped, bases[coupling.a], bases[coupling.b],
-                            self._nodes[coupling.a][chunk], self._nodes[coupling.b][chunk],
-                            coupling.pairs[chunk], pair.values)
-                start = stop
-            for number, field in enumerate(self._fields):
-                if field.curved:
-                    part = self._parts[number]
-                    held = self._integrate(values[:, :, start:], part, self._tables[number])
-                    along = field.value.x.array.reshape(-1, part.components)[self._nodes[number][chunk]]
-                    work = np.einsum("cki,cik->ci", held, along)
-                    self.curvatures[number] -= np.bincount(
-                        self._nodes[number][chunk].ravel(), work.ravel() / 4, len(self.curvatures[number]))
+            matrices: dict[tuple[int, int], np.ndarray] = {}
+            for term in self._terms:
+                held = term.add_matrices(chunk, matrices)
+                for place, vectors in held:
+                    self._add_curvature(self.places.index(place), chunk, vectors)
+            for coupling in self.couplings:
+                a, b = coupling.rows, coupling.columns
+                if (a, b) in matrices:
+                    block, flipped = _layout(*(self._raw[self.places.index(n)] for n in (a, b)), a == b)
+                    _add_blocks(matrices[a, b], block, flipped, bases[a], bases[b], nodes[a][chunk], nodes[b][chunk],
+                                coupling.pairs[chunk], coupling.values)
+
+    def _add_curvature(self, number, chunk, vectors) -> None:
+        """A unit quaternion's second variation is -1/4 times itself; vectors has shape (cells, components, nodes)."""
+        field, nodes = self._fields[number], self._nodes[number][chunk]
+        if field.curved:
+            values = field.value.x.array.reshape(-1, self._raw[number])[nodes]
+            work = np.einsum("cki,cik->ci", vectors, values)
+            self.curvatures[number] -= np.bincount(nodes.ravel(), work.ravel() / 4, len(self.curvatures[number]))
 
 
-class _Coupling:
-    """Layout of the entries of the jet's stiffness that couple two fields.
+class _TermWork:
+    """Evaluation of one term: densities at the points, and their products with shape functions."""
 
-    For one field with itself only pairs of components (c, d) with c <= d are kept.
-    """
+    def __init__(self, term: Term, mesh: Mesh, cells: np.ndarray, fields, increments):
+        self._mesh, self._cells, self._rule = mesh, cells, term.rule
+        strains, jet, self._parts = as_function_of_jet(term.strains, [f.value for f in fields])
+        values = [f.value for f in fields]
+        self.places = [values.index(p.field) for p in self._parts]
+        self._tables = [_tabulate(p, term.rule) for p in self._parts]
+        resultants = term.law(strains)
+        slopes = ufl.diff(strains, jet)
+        i, j, k = ufl.indices(3)
+        force = ufl.as_vector(resultants[i] * slopes[i, j], j)
+        if increments is None:
+            held, stiffness = force, ufl.diff(force, jet)
+            self._stress = None
+        else:
+            self._prepare_stress(term, values, increments)
+            held = ufl.as_vector(self._stress[i] * slopes[i, j], j)
+            stiffness = ufl.as_matrix(ufl.diff(resultants, jet)[i, j] * slopes[i, k], (j, k)) + ufl.diff(held, jet)
+        self._force = self._expression(force)
+        self._entries = [_entries(one, other) for one, other in combinations_with_replacement(self._parts, 2)]
+        self._products = [_products(one, other, term.rule.weights)
+                          for one, other in combinations_with_replacement(self._tables, 2)]
+        entries = [stiffness[e] for pairs in self._entries for e in pairs]
+        self._stiffness = self._expression(
+            ufl.as_vector(entries + [held[e] for e in range(jet.ufl_shape[0])]))
 
-    def __init__(self, parts: list[FieldJet], a: int, b: int):
-        self.a, self.b = a, b
-        one, other = parts[a], parts[b]
-        pairs = [(c, d) for c, d in product(range(one.components), range(other.components)) if a != b or c <= d]
-        self.entries = [(one.entry(c, k), other.entry(d, m)) for c, d in pairs
-                        for k, m in product(range(len(one.orders)), range(len(other.orders)))]
-        self.block = np.zeros((one.components, other.components), dtype=np.int64)
-        self.flipped = np.zeros((one.components, other.components), dtype=np.bool_)
-        for number, (c, d) in enumerate(pairs):
-            self.block[c, d] = number
-            if a == b and c != d:
-                self.block[d, c], self.flipped[d, c] = number, True
-        self._count = len(pairs)
-        self.table = self.pairs = None
+    def _prepare_stress(self, term, values, increments) -> None:
+        shape = term.strains.ufl_shape
+        element = basix.ufl.quadrature_element(self._mesh.basix_cell(), value_shape=shape,
+                                               points=term.rule.points, weights=term.rule.weights)
+        self._stress = fem.Function(fem.functionspace(self._mesh, element))
+        self._stress_rows = self._stress.function_space.dofmap.list[self._cells]
+        resultants = term.law(term.strains)
+        self._extrapolated = self._expression(resultants + ufl.derivative(resultants, values, increments), None)
 
-    def matrices(self, values: np.ndarray) -> np.ndarray:
-        """Element matrices of each pair of components, shape (cells, pairs of components, n, m)."""
-        cells, points, _ = values.shape
-        values = values.reshape(cells, points, self._count, -1).transpose(0, 2, 1, 3)
-        flat = np.ascontiguousarray(values).reshape(cells * self._count, -1)
-        return (flat @ self.table.reshape(flat.shape[1], -1)).reshape(cells, self._count, *self.table.shape[1:])
+    def _expression(self, expression, scale=ufl.JacobianDeterminant) -> fem.Expression:
+        if scale is not None:
+            expression = scale(self._mesh) * expression
+        return fem.Expression(lift_numbers(ufl.algorithms.expand_derivatives(expression), self._mesh),
+                              self._rule.points, jit_options=JIT)
+
+    def _evaluate(self, expression, chunk) -> np.ndarray:
+        table = expression.eval(self._mesh, self._cells[chunk])
+        return table.reshape(len(table), len(self._rule.weights), -1)
+
+    def _integrated(self, values):
+        """Place of each field and its element vectors (cells, components, nodes) from densities of the jet."""
+        for part, place, table in zip(self._parts, self.places, self._tables, strict=True):
+            count = part.components * len(part.orders)
+            density = values[:, :, part.start: part.start + count].reshape(
+                *values.shape[:2], part.components, len(part.orders))
+            yield place, np.tensordot(density, table * self._rule.weights[None, :, None], ((3, 1), (0, 1)))
+
+    def vectors(self, chunk):
+        """Place of each field and its internal forces."""
+        return self._integrated(self._evaluate(self._force, chunk))
+
+    def extrapolate_stress(self, chunk) -> None:
+        values = self._evaluate(self._extrapolated, chunk)
+        width = values.shape[2]
+        self._stress.x.array.reshape(-1, width)[self._stress_rows[chunk].ravel()] = values.reshape(-1, width)
+
+    def add_matrices(self, chunk, matrices: dict):
+        """Add element matrices (cells, pairs of components, n, m) by places of fields; return held forces."""
+        values, start = self._evaluate(self._stiffness, chunk), 0
+        couplings = zip(combinations_with_replacement(self.places, 2), self._entries, self._products, strict=True)
+        for place, entries, products in couplings:
+            density = values[:, :, start: start + len(entries)]
+            orders = products.shape[0] // values.shape[1]
+            density = density.reshape(*values.shape[:2], -1, orders).transpose(0, 2, 1, 3)
+            shape = (*density.shape[:2], *products.shape[1:])
+            flat = np.ascontiguousarray(density).reshape(-1, products.shape[0])
+            product = (flat @ products.reshape(products.shape[0], -1)).reshape(shape)
+            if place in matrices:
+                matrices[place] += product
+            else:
+                matrices[place] = product
+            start += len(entries)
+        return self._integrated(values[:, :, start:])
 
 
-def _tabulate(part: FieldJet, mesh: Mesh, points: np.ndarray) -> np.ndarray:
+def _component_pairs(rows: int, columns: int, same: bool) -> list[tuple[int, int]]:
+    """Pairs of components that are kept: for one field with itself those with the first not above the second."""
+    return [(c, d) for c, d in product(range(rows), range(columns)) if not same or c <= d]
+
+
+def _entries(one: FieldJet, other: FieldJet) -> list[tuple[int, int]]:
+    """Entries of the jet's stiffness that couple two fields."""
+    pairs = _component_pairs(one.components, other.components, one is other)
+    orders = list(product(range(len(one.orders)), range(len(other.orders))))
+    return [(one.entry(c, k), other.entry(d, m)) for c, d in pairs for k, m in orders]
+
+
+@lru_cache
+def _layout(rows: int, columns: int, same: bool) -> tuple[np.ndarray, np.ndarray]:
+    """For each pair of components the number of its element matrix, and whether that must be transposed."""
+    block, flipped = np.zeros((rows, columns), dtype=np.int64), np.zeros((rows, columns), dtype=np.bool_)
+    for number, (c, d) in enumerate(_component_pairs(rows, columns, same)):
+        block[c, d] = number
+        if same and c != d:
+            block[d, c], flipped[d, c] = number, True
+    return block, flipped
+
+
+def _tabulate(part: FieldJet, rule: Rule) -> np.ndarray:
     """Shape functions and derivatives that a jet uses, shape (orders, points, nodes)."""
     element = part.field.function_space.element.basix_element
-    table = element.tabulate(1, points)[..., 0]
+    table = element.tabulate(1, rule.points)[..., 0]
     return np.ascontiguousarray(table[list(part.orders)])
 
 

@@ -2,9 +2,33 @@
 
 from __future__ import annotations
 
+from dataclasses import fields, is_dataclass
+
+import numpy as np
 from dolfinx.fem import Constant
 from ufl.algorithms.map_integrands import map_integrand_dags
 from ufl.corealg.multifunction import MultiFunction
+
+
+def as_constants(mesh, numbers):
+    """The same nest of sequences and dataclasses with entries of one vector constant for its numbers.
+
+    Zeros stay numbers, so that forms do not contain what vanishes. Numbers become constants where they
+    enter a form, rather than by `lift_numbers`, because UFL orders sums by the values of their numbers.
+    """
+    found: list[float] = []
+    _map(numbers, lambda n: found.append(n) if n else None)
+    constant = Constant(mesh, np.array(found or [0.0]))
+    places = iter(range(len(found)))
+    return _map(numbers, lambda n: constant[next(places)] if n else 0.0)
+
+
+def _map(nest, function):
+    if is_dataclass(nest):
+        return type(nest)(**{f.name: _map(getattr(nest, f.name), function) for f in fields(nest)})
+    if isinstance(nest, (tuple, list)):
+        return type(nest)(_map(n, function) for n in nest)
+    return function(nest)
 
 
 class _Lift(MultiFunction):
@@ -12,22 +36,32 @@ class _Lift(MultiFunction):
 
     expr = MultiFunction.reuse_if_untouched
 
-    def __init__(self, mesh):
+    def __init__(self, replace):
         super().__init__()
-        self._mesh, self._constants = mesh, {}
+        self._replace = replace
 
     def float_value(self, o):
         value = float(o)
-        if abs(value) <= 16 and (12 * value).is_integer():
-            return o
-        if value not in self._constants:
-            self._constants[value] = Constant(self._mesh, value)
-        return self._constants[value]
+        return o if abs(value) <= 16 and (12 * value).is_integer() else self._replace(o, value)
 
     def power(self, o, base, exponent):
         return o._ufl_expr_reconstruct_(base, o.ufl_operands[1])
 
+    def variable(self, o, expression, label):
+        """Labels of variables count on, which would make each expression a new one."""
+        return expression
+
 
 def lift_numbers(expression, mesh):
-    """Replace the numbers in a form or expression by constants on `mesh`."""
-    return map_integrand_dags(_Lift(mesh), expression)
+    """Replace the numbers in a form or expression by the entries of one vector constant on `mesh`."""
+    values: dict[float, int] = {}
+
+    def collect(o, value):
+        values.setdefault(value, len(values))
+        return o
+
+    expression = map_integrand_dags(_Lift(collect), expression)
+    if not values:
+        return expression
+    constant = Constant(mesh, np.array(list(values)))
+    return map_integrand_dags(_Lift(lambda o, value: constant[values[value]]), expression)

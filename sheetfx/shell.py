@@ -10,8 +10,9 @@ import numpy as np
 import ufl
 
 from . import forms
-from .elements import Internal
+from .elements import Internal, Term
 from .mesh.reader import Model
+from .numbers import as_constants
 from .quadrature import Rule, gauss, simplex
 from .section import Elastic, GivenPlate, Plate
 
@@ -49,7 +50,6 @@ def quadrilateral(degree: int, directional: bool) -> ShellForm:
 FORMS = {
     "naghdi-q2": quadrilateral(2, False),
     "naghdi-q3": quadrilateral(3, False),
-    "naghdi-q4": quadrilateral(4, False),
     "naghdi-q2d": quadrilateral(2, True),
     "naghdi-q3d": quadrilateral(3, True),
     "naghdi-p2cr": ShellForm(TRIANGLE, ("P", 2), ("CR", 1), simplex(1), simplex(2)),
@@ -94,12 +94,14 @@ class Shell:
     def discrete(self) -> ShellForm:
         return FORMS[self.form] if isinstance(self.form, str) else self.form
 
-    def internal(self, u, rotation, frame) -> list[Internal]:
-        """Terms of internal virtual work."""
-        form, stiffness = self.discrete, self.section.stiffness(self.material)
-        measure = self.strains or (lambda u, rotation, frame: forms.shell.naghdi(u, rotation, frame, self.offset))
+    def internal(self, u, rotation, frame) -> Internal:
+        """Internal virtual work."""
+        form, mesh = self.discrete, self.model.mesh
+        stiffness, thickness, offset = as_constants(
+            mesh, (self.section.stiffness(self.material), self.section.thickness, self.offset))
+        measure = self.strains or (lambda u, rotation, frame: forms.shell.naghdi(u, rotation, frame, offset))
         strains = measure(u, rotation, frame)
-        share = _share(self.model.mesh, self.section.thickness)
+        share = _share(mesh, thickness)
         cells = self.model.group(self.group)
 
         def law(places, factor=1.0):
@@ -113,7 +115,10 @@ class Shell:
             return restricted
 
         def term(vector, function, rule):
-            return Internal(vector, function, rule, self.model.mesh, cells)
+            return Term(vector, function, rule)
+
+        def work(*terms):
+            return Internal(terms, mesh, cells)
 
         def joined(*vectors):
             return ufl.as_vector([v[i] for v in vectors for i in range(v.ufl_shape[0])])
@@ -130,7 +135,7 @@ class Shell:
                 rule = Rule(np.concatenate([rule.points, form.low.points]),
                             np.concatenate([rule.weights, -form.low.weights]))
                 terms.append(term(along, law(stretch), rule))
-            return terms
+            return work(*terms)
         whole = joined(thin, thick)
         shared = law(stretch, share)
 
@@ -138,7 +143,7 @@ class Shell:
             n, m = shared(ufl.as_vector([e[i] for i in range(5)])), law(bend)(ufl.as_vector([e[i] for i in range(5, 9)]))
             return joined(n, m)
 
-        return [term(thin, law(stretch, 1 - share), form.low), term(whole, full_law, form.full)]
+        return work(term(thin, law(stretch, 1 - share), form.low), term(whole, full_law, form.full))
 
 
 def _share(mesh, thickness):

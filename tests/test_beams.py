@@ -335,7 +335,7 @@ def turn_rigidly(discretisation, angle, axis, steps):
 
 def energy_and_residual(discretisation):
     system = discretisation.system
-    term = system.internal[0].term
+    term = system.internal[0].internal.terms[0]
     density = ufl.inner(term.law(term.strains), term.strains) / 2
     energy = fem.assemble_scalar(fem.form(density * ufl.dx(metadata=term.rule.metadata)))
     out = system.create_vector()

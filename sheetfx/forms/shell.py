@@ -103,7 +103,7 @@ def naghdi(u, rotation, frame, offset=0.0) -> ShellStrains:
     slope = [frame.along(d, a) for a in t]
     start = [frame.along(n, a) for a in t]
     f = [a + frame.along(u, a) for a in t]
-    if offset:
+    if not isinstance(offset, (int, float)) or offset:
         f = [a + offset * b for a, b in zip(f, slope, strict=True)]
         t = [a + offset * b for a, b in zip(t, start, strict=True)]
 
