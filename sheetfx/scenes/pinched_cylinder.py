@@ -1,0 +1,33 @@
+"""Linear benchmark: cylinder with end diaphragms pinched by two forces (MacNeal and Harder 1985: 1.8248e-5)."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from typer import Option
+
+from ..benchmark import Cells, Form, LinearSteps, Reading, benchmark, linear_response, members
+from ..case import Case
+from ..scene import PointForce
+from ..section import Elastic, Plate
+from ..shell import Shell
+from .diaphragm_cylinder import eighth
+
+REFERENCE = {"deflection": 1.8248e-5}
+CHART = members({"naghdi-q2": (8, 16, 24, 32), "naghdi-q3": (4, 8, 12, 16), "naghdi-p2cr": (16, 24, 32, 48)}, steps=0)
+
+
+def scene(
+    cells: Cells = 16,
+    form: Form = "naghdi-q3",
+    thickness: Annotated[float, Option(help="of the shell; the radius is 300")] = 3.0,
+    load: Annotated[float, Option(help="each of the two forces")] = 1.0,
+    steps: LinearSteps = 1,
+) -> Case:
+    """Pinched cylinder: the linear deflection under a force. One eighth is modelled."""
+    model, supports = eighth(form, cells, 300.0)
+    return benchmark(
+        Shell(model, Plate(thickness), Elastic(3e6, 0.3), form=form), supports,
+        [PointForce(model, "A", (0.0, 0.0, -load / 4))], {"deflection": Reading("A", "z", -1.0)},
+        ("deflection under a force", "sum of both forces"), steps=steps, copies=8,
+        quantities=lambda record: {"deflection": linear_response(record)})

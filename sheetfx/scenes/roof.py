@@ -1,0 +1,59 @@
+"""Hinged cylindrical roof under a force at its crown (Sze, Liu and Lo 2004, section 3.8).
+
+A thickness of 12.7 snaps through, one of 6.35 snaps back as well.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from typer import Option
+
+from ..benchmark import Cells, Form, Published, Reading, benchmark, cylinder, members
+from ..case import Case
+from ..path import Until
+from ..scene import PointForce, Support, symmetry
+from ..section import Elastic, Plate
+from ..shell import Shell
+from ..solve.control import ArcLength
+from .lee_frame import quantities
+
+RADIUS, LENGTH, HALF_ANGLE = 2540.0, 508.0, 0.1
+READINGS = {"deflection": Reading("crown", "z", -1.0)}
+SOURCE = "Sze, Liu and Lo (2004)"
+PUBLISHED = {
+    12.7: Published(SOURCE, 3000.0, (
+        (0.0877, 0.693), (0.1980, 1.638), (0.3473, 3.087), (0.4686, 4.477), (0.5647, 5.802), (0.6381, 7.057),
+        (0.6908, 8.237), (0.7246, 9.339), (0.7412, 10.358), (0.7421, 11.293), (0.7286, 12.141), (0.7023, 12.903),
+        (0.6649, 13.583), (0.6182, 14.188), (0.5643, 14.728), (0.5055, 15.217), (0.4442, 15.676), (0.3830, 16.125),
+        (0.3245, 16.590), (0.2717, 17.094), (0.2272, 17.657), (0.1940, 18.299), (0.1750, 19.028), (0.1729, 19.852),
+        (0.1905, 20.771), (0.2303, 21.780), (0.2950, 22.875), (0.3871, 24.049), (0.4443, 24.663), (0.5093, 25.293),
+        (0.5826, 25.940), (0.6644, 26.601), (0.7551, 27.276), (0.8549, 27.964), (0.9643, 28.663), (1.0835, 29.374))),
+    6.35: Published(SOURCE, 3000.0, (
+        (0.0517, 1.846), (0.1182, 5.271), (0.1583, 8.257), (0.1837, 10.799), (0.1914, 11.904), (0.1953, 12.892),
+        (0.1950, 13.752), (0.1901, 14.472), (0.1806, 15.050), (0.1671, 15.501), (0.1323, 16.145), (0.0923, 16.602),
+        (0.0504, 16.915), (0.0083, 17.008), (-0.0312, 16.697), (-0.0622, 15.780), (-0.0739, 15.206),
+        (-0.0861, 14.767), (-0.1001, 14.520), (-0.1142, 14.451), (-0.1247, 14.862), (-0.1288, 15.778),
+        (-0.1271, 16.961), (-0.1196, 18.320), (-0.1055, 19.817), (-0.0825, 21.420), (-0.0484, 23.100),
+        (-0.0006, 24.824), (0.0626, 26.565), (0.1427, 28.302), (0.2403, 30.023), (0.3559, 31.720), (0.4898, 33.388),
+        (0.6417, 35.024), (0.8114, 36.626), (1.0313, 38.450)))}
+REFERENCE = {"limit_load": 2224.0, "lower_limit_load": 504.6}
+CHART = members({"naghdi-q2": (4, 6, 8, 12), "naghdi-q3": (2, 4, 6), "naghdi-p2cr": (8, 12, 16, 24)})
+PEERS = [{"driver": "kratos", "arguments": ["roof", "--cells", "16", "--step", "2", "--solver", "amgcl"]}]
+
+
+def scene(
+    cells: Cells = 8,
+    form: Form = "naghdi-q3",
+    thickness: Annotated[float, Option(help="of the roof in mm; 12.7 and 6.35 are published")] = 12.7,
+    to: Annotated[float, Option(help="deflection of the crown in mm at which the path ends")] = 30.0,
+    step: Annotated[float, Option(help="first arc length")] = 0.02,
+) -> Case:
+    """Hinged roof: limit points of the force on the whole roof, of which a quarter is modelled."""
+    model = cylinder(form, (cells, cells), RADIUS, LENGTH / 2, HALF_ANGLE, {"crown": (0, 0)})
+    return benchmark(
+        Shell(model, Plate(thickness), Elastic(3102.75, 0.3), form=form),
+        [symmetry(model, "west", "x"), symmetry(model, "south", "y"), Support(model, "north", "x y z")],
+        [PointForce(model, "crown", (0.0, 0.0, -0.25))], READINGS, ("deflection of the crown (mm)", "force (N)"),
+        copies=4, control=ArcLength(step=step), until=Until(deflection=to), published=PUBLISHED.get(thickness),
+        quantities=quantities)

@@ -1,0 +1,35 @@
+"""Linear benchmark: roof on end diaphragms under its own weight (Scordelis and Lo 1964; MacNeal and Harder 1985)."""
+
+from __future__ import annotations
+
+from math import radians
+from typing import Annotated
+
+from typer import Option
+
+from ..benchmark import Cells, Form, LinearSteps, Reading, benchmark, cylinder, linear_response, members
+from ..case import Case
+from ..scene import Support, SurfaceForce, symmetry
+from ..section import Elastic, Plate
+from ..shell import Shell
+
+RADIUS, LENGTH, HALF_ANGLE = 25.0, 50.0, radians(40.0)
+REFERENCE = {"deflection": 0.3012}
+CHART = members({"naghdi-q2": (4, 8, 12, 16), "naghdi-q3": (2, 4, 6, 8), "naghdi-p2cr": (8, 16, 24, 32)}, steps=0)
+
+
+def scene(
+    cells: Cells = 8,
+    form: Form = "naghdi-q3",
+    thickness: Annotated[float, Option(help="of the roof; its radius is 25")] = 0.25,
+    load: Annotated[float, Option(help="weight per area")] = 90.0,
+    steps: LinearSteps = 1,
+) -> Case:
+    """Scordelis-Lo roof: the linear deflection at the middle of a free edge. A quarter is modelled."""
+    model = cylinder(form, (cells, cells), RADIUS, LENGTH / 2, HALF_ANGLE, {"middle": (0, 1)})
+    shell = Shell(model, Plate(thickness), Elastic(4.32e8, 0.0), form=form)
+    return benchmark(
+        shell, [symmetry(model, "west", "x"), symmetry(model, "south", "y"), Support(model, "east", "y z")],
+        [SurfaceForce(shell, (0.0, 0.0, -load))], {"deflection": Reading("middle", "z", -1.0)},
+        ("deflection of the free edge", "weight"), steps=steps, copies=4,
+        quantities=lambda record: {"deflection": linear_response(record)})

@@ -1,0 +1,49 @@
+"""Slit annular plate lifted along one side of the slit (Sze, Liu and Lo 2004, section 3.3)."""
+
+from __future__ import annotations
+
+from math import pi
+from typing import Annotated
+
+import numpy as np
+from typer import Option
+
+from ..benchmark import Form, Published, Reading, Steps, benchmark, members, surface
+from ..case import Case
+from ..scene import EdgeForce, clamp
+from ..section import Elastic, Plate
+from ..shell import Shell
+
+INNER, OUTER = 6.0, 10.0
+READINGS = {"w_A": Reading("A", "z"), "w_B": Reading("B", "z")}
+PUBLISHED = Published("Sze, Liu and Lo (2004)", 3.2, (
+    (0.025, 1.305, 1.789), (0.05, 2.455, 3.370), (0.075, 3.435, 4.720), (0.10, 4.277, 5.876), (0.125, 5.007, 6.872),
+    (0.15, 5.649, 7.736), (0.20, 6.725, 9.160), (0.25, 7.602, 10.288), (0.30, 8.340, 11.213), (0.35, 8.974, 11.992),
+    (0.40, 9.529, 12.661), (0.45, 10.023, 13.247), (0.50, 10.468, 13.768), (0.55, 10.876, 14.240),
+    (0.60, 11.257, 14.674), (0.65, 11.620, 15.081), (0.70, 11.970, 15.469), (0.75, 12.310, 15.842),
+    (0.80, 12.642, 16.202), (0.85, 12.966, 16.550), (0.90, 13.282, 16.886), (0.95, 13.590, 17.212),
+    (1.00, 13.891, 17.528)))
+REFERENCE = {"w_A": 13.86, "w_B": 17.497}
+CHART = members({"naghdi-q2": (15, 30, 60), "naghdi-q3": (10, 15, 30), "naghdi-p2cr": (30, 60, 100)})
+PEERS = [{"driver": "kratos", "arguments": [
+    "slit-annulus", "--cells", "30", "--across", "6", "--steps", "20", "--solver", "sparse_lu"]}]
+
+
+def scene(
+    cells: Annotated[int, Option(min=1, help="cells around the plate")] = 15,
+    across: Annotated[int, Option(min=0, help="cells across its width; 0: a fifth of those around, at least 2")] = 0,
+    form: Form = "naghdi-q3",
+    thickness: Annotated[float, Option(help="of the plate; its radii are 6 and 10")] = 0.03,
+    load: Annotated[float, Option(help="force per length of the free side of the slit")] = 0.8,
+    steps: Steps = 5,
+) -> Case:
+    """Slit annular plate, one side of the slit clamped and the other lifted by more than its outer radius."""
+    def place(s, t):
+        radius, angle = INNER + (OUTER - INNER) * t, 2 * pi * s
+        return radius * np.cos(angle), radius * np.sin(angle), 0 * s
+
+    model = surface(form, (cells, across or max(2, cells // 5)), place, {"A": (0, 0), "B": (0, 1)})
+    return benchmark(
+        Shell(model, Plate(thickness), Elastic(21e6, 0.0), form=form), [clamp(model, "east")],
+        [EdgeForce(model, "west", (0.0, 0.0, load))], READINGS, ("deflection of A", "force on the slit"),
+        steps=steps, published=PUBLISHED)
