@@ -51,13 +51,21 @@ class Tracer:
         vector.array[offset + dofs] = self.discretisation.scene.monitor.sign
         return vector
 
-    def attempt(self, length: float) -> State | None:
-        """Try one step of a given length from the current state; None if it does not converge."""
+    def attempt(self, length: float, guess: tuple[float, np.ndarray] | None = None) -> State | None:
+        """Try one step of a given length from the current state; None if it does not converge.
+
+        Parameters
+        ----------
+        guess : increments of the load factor and of the unknowns (this process's part) to begin with
+        """
         start, before, spent = self.state, self.total_factorisations, self.iterations
         for layers in self.discretisation.enforcement.approaches():
             self._most = 0
-            load_increment = self.control.predict(length, copysign(1.0, start.load_rate), self.tangent)
-            self.stepper.begin(self.control, self.tangent, length, load_increment)
+            if guess is None:
+                load_increment = self.control.predict(length, copysign(1.0, start.load_rate), self.tangent)
+                self.stepper.begin(self.control, self.tangent, length, load_increment)
+            else:
+                self.stepper.begin(self.control, self.tangent, length, *guess)
             if self.discretisation.enforcement.solve(self._correct, layers):
                 try:
                     self.state = self._converged(start, self.iterations - spent, length, before)

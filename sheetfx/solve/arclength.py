@@ -54,11 +54,17 @@ class PathStep:
         self.system.configure(x)
         self.system.residual(out)
 
-    def begin(self, control, tangent: Tangent, length: float, load_increment: float) -> None:
-        """Set the step that the next `solve` takes: from the converged state along its tangent."""
+    def begin(self, control, tangent: Tangent, length: float, load_increment: float, guess=None) -> None:
+        """Set the step that the next `solve` takes from the converged state.
+
+        Parameters
+        ----------
+        load_increment : of the predictor
+        guess : increments to begin with, this process's part of the vector; None: along the tangent
+        """
         self.control, self.tangent, self.length = control, tangent, length
         self.start, self.load_increment = self.system.factor, load_increment
-        self._predict = True
+        self._predict, self._guess = True, guess
 
     def continue_step(self) -> None:
         """Let the next `solve` correct from where the last one ended."""
@@ -68,7 +74,10 @@ class PathStep:
         if self._predict:
             x.zeroEntries()
             self._step.zeroEntries()
-            self._step.axpy(self.load_increment, self.tangent.solution)
+            if self._guess is None:
+                self._step.axpy(self.load_increment, self.tangent.solution)
+            else:
+                self._step.array[:] = self._guess
             self._move(x, self._step)
         self.history = []
         snes.setConvergedReason(self._iterate(snes, x))

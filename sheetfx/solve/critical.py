@@ -53,18 +53,36 @@ class _Tries:
     def __getitem__(self, length: float) -> State:
         if length not in self.states:
             self.tracer.back_to(self.before)
-            state = self.tracer.attempt(length)
+            state = self.tracer.attempt(length, self._guess(length))
             if state is None:
                 raise _Missed
             self.states[length] = state
         return self.states[length]
 
+    def _guess(self, length: float):
+        """Cubic interpolation between the nearest states on both sides, from their tangents."""
+        a = max(s for s in self.states if s < length)
+        b = min(s for s in self.states if s > length)
+        span, t = b - a, (length - a) / (b - a)
+        weights = ((1 + 2 * t) * (1 - t) ** 2, t * t * (3 - 2 * t), span * t * (1 - t) ** 2, span * t * t * (t - 1))
+        ends = [self.states[a], self.states[b]]
+        values = [(0.0, 0.0) if s is self.before else (s.load_increment, s.increment) for s in ends]
+        slopes = [(s.load_rate, s.load_rate * s.response) for s in ends]
+        return tuple(sum(w * v[n] for w, v in zip(weights, values + slopes, strict=True)) for n in range(2))
+
 
 def _limit(tracer, before: State, after: State) -> State:
-    """State within a step whose load rate is zero."""
+    """State within a step whose load rate is zero; its load differs by 1e-10 from the limit."""
     tries, sign = _Tries(tracer, before, after), 1.0 if before.load_rate > 0 else -1.0
+    change = abs(after.load_rate - before.load_rate) / after.length
+
+    def rate(length):
+        state = tries[length]
+        close = state.load_rate**2 / (2 * change) < 1e-10 * abs(state.factor)
+        return 0.0 if close and 0 < length < after.length else state.load_rate
+
     try:
-        brentq(lambda length: tries[length].load_rate, 0.0, after.length, xtol=1e-7 * after.length)
+        brentq(rate, 0.0, after.length, xtol=1e-7 * after.length)
     except _Missed:
         pass
     return max(tries.states.values(), key=lambda s: sign * s.factor)
