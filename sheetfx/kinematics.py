@@ -75,19 +75,32 @@ def kinematics_of(model: Model, displacement: tuple[str, int], rotation: tuple[s
     parts = [basix.ufl.element(displacement[0], cell, displacement[1], shape=(dimension,)),
              basix.ufl.element(family, cell, degree, shape=spins)]
     space = fem.functionspace(mesh, basix.ufl.mixed_element(parts))
-    (u_space, u_dofs), (spin_space, spin_dofs) = (space.sub(i).collapse() for i in range(2))
-    u = fem.Function(u_space, name="displacement")
-    displacement = AdditiveField(u, np.asarray(u_dofs), model.size)
-    spin = fem.Function(spin_space, name="rotation")
+    u = fem.Function(fem.functionspace(mesh, parts[0]), name="displacement")
+    displacement = AdditiveField(u, _places(u.function_space, space.sub(0)), model.size)
+    spin = fem.Function(fem.functionspace(mesh, parts[1]), name="rotation")
+    spin_dofs = _places(spin.function_space, space.sub(1))
     if dimension == 2:
-        turn = AdditiveField(spin, np.asarray(spin_dofs), 1.0)
+        turn = AdditiveField(spin, spin_dofs, 1.0)
         spatial = total = forms.rotation.PlanarRotation(spin)
     else:
         q = fem.Function(fem.functionspace(mesh, (family, degree, (4,))), name="rotation")
-        order = _matching_nodes(q.function_space, spin_space)
-        turn = QuaternionField(q, spin, np.asarray(spin_dofs).reshape(-1, 3)[order].ravel())
+        order = _matching_nodes(q.function_space, spin.function_space)
+        turn = QuaternionField(q, spin, spin_dofs.reshape(-1, 3)[order].ravel())
         spatial, total = forms.rotation.SpatialRotation(q, spin), forms.rotation.SpatialRotation(q)
     return Kinematics(u, spin, spatial, total, Block(space, (displacement, turn)))
+
+
+def _places(space, part) -> np.ndarray:
+    """For each dof of `space` the dof of the same element's `part` of a mixed space.
+
+    DOLFINx 0.9 forgets the order of nodes along edges when it collapses the part (degree 3 and above).
+    """
+    size = space.dofmap.bs
+    count = space.dofmap.index_map.size_local + space.dofmap.index_map.num_ghosts
+    dofs = np.empty(count * size, dtype=np.int64)
+    own = size * space.dofmap.list[:, :, None] + np.arange(size)
+    dofs[own.reshape(part.dofmap.list.shape)] = part.dofmap.list
+    return dofs
 
 
 def _matching_nodes(space, other) -> np.ndarray:
