@@ -25,6 +25,7 @@ from .solve.control import LoadControl, StepRule
 Cells = Annotated[int, Option(min=1, help="cells along each side of the modelled part")]
 Form = Annotated[str, Option(help=f"of the shell: {', '.join(FORMS)}")]
 Steps = Annotated[int, Option(min=1, help="load steps")]
+FirstArc = Annotated[float, Option(help="first arc length")]
 LinearSteps = Annotated[int, Option(min=0, help="load steps of the nonlinear path; 0: the linear response alone")]
 
 
@@ -108,9 +109,9 @@ def benchmark(
     ----------
     readings : by name; paths are drawn against the first
     steps : equal load steps; 0: only the unloaded state with its linear response
-    control : instead of equal load steps
+    control, until : instead of equal load steps up to a load factor of 1
     published : points that `published.png` compares with
-    quantities : function (record) -> name and value; None: the readings at the end
+    quantities : function (record) -> name and value; None: the readings at a load factor of 1
     """
     first = next(iter(readings.values()))
     pictures = [path_curve, shapes, paraview] if steps else []
@@ -120,12 +121,12 @@ def benchmark(
         scene=Scene([shell], supports, loads, Monitor(shell.model, first.at, first.component, first.sign),
                     copies=copies),
         control=control or LoadControl(step=1 / max(steps, 1), target=min(steps, 1), fixed=True),
-        until=until or Until(), quantities=quantities or (lambda record: read_off(record, readings)),
+        until=until or Until(), quantities=quantities or (lambda record: at_load(record, readings)),
         pictures=pictures, axes=axes)
 
 
-def read_off(record: Record, readings: dict[str, Reading], number: int = -1) -> dict[str, float]:
-    """Values of readings in a state, the last unless told otherwise."""
+def read_off(record: Record, readings: dict[str, Reading], number: int) -> dict[str, float]:
+    """Values of readings in a state."""
     record.show(record.states[number])
     model = record.case.scene.parts[0].model
     kinematics = record.path.discretisation.kinematics(model)
@@ -133,12 +134,33 @@ def read_off(record: Record, readings: dict[str, Reading], number: int = -1) -> 
             for name, r in readings.items()}
 
 
-def linear_response(record: Record) -> float:
-    """First reading of the unloaded structure per unit of the load factor."""
-    tangent = record.path.tracer.tangent
-    response = tangent.solution.duplicate()
-    response.array[:] = record.states[0].response
-    return tangent.monitored(response)
+def slopes(record: Record, readings: dict[str, Reading], number: int) -> dict[str, float]:
+    """Readings by a unit of the load factor in a state, with the tangent of that state."""
+    model, response = record.case.scene.parts[0].model, record.states[number].response
+    return {name: r.sign * model.mesh.comm.allreduce(float(response[_owned(record, model, r)].sum()))
+            for name, r in readings.items()}
+
+
+def _owned(record: Record, model: Model, reading: Reading) -> np.ndarray:
+    """Places of a reading in this process's part of the solver's vector."""
+    return record.path.discretisation.kinematics(model).point_dofs(model, reading.at, reading.component)
+
+
+def at_load(record: Record, readings: dict[str, Reading], factor: float = 1.0) -> dict[str, float]:
+    """Readings where the path last passes a load factor, by Hermite's cubic between two states.
+
+    A path that does not get there gives its last state.
+    """
+    factors = np.array([s.factor for s in record.states])
+    passes = np.flatnonzero((factors[:-1] - factor) * (factors[1:] - factor) <= 0)
+    if not len(passes):
+        return read_off(record, readings, -1)
+    i = int(passes[-1])
+    step = factors[i + 1] - factors[i]
+    ends = [np.array(list(f(record, readings, n).values())) for n in (i, i + 1) for f in (read_off, slopes)]
+    t = (factor - factors[i]) / step
+    weights = (1 - t) ** 2 * (1 + 2 * t), t * (1 - t) ** 2 * step, t**2 * (3 - 2 * t), t**2 * (t - 1) * step
+    return dict(zip(readings, sum(w * e for w, e in zip(weights, ends, strict=True)).tolist(), strict=True))
 
 
 def published_points(record: Record, folder: Folder, readings: dict[str, Reading], published: Published,

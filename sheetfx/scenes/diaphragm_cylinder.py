@@ -7,12 +7,14 @@ from typing import Annotated
 
 from typer import Option
 
-from ..benchmark import Cells, Form, Published, Reading, Steps, benchmark, cylinder, members
+from ..benchmark import Cells, FirstArc, Form, Published, Reading, benchmark, cylinder, members
 from ..case import Case
 from ..mesh.reader import Model
+from ..path import Until
 from ..scene import PointForce, Support, symmetry
 from ..section import Elastic, Plate
 from ..shell import Shell
+from ..solve.control import ArcLength
 
 READINGS = {"w_A": Reading("A", "z", -1.0), "u_B": Reading("B", "y")}
 PUBLISHED = Published("Sze, Liu and Lo (2004)", 24000.0, (
@@ -41,7 +43,7 @@ def scene(
     form: Form = "naghdi-q3",
     thickness: Annotated[float, Option(help="of the shell; the radius is 100")] = 1.0,
     load: Annotated[float, Option(help="each of the two forces at the end of the path")] = 12000.0,
-    steps: Steps = 20,
+    step: FirstArc = 0.02,
 ) -> Case:
     """Pinched cylinder with end diaphragms: folds under the forces. One eighth is modelled.
 
@@ -51,4 +53,4 @@ def scene(
     return benchmark(
         Shell(model, Plate(thickness), Elastic(3e4, 0.3), form=form), supports,
         [PointForce(model, "A", (0.0, 0.0, -load / 4))], READINGS, ("deflection of A", "sum of both forces"),
-        steps=steps, copies=8, published=PUBLISHED)
+        copies=8, control=ArcLength(step=step), until=Until(load=2 * load), published=PUBLISHED)

@@ -11,7 +11,7 @@ from typing import Annotated
 import numpy as np
 from typer import Option
 
-from ..benchmark import Cells, Form, Published, Reading, Steps, benchmark, linear_response, members, read_off, surface
+from ..benchmark import Cells, Form, Published, Reading, Steps, at_load, benchmark, members, slopes, surface
 from ..case import Case
 from ..scene import PointForce, Support, symmetry
 from ..section import Elastic, Plate
@@ -48,4 +48,5 @@ def scene(
         [symmetry(model, "west", "y"), symmetry(model, "east", "x"), Support(model, "A", "z")],
         [PointForce(model, "A", (load / 2, 0.0, 0.0)), PointForce(model, "B", (0.0, -load / 2, 0.0))],
         READINGS, ("deflection of A", "each force"), steps=steps, published=PUBLISHED,
-        quantities=lambda record: read_off(record, READINGS) | {"linear_u_A": 2 / load * linear_response(record)})
+        quantities=lambda record: at_load(record, READINGS) | {
+            "linear_u_A": 2 / load * slopes(record, READINGS, 0)["u_A"]})

@@ -6,13 +6,14 @@ from typing import Annotated
 
 from typer import Option
 
-from ..benchmark import Cells, Form, LinearSteps, Reading, benchmark, linear_response, members
+from ..benchmark import Cells, Form, LinearSteps, Reading, benchmark, members, slopes
 from ..case import Case
 from ..scene import PointForce
 from ..section import Elastic, Plate
 from ..shell import Shell
 from .diaphragm_cylinder import eighth
 
+READINGS = {"deflection": Reading("A", "z", -1.0)}
 REFERENCE = {"deflection": 1.8248e-5}
 CHART = members({"naghdi-q2": (8, 16, 24, 32), "naghdi-q3": (4, 8, 12, 16), "naghdi-p2cr": (16, 24, 32, 48)}, steps=0)
 
@@ -28,6 +29,6 @@ def scene(
     model, supports = eighth(form, cells, 300.0)
     return benchmark(
         Shell(model, Plate(thickness), Elastic(3e6, 0.3), form=form), supports,
-        [PointForce(model, "A", (0.0, 0.0, -load / 4))], {"deflection": Reading("A", "z", -1.0)},
+        [PointForce(model, "A", (0.0, 0.0, -load / 4))], READINGS,
         ("deflection under a force", "sum of both forces"), steps=steps, copies=8,
-        quantities=lambda record: {"deflection": linear_response(record)})
+        quantities=lambda record: slopes(record, READINGS, 0))

@@ -9,7 +9,7 @@ from typing import Annotated
 
 from typer import Option
 
-from ..benchmark import Cells, Form, Published, Reading, benchmark, cylinder, members
+from ..benchmark import Cells, FirstArc, Form, Published, Reading, benchmark, cylinder, members
 from ..case import Case
 from ..path import Until
 from ..scene import PointForce, Support, symmetry
@@ -47,7 +47,7 @@ def scene(
     form: Form = "naghdi-q3",
     thickness: Annotated[float, Option(help="of the roof in mm; 12.7 and 6.35 are published")] = 12.7,
     to: Annotated[float, Option(help="deflection of the crown in mm at which the path ends")] = 30.0,
-    step: Annotated[float, Option(help="first arc length")] = 0.02,
+    step: FirstArc = 0.02,
 ) -> Case:
     """Hinged roof: limit points of the force on the whole roof, of which a quarter is modelled."""
     model = cylinder(form, (cells, cells), RADIUS, LENGTH / 2, HALF_ANGLE, {"crown": (0, 0)})

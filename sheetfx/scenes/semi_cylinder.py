@@ -7,11 +7,13 @@ from typing import Annotated
 
 from typer import Option
 
-from ..benchmark import Cells, Form, Published, Reading, Steps, benchmark, cylinder, members
+from ..benchmark import Cells, FirstArc, Form, Published, Reading, benchmark, cylinder, members
 from ..case import Case
+from ..path import Until
 from ..scene import PointForce, Support, clamp, symmetry
 from ..section import Elastic, Plate
 from ..shell import Shell
+from ..solve.control import ArcLength
 
 RADIUS, LENGTH = 101.6, 304.8
 READINGS = {"w_A": Reading("A", "z", -1.0)}
@@ -29,7 +31,7 @@ def scene(
     form: Form = "naghdi-q3",
     thickness: Annotated[float, Option(help="of the shell; the radius is 101.6")] = 3.0,
     load: Annotated[float, Option(help="force at the end of the path")] = 2000.0,
-    steps: Steps = 20,
+    step: FirstArc = 0.02,
 ) -> Case:
     """Pinched semi-cylinder: its free end folds under the force. One half is modelled.
 
@@ -40,4 +42,4 @@ def scene(
         Shell(model, Plate(thickness), Elastic(2068.5, 0.3), form=form),
         [clamp(model, "west"), symmetry(model, "south", "y"), Support(model, "north", "z rx")],
         [PointForce(model, "A", (0.0, 0.0, -load / 2))], READINGS, ("deflection under the force", "force"),
-        steps=steps, copies=2, published=PUBLISHED)
+        copies=2, control=ArcLength(step=step), until=Until(load=load), published=PUBLISHED)
