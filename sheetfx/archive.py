@@ -32,7 +32,7 @@ class Archive:
         if self.comm.rank == 0:
             for file in self._states.glob("*.npz"):
                 file.unlink()
-            for pattern in ("path.csv", "summary.json", "*.png", "paraview/path*"):
+            for pattern in ("path.csv", "buckling.csv", "summary.json", "*.png", "paraview/path*", "paraview/modes*"):
                 for file in self.folder.glob(pattern):
                     file.unlink()
             self.write_json("parameters.json", parameters | {"processes": self.comm.size})

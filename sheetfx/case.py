@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path as Folder
 
 from mpi4py import MPI
@@ -11,6 +12,7 @@ from mpi4py import MPI
 from .archive import Archive
 from .path import Path, PathFailure, Until
 from .scene import Scene
+from .solve.buckling import BucklingLoad, buckling
 from .solve.control import ArcLength, StepRule
 from .state import CriticalPoint, State
 
@@ -30,6 +32,8 @@ class Case:
     pictures : functions (record, folder), each draws one picture
     axes : names of deflection and load on plots
     mixed_points : large-step tangent
+    buckling : function (path, state) -> buckling loads, for `Record.buckling`; with `Until(steps=0)` they are those
+        of the unloaded structure and the only result
     """
 
     scene: Scene
@@ -39,6 +43,7 @@ class Case:
     pictures: Sequence[Callable[[Record, Folder], None]] = ()
     axes: tuple[str, str] = ("deflection (mm)", "load (N)")
     mixed_points: bool = True
+    buckling: Callable[[Path, State], list[BucklingLoad]] = buckling
 
 
 @dataclass
@@ -52,6 +57,11 @@ class Record:
     @property
     def critical_points(self) -> list[CriticalPoint]:
         return [point for state in self.states for point in state.critical]
+
+    @cached_property
+    def buckling(self) -> list[BucklingLoad]:
+        """Linear buckling loads about the last state, found when first asked for."""
+        return self.case.buckling(self.path, self.states[-1])
 
     def show(self, state: State) -> None:
         """Put all fields to those of a state, for evaluation and pictures."""

@@ -26,14 +26,16 @@ class PathFailure(ArithmeticError):
 
 @dataclass(frozen=True)
 class Until:
-    """Where a path ends: at the first of the given bounds (absolute values)."""
+    """Where a path ends: at the first of the given bounds (absolute values); `steps` 0: unloaded."""
 
     deflection: float | None = None
     load: float | None = None
     steps: int = 2000
 
     def __post_init__(self):
-        require_positive(self, "deflection", "load", "steps")
+        require_positive(self, "deflection", "load")
+        if self.steps < 0:
+            raise ValueError(f"Until: steps is {self.steps}; it must not be negative")
 
     def reached(self, state: State) -> str | None:
         """Why the path ends at this state, or None."""

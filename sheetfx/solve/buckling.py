@@ -73,7 +73,7 @@ def buckling(path, state: State, count: int = 6, *, supports: Sequence | None = 
     prebuckling : whether the tangent changes with the displacement of the response too; False: with its stress
         alone, by the initial-stress matrix. Both converge to a bifurcation as the state approaches it. In thin
         structures the stress alone is closer from afar (unloaded shallow arch on hinges: 11 % instead of 46 %):
-        an error in inextensional modes is multiplied by the membrane stiffness
+        what a linear change by displacement leaves out is multiplied by the membrane stiffness
     tolerance : largest relative distance of neighbours in a cluster
 
     Raises
@@ -136,13 +136,14 @@ class _Problem:
             raise ValueError("buckling: no stress changes with the load; with mixed_points=False give prebuckling=True")
         self.solver = DirectSolver(self._ksp(), self.tangent, self.system.symmetric)
         self.solver.factor()
-        self.definite = self.solver.negative_pivots() == 0
+        pivots = self.solver.negative_pivots()
+        self.definite, self.stable = pivots == 0, pivots == self.system.multipliers
 
     def _tangent_at(self, step: float, held: float = 0.0) -> PETSc.Mat:
-        """Tangent where the response has gone on by `step`; its stresses further by the linear change of `held`."""
+        """Tangent where response and load have gone on by `step`, and stress and load further by `held`."""
         system, x = self.system, self.response.copy()
         x.scale(step)
-        system.factor = self.state.factor + step
+        system.factor = self.state.factor + step + held
         system.configure(x)
         x.array[:] = held * self.response.array
         system.extrapolate_stress(x)
@@ -158,7 +159,7 @@ class _Problem:
         return slope
 
     def _by_stress(self, step: float) -> PETSc.Mat:
-        """Exact, since the tangent is linear in the held stress."""
+        """Exact, since the tangent is linear in the held stress and in follower loads."""
         slope = self._tangent_at(0.0, step)
         slope.axpy(-1.0, self.tangent, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
         slope.scale(1 / step)
@@ -202,7 +203,7 @@ class _Problem:
         matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         solver = DirectSolver(self._ksp(), matrix, True)
         solver.factor()
-        return solver.negative_pivots()
+        return solver.negative_pivots() - self.system.multipliers
 
     def residual(self, increment: float, mode: PETSc.Vec) -> float:
         """Energy norm of the residual over that of the mode."""
@@ -264,7 +265,7 @@ def _complete(problem: _Problem, count: int, tolerance: float) -> list[tuple[flo
         exhausted = len(pairs) < asked
         if end is None and exhausted:
             return pairs
-        if end is not None and (not problem.definite or _all_found(problem, pairs, end)):
+        if end is not None and (not problem.stable or _all_found(problem, pairs, end)):
             return pairs[:end]
         if exhausted or asked > 8 * (count + 4):
             raise MissedModes(

@@ -1,0 +1,258 @@
+"""Linear buckling against theory: bars, plates, cylinders, and nonlinear states near a bifurcation."""
+
+from dataclasses import replace
+from math import pi, radians
+
+import numpy as np
+import pytest
+from helpers import follow
+
+from sheetfx import meshes
+from sheetfx.case import trace
+from sheetfx.mesh.imperfection import imperfect
+from sheetfx.mesh.reader import read
+from sheetfx.path import Path, Until
+from sheetfx.scene import Beam, LineForce, Monitor, Motion, PointForce, Scene, Support, clamp, pin, symmetry
+from sheetfx.scenes import cylinder_buckling, plate_buckling
+from sheetfx.section import Elastic, Rectangle, round_bar
+from sheetfx.show.modes import draw_modes, mode_files
+from sheetfx.solve.buckling import buckling, clusters, mode_displacement
+from sheetfx.solve.control import ArcLength, LoadControl
+
+COLUMN = Elastic(1e7, 0.3)
+EULER = pi**2 * 1e7 * pi * 0.01**4 / 64
+
+
+def column(force=-1.0, elements=10, supports=None):
+    """Round bar of length 1 along x, clamped at its base."""
+    model = read(lambda: meshes.frame({"base": (0, 0), "tip": (1, 0)}, {"bar": ("base", "tip", elements)}), 3)
+    bar = Beam(model, round_bar(0.01), COLUMN)
+    return Scene([bar], supports(model) if supports else [clamp(model, "base")],
+                 [PointForce(model, "tip", (force, 0.0, 0.0))], Monitor(model, "tip", "x", -1.0))
+
+
+def unloaded(scene, **options):
+    path = Path(scene)
+    return path, buckling(path, path.tracer.state, **options)
+
+
+@pytest.fixture(scope="module")
+def hinged_arch():
+    """Shallow arch on hinges, which sways before its limit load; the path with its bifurcation."""
+    angle = radians(7.338)
+    model = read(lambda: meshes.arc(3380.6, -angle, angle, 20, {"crown": 0.0}), 2, 2)
+    beam = Beam(model, Rectangle(25.4, 4.7625), Elastic(72395.0))
+    scene = Scene([beam], [pin(model, "start"), pin(model, "end")], [PointForce(model, "crown", (0.0, -1.0))],
+                  Monitor(model, "crown", "y", -1.0))
+    return follow(scene, ArcLength(step=0.003), 8.0)
+
+
+def at_load(record, load):
+    """Path and state of the same scene at a load."""
+    other = follow(record.case.scene, LoadControl(step=load / 6, target=load))
+    return other.path, other.states[-1]
+
+
+def test_column_has_double_loads():
+    """Euler's loads of a cantilever, (2 n - 1)^2 pi^2 EI / 4, twice each; 0.1 %: shear and two-noded cells."""
+    _, loads = unloaded(column(), count=3)
+    assert [b.cluster for b in loads] == [0, 0, 1, 1]
+    assert [b.multiplicity for b in loads] == [2, 2, 2, 2]
+    assert [b.factor for b in loads] == pytest.approx([EULER / 4] * 2 + [9 * EULER / 4] * 2, rel=2e-3)
+    assert all(b.residual < 1e-4 for b in loads)
+
+
+def test_both_signs_of_the_load():
+    """A pulled column buckles at negative factors; totals have the sign of the factor."""
+    _, pushed = unloaded(column(), count=2)
+    _, pulled = unloaded(column(2.0), count=2)
+    assert [-2 * b.factor for b in pulled] == pytest.approx([b.factor for b in pushed], rel=1e-8)
+    assert [b.load for b in pulled] == pytest.approx([2 * b.factor for b in pulled], rel=1e-12)
+
+
+def test_loads_of_both_signs_in_one_list():
+    """A column pushed at its middle, between ends that are both held: both halves are alike, one is pulled."""
+    nodes = {"base": (0, 0), "middle": (1, 0), "tip": (2, 0)}
+    model = read(lambda: meshes.frame(nodes, {"a": ("base", "middle", 8), "b": ("middle", "tip", 8)}), 2)
+    bar = Beam(model, round_bar(0.01), COLUMN)
+    _, loads = unloaded(Scene([bar], [pin(model, "base"), pin(model, "tip")],
+                              [PointForce(model, "middle", (-1.0, 0.0))], Monitor(model, "middle", "x")), count=4)
+    assert [np.sign(b.factor) for b in loads[:2]] in ([1, -1], [-1, 1])
+    assert loads[0].factor == pytest.approx(-loads[1].factor, rel=1e-6)
+    assert loads[0].cluster != loads[1].cluster
+
+
+def test_modes_with_other_supports():
+    """A column whose tip slides in line: modes held sideways at the tip have Euler's second case."""
+    def free(model):
+        return [Support(model, "base", "x y z rx")] + [Support(model, "tip", "y z")]
+
+    path = Path(column(supports=free))
+    model = path.scene.parts[0].model
+    clamped = [clamp(model, "base"), Support(model, "tip", "y z")]
+    state = path.tracer.state
+    assert buckling(path, state, 1)[0].factor == pytest.approx(EULER, rel=2e-3)
+    assert buckling(path, state, 1, supports=clamped)[0].factor == pytest.approx(2.0457 * EULER, rel=3e-3)
+
+
+def test_column_under_its_own_weight():
+    """7.8373 EI / L^3 (Timoshenko and Gere 1961, section 2.12); 0.2 %."""
+    scene = column()
+    bar = scene.parts[0]
+    dead = replace(scene, loads=[LineForce(bar, (-1.0, 0.0, 0.0))])
+    assert unloaded(dead, count=1)[1][0].factor == pytest.approx(7.8373 * EULER / pi**2, rel=2e-3)
+
+
+def test_ring_under_pressure():
+    """A follower load that stays normal to a ring: 3 EI / R^3, with an unsymmetric solver."""
+    model = read(lambda: meshes.arc(1.0, 0.0, pi / 2, 12), 2, 2)
+    ring = Beam(model, round_bar(0.01), COLUMN)
+    scene = Scene([ring], [symmetry(model, "start", "x"), symmetry(model, "end", "y")],
+                  [LineForce(ring, (0.0, -1.0), follower=True)], Monitor(model, "start", "y"))
+    lowest = next(b for b in unloaded(scene, count=2)[1] if b.factor > 0)
+    assert lowest.factor == pytest.approx(3 * EULER / pi**2, rel=2e-3)
+
+
+def test_prescribed_motion():
+    """A column shortened by a prescribed motion, a multiplier in the tangent: the reaction is Euler's load."""
+    scene = column()
+    model = scene.parts[0].model
+    loads = unloaded(replace(scene, loads=[Motion(model, "tip", "x", -1.0)]), count=2)[1]
+    assert [b.load for b in loads] == pytest.approx([-EULER / 4] * 2, rel=2e-3)
+
+
+def test_clusters():
+    assert clusters([1.0, -1.0, 1.0005, 1.2, -1.2003, 1.2004], 1e-3) == [0, 1, 0, 2, 3, 2]
+
+
+def test_no_buckling_load():
+    path = Path(column(), mixed_points=False)
+    with pytest.raises(ValueError, match="mixed_points"):
+        buckling(path, path.tracer.state)
+
+
+@pytest.mark.parametrize("prebuckling", [True, False])
+def test_error_about_nonlinear_states_falls_quadratically(hinged_arch, prebuckling):
+    """Half the distance to the bifurcation: a quarter of the error, in the limit."""
+    bifurcation = next(p.load for p in hinged_arch.critical_points if p.kind == "bifurcation")
+    errors = []
+    for gap in (0.01, 0.005, 0.0025):
+        path, state = at_load(hinged_arch, bifurcation * (1 - gap))
+        errors.append(abs(buckling(path, state, 1, prebuckling=prebuckling)[0].load / bifurcation - 1))
+    assert errors[1] < 0.3 * errors[0] and errors[2] < 0.3 * errors[1]
+    assert errors[-1] < 2e-4
+
+
+def test_stress_alone_from_afar(hinged_arch):
+    """About the unloaded arch: 11 % with the stress alone, 46 % with the displacement of the response."""
+    bifurcation = next(p.load for p in hinged_arch.critical_points if p.kind == "bifurcation")
+    first = hinged_arch.states[0]
+    alone, full = (buckling(hinged_arch.path, first, 1, prebuckling=p)[0].load for p in (False, True))
+    assert abs(alone / bifurcation - 1) < 0.12 < abs(full / bifurcation - 1)
+
+
+def test_unstable_state(hinged_arch):
+    """Beyond the bifurcation the tangent is indefinite; the load passed lies behind the state."""
+    bifurcation = next(p.load for p in hinged_arch.critical_points if p.kind == "bifurcation")
+    state = next(s for s in hinged_arch.states if s.unstable == 1)
+    nearest = buckling(hinged_arch.path, state, 2)[0]
+    assert nearest.increment < 0
+    assert nearest.load == pytest.approx(bifurcation, rel=0.03)
+
+
+def test_path_goes_on_after_buckling(hinged_arch):
+    """Buckling analyses between steps leave the path as it is."""
+    path = Path(hinged_arch.case.scene, hinged_arch.case.control, hinged_arch.case.until)
+    loads = []
+    for state in path:
+        buckling(path, state, 1, prebuckling=True)
+        loads.append(state.load)
+    assert loads == [s.load for s in hinged_arch.states]
+
+
+def test_mode_as_imperfection(hinged_arch):
+    """The arch with its first mode as imperfection sways, and its limit load is below the bifurcation."""
+    scene = hinged_arch.case.scene
+    model = scene.parts[0].model
+    mode = hinged_arch.case.buckling(hinged_arch.path, hinged_arch.states[0], 1)[0]
+    shape = mode_displacement(hinged_arch.path, model, mode)
+    assert np.linalg.norm(shape.x.array.reshape(-1, 2), axis=1).max() == pytest.approx(1.0)
+    before = model.mesh.geometry.x.copy()
+    bent = imperfect(model, shape, 0.5)
+    assert np.abs(bent.mesh.geometry.x - before).max() == pytest.approx(0.5, rel=0.02)
+    assert (model.mesh.geometry.x == before).all()
+    beam = replace(scene.parts[0], model=bent)
+    swaying = Scene([beam], [pin(bent, "start"), pin(bent, "end")], [PointForce(bent, "crown", (0.0, -1.0))],
+                    Monitor(bent, "crown", "y", -1.0))
+    record = follow(swaying, ArcLength(step=0.003), 20.0)
+    bifurcation = next(p.load for p in hinged_arch.critical_points if p.kind == "bifurcation")
+    assert 0.8 * bifurcation < record.critical_points[0].load < bifurcation
+    assert record.critical_points[0].kind == "limit"
+
+
+@pytest.mark.parametrize("edges, expected", [
+    ("simply-supported", 4.0), ("clamped-loaded", 6.7432), ("clamped-unloaded", 7.6913), ("free", 1.4016),
+    ("clamped-free", 1.6525)])
+def test_square_plate(edges, expected):
+    """Factors of Kirchhoff's plate within 0.1 %."""
+    case = plate_buckling.scene(edges=edges, cells=6)
+    values = case.quantities(trace(case))
+    assert values["theory"] == pytest.approx(expected, rel=1e-4)
+    assert values["factor"] == pytest.approx(values["theory"], rel=1e-3)
+
+
+@pytest.mark.parametrize("edges, aspect, expected", [
+    ("simply-supported", 1.5, 4.3403), ("clamped-unloaded", 0.661, 6.9709), ("free", 4.0, 0.4860)])
+def test_long_plate(edges, aspect, expected):
+    """The minimum over the number of half waves: k = 6.97 between clamped edges, 0.425 + (b/a)^2 with a free edge."""
+    case = plate_buckling.scene(edges=edges, aspect=aspect, cells=6)
+    assert plate_buckling.buckling_factor(edges, aspect, 0.3) == pytest.approx(expected, rel=1e-4)
+    assert case.quantities(trace(case))["factor"] == pytest.approx(expected, rel=1e-3)
+
+
+def test_higher_modes_of_the_plate():
+    """(m + 1/m)^2 and its generalisation (m + n^2 / m)^2 for m waves along and n across."""
+    record = trace(plate_buckling.scene(cells=6))
+    expected = sorted((m + n * n / m) ** 2 for m in range(1, 9) for n in range(1, 6))[:6]
+    assert [b.factor for b in record.buckling] == pytest.approx(expected, rel=2e-3)
+
+
+def test_pictures_and_files(tmp_path):
+    record = trace(plate_buckling.scene(cells=4, count=2))
+    mode_files(record, tmp_path)
+    draw_modes(record, tmp_path)
+    lines = (tmp_path / "buckling.csv").read_text().splitlines()
+    assert len(lines) == 1 + len(record.buckling) and lines[0].startswith("factor,load")
+    assert (tmp_path / "modes.png").stat().st_size > 10000
+    assert (tmp_path / "paraview" / "modes.pvd").exists()
+
+
+def test_cylinder_cluster():
+    """The classical load within 0.5 %, and its cluster of nine modes as the exact waves (0.1 %)."""
+    case = cylinder_buckling.scene()
+    values = case.quantities(trace(case))
+    assert values["factor"] == pytest.approx(1.0, rel=5e-3)
+    assert values["cluster"] == 9
+    assert values["largest_difference_percent"] < 0.1
+
+
+@pytest.mark.slow
+def test_cylinder_converges_to_its_waves():
+    """A finer mesh: all loads within 0.01 % of the exact waves."""
+    case = cylinder_buckling.scene(cells=(32, 6), count=10)
+    assert case.quantities(trace(case))["largest_difference_percent"] < 0.01
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("edges", plate_buckling.EDGES)
+def test_plate_converges(edges):
+    """The default mesh: 0.02 %."""
+    case = plate_buckling.scene(edges=edges)
+    assert abs(case.quantities(trace(case))["difference_percent"]) < 0.02
+
+
+def test_path_of_no_steps():
+    record = trace(replace(plate_buckling.scene(cells=2), until=Until(steps=0)))
+    assert [s.step for s in record.states] == [0]
+    with pytest.raises(ValueError, match="negative"):
+        Until(steps=-1)
