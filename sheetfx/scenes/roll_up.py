@@ -8,10 +8,12 @@ from typing import Annotated
 from typer import Option
 
 from .. import meshes
+from ..benchmark import surface
 from ..case import Case, Record
 from ..mesh.reader import Model, read
-from ..scene import Beam, Moment, Monitor, Scene, clamp
-from ..section import Elastic, Rectangle
+from ..scene import Beam, Moment, Monitor, Scene, Support, clamp, symmetry
+from ..section import Elastic, Plate, Rectangle
+from ..shell import FORMS, Shell
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
@@ -26,25 +28,39 @@ def scene(
     elements: Annotated[int, Option(help="elements on the cantilever")] = 24,
     degree: Annotated[int, Option(help="of the elements: 1 (two nodes) or 2")] = 2,
     spatial: Annotated[bool, Option("--spatial", help="in space instead of in the plane")] = False,
+    form: Annotated[str | None, Option(help=f"shell instead of a beam: {', '.join(FORMS)}")] = None,
     steps: Annotated[int, Option(help="load steps to a full turn")] = 10,
 ) -> Case:
     """Cantilever rolled into circles: after each full turn the tip is back at the clamp."""
     for name, value in (("turns", turns), ("elements", elements), ("steps", steps)):
         if value < 1:
             raise ValueError(f"roll-up: {name} is {value}; at least 1 is needed")
-    dimension = 3 if spatial else 2
-    nodes = {"base": (0, 0), "tip": (LENGTH, 0)}
-    model = read(lambda: meshes.frame(nodes, {"cantilever": ("base", "tip", elements)}), dimension)
-    beam = Beam(model, SECTION, MATERIAL, degree=degree, up=(0.0, 1.0, 0.0))
     moment = 2 * pi * turns * SECTION.stiffness(MATERIAL, 2)[2] / LENGTH
+    part, supports, load = _shell(form, elements, moment) if form else _beam(degree, elements, moment, spatial)
+    model = part.model
     return Case(
         scene=Scene(
-            parts=[beam], supports=[clamp(model, "base")],
-            loads=[Moment(model, "tip", (0.0, 0.0, moment) if spatial else moment)],
-            monitor=Monitor(model, "tip", "x", -1.0)),
+            parts=[part], supports=supports, loads=[load], monitor=Monitor(model, "tip", "x", -1.0)),
         control=LoadControl(step=1 / (turns * steps), fixed=True),
         quantities=lambda record: quantities(record, model), pictures=[path_curve, shapes, paraview],
         axes=("displacement of the tip", "moment"))
+
+
+def _beam(degree: int, elements: int, moment: float, spatial: bool) -> tuple[Beam, list[Support], Moment]:
+    """Beam, its clamp and its end moment about z."""
+    nodes = {"base": (0, 0), "tip": (LENGTH, 0)}
+    model = read(lambda: meshes.frame(nodes, {"cantilever": ("base", "tip", elements)}), 3 if spatial else 2)
+    beam = Beam(model, SECTION, MATERIAL, degree=degree, up=(0.0, 1.0, 0.0))
+    return beam, [clamp(model, "base")], Moment(model, "tip", (0.0, 0.0, moment) if spatial else moment)
+
+
+def _shell(form: str, elements: int, moment: float) -> tuple[Shell, list[Support], Moment]:
+    """Strip of shell that stays in its plane of symmetry, with its end moment about z."""
+    width = SECTION.width
+    model = surface(form, (elements, 1), lambda s, t: (LENGTH * s, 0 * s, width * t), {"tip": (1, 0)})
+    shell = Shell(model, Plate(SECTION.depth), MATERIAL, form=form)
+    supports = [clamp(model, "west"), symmetry(model, "south", "z")]
+    return shell, supports, Moment(model, "east", (0.0, 0.0, moment / width))
 
 
 def quantities(record: Record, model: Model) -> dict[str, float]:
