@@ -16,7 +16,7 @@ from .mesh.reader import Model, read
 from .path import Until
 from .scene import Monitor, Scene, Support
 from .shell import FORMS, TRIANGLE, Shell
-from .show.curves import path_curve
+from .show.curves import path_curve, smooth
 from .show.evaluate import communicator, last_state_kept
 from .show.files import paraview
 from .show.pictures import shapes
@@ -27,6 +27,8 @@ Form = Annotated[str, Option(help=f"of the shell: {', '.join(FORMS)}")]
 Steps = Annotated[int, Option(min=1, help="load steps")]
 FirstArc = Annotated[float, Option(help="first arc length")]
 LinearSteps = Annotated[int, Option(min=0, help="load steps of the nonlinear path; 0: the linear response alone")]
+
+HIGHEST_GEOMETRY = 3  # of gmsh's quadrilaterals in DOLFINx
 
 
 @dataclass(frozen=True)
@@ -72,7 +74,7 @@ def surface(form: str, cells: tuple[int, int], place: Callable, points: dict[str
     def build():
         meshes.rectangle(cells, triangles=FORMS[form].cell == TRIANGLE, points=points)
 
-    return read(build, 3, FORMS[form].displacement[1],
+    return read(build, 3, min(FORMS[form].displacement[1], HIGHEST_GEOMETRY),
                 lambda x: np.column_stack(np.broadcast_arrays(*place(x[:, 0], x[:, 1]))))
 
 
@@ -178,7 +180,9 @@ def published_points(record: Record, folder: Folder, readings: dict[str, Reading
     axes = figure.add_subplot()
     loads, table = [s.load for s in record.states], np.array(published.rows)
     for i, reading in enumerate(readings):
-        axes.plot(values[:, i], loads, ".-", color=f"C{i}", linewidth=1.2, label=reading)
+        curve, _ = smooth(np.column_stack((values[:, i], loads)))
+        axes.plot(*curve.T, color=f"C{i}", linewidth=1.2, label=reading)
+        axes.plot(values[:, i], loads, ".", color=f"C{i}")
         axes.plot(table[:, i + 1], published.load * table[:, 0], "o", color=f"C{i}", markerfacecolor="none",
                   label=f"{reading}, {published.source}")
     axes.set_xlabel("displacement")
