@@ -15,7 +15,8 @@ _HOMES = {
     "symmetry": "scene", "Elastic": "section", "Rectangle": "section", "Tube": "section", "round_bar": "section",
     "Path": "path", "PathFailure": "path", "Until": "path", "Case": "case", "Record": "case", "trace": "case",
     "run": "case", "read": "mesh.reader", "ArcLength": "solve.control", "DisplacementControl": "solve.control",
-    "LoadControl": "solve.control",
+    "LoadControl": "solve.control", "buckling": "solve.buckling", "BucklingLoad": "solve.buckling",
+    "mode_displacement": "solve.buckling", "imperfect": "mesh.imperfection",
 }
 _MODULES = ("forms", "meshes", "show")
 

@@ -17,14 +17,15 @@ from .evaluate import communicator
 
 SIZE, COLUMNS, MOST = (1600, 900), 3, 6
 SHARE = 0.04
+UNDEFORMED, CURVE = "#9a9a9a", "#0b4f8a"
 COLUMNS_OF_TABLE = ("factor", "load", "increment", "cluster", "multiplicity", "residual")
 
 
 def draw_modes(record: Record, folder: Folder, name: str = "modes.png") -> None:
     """Draw the buckling modes nearest to the last state (process 0 writes the file).
 
-    Colours show the displacement along the normal of surfaces, and its size on curves; the picture is left out
-    with a warning where there is no X server and Xvfb is missing.
+    Colours show the displacement along the normal of surfaces; curves stand beside the undeformed ones. The picture
+    is left out with a warning where there is no X server and Xvfb is missing.
     """
     loads = record.buckling[:MOST]
     models = _models(record)
@@ -86,11 +87,8 @@ def _draw(loads, drawn, size: float, file: Folder) -> None:
         plotter.subplot(i // COLUMNS, i % COLUMNS)
         flat = True
         for piece in (piece for part in parts for piece in part):
-            surface, values = _shape(*piece, size)
             flat = flat and not np.ptp(piece[2][:, 2]) and not piece[3][:, 2].any()
-            limit = float(np.abs(values).max()) or 1.0
-            plotter.add_mesh(surface, scalars=values, cmap="coolwarm", clim=(-limit, limit), show_scalar_bar=False,
-                             line_width=4, ambient=0.4, smooth_shading=surface.n_faces_strict > 0)
+            _add(plotter, *piece, size)
         group = f", cluster of {load.multiplicity}" if load.multiplicity > 1 else ""
         plotter.add_text(f"load factor {load.factor:.5g}{group}", font_size=11, color="black")
         plotter.view_xy() if flat else plotter.view_isometric()
@@ -100,18 +98,22 @@ def _draw(loads, drawn, size: float, file: Folder) -> None:
     plotter.close()
 
 
-def _shape(cells, types, x, displacement, size: float):
-    """A piece with its nodes moved, and the values of its colours."""
+def _add(plotter, cells, types, x, displacement, size: float) -> None:
+    """Add a piece with its nodes moved."""
     import pyvista
 
     grid = pyvista.UnstructuredGrid(cells, types, x)
     grid["displacement"] = displacement
     grid = grid.tessellate()
-    if grid.celltypes.size and grid.get_cell(0).dimension == 2:
-        surface = grid.extract_surface().compute_normals(cell_normals=False, split_vertices=False)
+    surface = grid.extract_geometry()
+    if surface.n_faces_strict:
+        surface = surface.compute_normals(cell_normals=False, split_vertices=False)
         values = np.einsum("ni,ni->n", surface["displacement"], surface["Normals"])
+        limit = float(np.abs(values).max()) or 1.0
+        look = {"scalars": values, "cmap": "coolwarm", "clim": (-limit, limit), "show_scalar_bar": False,
+                "ambient": 0.25, "diffuse": 0.75, "smooth_shading": True}
     else:
-        surface = grid.extract_geometry()
-        values = np.linalg.norm(surface["displacement"], axis=1)
+        plotter.add_mesh(surface.copy(), color=UNDEFORMED, line_width=2)
+        look = {"color": CURVE, "line_width": 4}
     surface.points = surface.points + size * surface["displacement"]
-    return surface, values
+    plotter.add_mesh(surface, **look)

@@ -59,7 +59,7 @@ class BucklingLoad:
     mode: np.ndarray
 
 
-def buckling(path, state: State, count: int = 6, *, supports: Sequence | None = None, prebuckling: bool = False,
+def buckling(path, state: State, count: int = 6, *, supports: Sequence | None = None, prebuckling: bool | None = None,
              tolerance: float = 1e-3) -> list[BucklingLoad]:
     """Buckling loads nearest to a state, the nearest first.
 
@@ -70,10 +70,11 @@ def buckling(path, state: State, count: int = 6, *, supports: Sequence | None = 
     count : number of loads; more are returned where the last one would cut a cluster
     supports : of the modes, where they differ from those of the response: modes of the other symmetry, or edges
         that move freely before they buckle
-    prebuckling : whether the tangent changes with the displacement of the response too; False: with its stress
-        alone, by the initial-stress matrix. Both converge to a bifurcation as the state approaches it. In thin
-        structures the stress alone is closer from afar (unloaded shallow arch on hinges: 11 % instead of 46 %):
-        what a linear change by displacement leaves out is multiplied by the membrane stiffness
+    prebuckling : whether the tangent changes with the displacement of the response too, so that the error falls
+        with the square of the distance to a bifurcation; False: with its stress alone, by the initial-stress
+        matrix, which neglects rotations before buckling: the error falls linearly, but can be the smaller one from
+        afar (unloaded shallow arch on hinges: 11 % instead of 46 %); None: True about loaded states, False about
+        the unloaded one, the classical problem
     tolerance : largest relative distance of neighbours in a cluster
 
     Raises
@@ -90,7 +91,7 @@ def buckling(path, state: State, count: int = 6, *, supports: Sequence | None = 
     kept, factor = discretisation.snapshot(), system.factor
     try:
         discretisation.restore(state.fields)
-        problem = _Problem(discretisation, state, prebuckling)
+        problem = _Problem(discretisation, state, state.step > 0 if prebuckling is None else prebuckling)
         found = _complete(problem, count, tolerance)
         return problem.describe(found, tolerance)
     finally:
