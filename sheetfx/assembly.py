@@ -117,11 +117,11 @@ class System:
         rows, columns = [], []
         for work in self.internal:
             for coupling in work.couplings:
-                left = np.broadcast_to(places[coupling.rows][coupling.nodes[:, 0], :, None], coupling.values.shape).ravel()
-                right = np.broadcast_to(places[coupling.columns][coupling.nodes[:, 1], None, :], coupling.values.shape).ravel()
-                mirrored = coupling.rows != coupling.columns
-                rows += [left, right] if mirrored else [left]
-                columns += [right, left] if mirrored else [right]
+                shape = coupling.values.shape
+                left = np.broadcast_to(places[coupling.rows][coupling.nodes[:, 0], :, None], shape)
+                right = np.broadcast_to(places[coupling.columns][coupling.nodes[:, 1], None, :], shape)
+                rows += [left.ravel(), right[coupling.mirrored].ravel()]
+                columns += [right.ravel(), left[coupling.mirrored].ravel()]
             for number in work.places:
                 if self.unknowns.fields[number].curved:
                     rows.append(places[number].ravel())
@@ -218,7 +218,7 @@ class System:
             for work in self.internal:
                 work.tangent()
                 for coupling in work.couplings:
-                    values += [coupling.values.ravel()] * (1 if coupling.rows == coupling.columns else 2)
+                    values += [coupling.values.ravel(), coupling.values[coupling.mirrored].ravel()]
                 for number, curvature in zip(work.places, work.curvatures, strict=True):
                     field = self.unknowns.fields[number]
                     if field.curved:

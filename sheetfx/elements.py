@@ -62,13 +62,15 @@ class Internal:
 
 @dataclass
 class Coupling:
-    """Blocks of the tangent that couple nodes of two fields.
+    """Blocks of the symmetric tangent that couple nodes of two fields.
 
     Attributes
     ----------
     rows, columns : places of the fields in the list of fields, rows <= columns
-    nodes : shape (n, 2), pairs of nodes on this process that share a cell
-    pairs : for each cell the number of each of its pairs of nodes
+    nodes : shape (n, 2), pairs of nodes on this process that share a cell; of one field with itself those with the
+        first not above the second
+    pairs : for each cell the number of each of its pairs of nodes, -1 for those that are left out
+    mirrored : pairs whose transpose is another block of the tangent
     values : shape (n, components of a node's row increment, of its column increment)
     """
 
@@ -76,6 +78,7 @@ class Coupling:
     columns: int
     nodes: np.ndarray
     pairs: np.ndarray
+    mirrored: np.ndarray
     values: np.ndarray
 
 
@@ -105,9 +108,10 @@ class ElementWork:
         self._raw = [f.value.function_space.dofmap.bs for f in self._fields]
         self.couplings = []
         for a, b in combinations_with_replacement(range(len(self.places)), 2):
-            nodes, pairs = _node_pairs(self._nodes[a], self._nodes[b])
+            nodes, pairs = _node_pairs(self._nodes[a], self._nodes[b], a == b)
+            mirrored = np.flatnonzero(nodes[:, 0] != nodes[:, 1]) if a == b else np.arange(len(nodes))
             values = np.zeros((len(nodes), self._fields[a].width, self._fields[b].width))
-            self.couplings.append(Coupling(self.places[a], self.places[b], nodes, pairs, values))
+            self.couplings.append(Coupling(self.places[a], self.places[b], nodes, pairs, mirrored, values))
         self.curvatures = [np.zeros(len(f.value.x.array) // n) for f, n in zip(self._fields, self._raw, strict=True)]
 
     def _chunks(self):
@@ -276,12 +280,15 @@ def _products(one: np.ndarray, other: np.ndarray, weights: np.ndarray) -> np.nda
     return np.ascontiguousarray(table.reshape(-1, one.shape[2], other.shape[2]))
 
 
-def _node_pairs(rows: np.ndarray, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs of nodes that share a cell, and for each cell the number of each of its pairs."""
+def _node_pairs(rows: np.ndarray, columns: np.ndarray, same: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of nodes that share a cell, and for each cell the number of each of its pairs (see Coupling)."""
     width = int(columns.max(initial=0)) + 1
     keys = rows[:, :, None] * width + columns[:, None, :]
-    unique, inverse = np.unique(keys, return_inverse=True)
-    return np.column_stack((unique // width, unique % width)), inverse.reshape(keys.shape)
+    kept = rows[:, :, None] <= columns[:, None, :] if same else np.ones(keys.shape, dtype=bool)
+    unique, inverse = np.unique(keys[kept], return_inverse=True)
+    pairs = np.full(keys.shape, -1)
+    pairs[kept] = inverse
+    return np.column_stack((unique // width, unique % width)), pairs
 
 
 def _add_rows(target: np.ndarray, nodes: np.ndarray, values: np.ndarray) -> None:
@@ -294,20 +301,32 @@ def _add_rows(target: np.ndarray, nodes: np.ndarray, values: np.ndarray) -> None
 def _add_blocks(matrices, block, flipped, row_basis, column_basis, rows, columns, pairs, values):
     """Add element matrices, taken to nodal increments, to the blocks of pairs of nodes."""
     raw_rows, raw_columns = block.shape
-    half = np.empty((raw_rows, column_basis.shape[2]))
+    plain_rows, plain_columns = row_basis.shape[0] == 1, column_basis.shape[0] == 1
+    width = column_basis.shape[2]
+    half = np.empty((raw_rows, max(raw_columns, width)))
+    whole = np.empty(raw_columns)
     for c in range(matrices.shape[0]):
         for i in range(rows.shape[1]):
-            row = row_basis[rows[c, i] % row_basis.shape[0]]
+            row = row_basis[0 if plain_rows else rows[c, i]]
             for j in range(columns.shape[1]):
-                column = column_basis[columns[c, j] % column_basis.shape[0]]
-                half[:] = 0.0
+                if pairs[c, i, j] < 0:
+                    continue
+                column = column_basis[0 if plain_columns else columns[c, j]]
                 for a in range(raw_rows):
                     for b in range(raw_columns):
-                        entry = matrices[c, block[a, b], j, i] if flipped[a, b] else matrices[c, block[a, b], i, j]
-                        for n in range(half.shape[1]):
-                            half[a, n] += entry * column[b, n]
+                        whole[b] = matrices[c, block[a, b], j, i] if flipped[a, b] else matrices[c, block[a, b], i, j]
+                    for n in range(width):
+                        if plain_columns:
+                            half[a, n] = whole[n]
+                        else:
+                            half[a, n] = 0.0
+                            for b in range(raw_columns):
+                                half[a, n] += whole[b] * column[b, n]
                 target = values[pairs[c, i, j]]
-                for a in range(raw_rows):
-                    for m in range(row.shape[1]):
-                        for n in range(half.shape[1]):
-                            target[m, n] += row[a, m] * half[a, n]
+                for m in range(row.shape[1]):
+                    for n in range(width):
+                        if plain_rows:
+                            target[m, n] += half[m, n]
+                        else:
+                            for a in range(raw_rows):
+                                target[m, n] += row[a, m] * half[a, n]

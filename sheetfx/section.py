@@ -141,10 +141,6 @@ class ShellStiffness:
     shear: tuple
     drilling: float
 
-    @property
-    def coupled(self) -> bool:
-        return any(any(row) for row in self.coupling)
-
 
 @dataclass(frozen=True)
 class Plate:
@@ -160,6 +156,7 @@ class Plate:
     thickness: float
     shear_factor: float = 5 / 6
     drilling: float = 1.0
+    coupled = False
 
     def __post_init__(self):
         require_positive(self, "thickness", "shear_factor", "drilling")
@@ -190,6 +187,11 @@ class GivenPlate:
 
     def __post_init__(self):
         require_positive(self, "thickness")
+
+    @property
+    def coupled(self) -> bool:
+        """Whether stretching and bending are coupled."""
+        return any(any(row) for row in self.matrices.coupling)
 
     def stiffness(self, material=None) -> ShellStiffness:
         return self.matrices

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import basix
-import numpy as np
 import ufl
 
 from . import forms
@@ -17,7 +16,7 @@ from .quadrature import Rule, gauss, simplex
 from .section import Elastic, GivenPlate, Plate
 
 TRIANGLE, QUADRILATERAL = basix.CellType.triangle, basix.CellType.quadrilateral
-MEMBRANE, BENDING, SHEAR, DRILLING = range(3), range(3, 6), range(6, 8), range(8, 9)
+STRETCH, BENDING = (0, 1, 2, 6, 7, 8), (3, 4, 5)
 
 
 @dataclass(frozen=True)
@@ -29,8 +28,9 @@ class ShellForm:
     cell : of the mesh
     displacement, rotation : family and degree of the spaces
     low, full : quadrature rules; membrane and shear energies are integrated with (1 - share) of the low and
-        `share` of the full rule, bending and drilling with the full rule (partial selective reduced integration)
-    directional : integrate the strains along each edge direction with one point more across it (quadrilaterals)
+        `share` of the full rule, bending and drilling with the full rule (partial selective reduced integration,
+        Arnold and Brezzi 1997)
+    facets : whether the low rule leaves flat cells too soft in their plane, so that these need the full rule
     """
 
     cell: basix.CellType
@@ -38,22 +38,33 @@ class ShellForm:
     rotation: tuple[str, int]
     low: Rule
     full: Rule
-    directional: bool = False
+    facets: bool = False
+
+    def share(self, frame, thickness):
+        """Share of the full rule in membrane and shear energies, at most 1.
+
+        thickness^2 / area keeps the parasitic energy of a bent cell below its bending energy; cells whose low
+        rule is too soft get 1 / (10 curvature^2 area) times more, which is everything where they are flat.
+        """
+        area = ufl.JacobianDeterminant(frame.domain)
+        share = thickness**2 / area
+        if self.facets:
+            bent = sum(ufl.inner(s, s) for s in (frame.along(frame.director, t) for t in frame.tangents))
+            share = share * (1 + 0.1 / (bent * area + 1e-12))
+        return ufl.min_value(1.0, share)
 
 
-def quadrilateral(degree: int, directional: bool) -> ShellForm:
-    """Form of equal degree for displacement and rotation on quadrilaterals."""
+def _quadrilateral(degree: int) -> ShellForm:
+    """Equal degree of displacement and rotation on quadrilaterals."""
     return ShellForm(QUADRILATERAL, ("P", degree), ("P", degree), gauss(QUADRILATERAL, degree, degree),
-                     gauss(QUADRILATERAL, degree + 1, degree + 1), directional)
+                     gauss(QUADRILATERAL, degree + 1, degree + 1))
 
 
 FORMS = {
-    "naghdi-q2": quadrilateral(2, False),
-    "naghdi-q3": quadrilateral(3, False),
-    "naghdi-q2d": quadrilateral(2, True),
-    "naghdi-q3d": quadrilateral(3, True),
-    "naghdi-p2cr": ShellForm(TRIANGLE, ("P", 2), ("CR", 1), simplex(1), simplex(2)),
-    "naghdi-p3": ShellForm(TRIANGLE, ("P", 3), ("P", 3), simplex(4), simplex(6)),
+    "naghdi-q2": _quadrilateral(2),
+    "naghdi-q3": _quadrilateral(3),
+    "naghdi-p2cr": ShellForm(TRIANGLE, ("P", 2), ("CR", 1), simplex(1), simplex(2), facets=True),
+    "naghdi-p3": ShellForm(TRIANGLE, ("P", 3), ("P", 3), simplex(2), simplex(5), facets=True),
 }
 
 
@@ -67,8 +78,7 @@ class Shell:
     section, material : constants of the section law
     form : name of a form in FORMS, or a ShellForm
     strains : function (u, rotation, frame) -> ShellStrains
-    law : function (strains, stiffness) -> stress resultants, gradient of an energy; strains as a UFL vector of
-        membrane, bending, shear and drilling, shape (9,)
+    law : function (strains, stiffness) -> stress resultants, gradient of an energy, see forms.section.linear_shell
     group : physical group of the surfaces; None: all
     offset : distance of the mid-surface from the meshed surface, along its normal
     """
@@ -95,58 +105,34 @@ class Shell:
         return FORMS[self.form] if isinstance(self.form, str) else self.form
 
     def internal(self, u, rotation, frame) -> Internal:
-        """Internal virtual work."""
+        """Internal virtual work: energies of stretch and bending, and their coupling, each with its rule.
+
+        Full rule: share * stretch + bending; low rule: (1 - share) * stretch + coupling.
+        """
         form, mesh = self.discrete, self.model.mesh
         stiffness, thickness, offset = as_constants(
             mesh, (self.section.stiffness(self.material), self.section.thickness, self.offset))
         measure = self.strains or (lambda u, rotation, frame: forms.shell.naghdi(u, rotation, frame, offset))
-        strains = measure(u, rotation, frame)
-        share = _share(mesh, thickness)
-        cells = self.model.group(self.group)
+        strains = measure(u, rotation, frame).vector
+        share = form.share(frame, thickness)
 
-        def law(places, factor=1.0):
-            """The section law restricted to some strains, the others being zero."""
-            def restricted(e):
-                full = [0.0] * 9
-                for n, place in enumerate(places):
-                    full[place] = e[n]
-                resultants = self.law(ufl.as_vector([ufl.as_ufl(c) for c in full]), stiffness)
-                return factor * ufl.as_vector([resultants[place] for place in places])
-            return restricted
+        def law(e):
+            return self.law(e, stiffness)
 
-        def term(vector, function, rule):
-            return Term(vector, function, rule)
+        def low(e):
+            if not self.section.coupled:
+                return (1 - share) * _restricted(law, STRETCH)(e)
+            return law(e) - share * _restricted(law, STRETCH)(e) - _restricted(law, BENDING)(e)
 
-        def work(*terms):
-            return Internal(terms, mesh, cells)
+        def full(e):
+            return share * _restricted(law, STRETCH)(e) + _restricted(law, BENDING)(e)
 
-        def joined(*vectors):
-            return ufl.as_vector([v[i] for v in vectors for i in range(v.ufl_shape[0])])
-
-        thin = joined(strains.membrane, strains.shear)
-        stretch, bend = [*MEMBRANE, *SHEAR], [*BENDING, *DRILLING]
-        thick = joined(strains.bending, ufl.as_vector([strains.drilling]))
-        if form.directional:
-            terms = [term(thin, law(stretch), form.low), term(thick, law(bend), form.full)]
-            count = round(len(form.low.weights) ** 0.5)
-            for number, counts in enumerate(((count, count + 1), (count + 1, count))):
-                along = joined(*forms.shell.along_edge(strains.membrane, strains.shear, frame, number))
-                rule = gauss(form.cell, *counts)
-                rule = Rule(np.concatenate([rule.points, form.low.points]),
-                            np.concatenate([rule.weights, -form.low.weights]))
-                terms.append(term(along, law(stretch), rule))
-            return work(*terms)
-        whole = joined(thin, thick)
-        shared = law(stretch, share)
-
-        def full_law(e):
-            n, m = shared(ufl.as_vector([e[i] for i in range(5)])), law(bend)(ufl.as_vector([e[i] for i in range(5, 9)]))
-            return joined(n, m)
-
-        return work(term(thin, law(stretch, 1 - share), form.low), term(whole, full_law, form.full))
+        return Internal([Term(strains, low, form.low), Term(strains, full, form.full)], mesh,
+                        self.model.group(self.group))
 
 
-def _share(mesh, thickness):
-    """Share of the full rule, thickness^2 / area of the cell and at most 1 (Arnold and Brezzi 1997, section 4)."""
-    jacobian = ufl.JacobianDeterminant(mesh)
-    return ufl.min_value(1.0, thickness**2 / jacobian)
+def _restricted(law, places):
+    """A section law of which only some strains and the forces conjugate to them are kept."""
+    def kept(vector):
+        return ufl.as_vector([vector[n] if n in places else ufl.as_ufl(0.0) for n in range(9)])
+    return lambda strains: kept(law(kept(strains)))

@@ -13,14 +13,14 @@ class SurfaceFrame:
 
     Attributes
     ----------
+    domain : ufl mesh
     axes : tuple of three UFL vectors: orthonormal tangents and normal
     director : UFL vector, the normal as a field whose gradient is the curvature of the surface
-    edges : tuple of two unit vectors along the reference coordinates of the cell
     """
 
+    domain: object
     axes: tuple
     director: object
-    edges: tuple
 
     @property
     def tangents(self):
@@ -29,13 +29,6 @@ class SurfaceFrame:
     def along(self, f, direction):
         """Derivative of a field along a tangent vector per unit of reference length."""
         return ufl.dot(ufl.grad(f), direction)
-
-    @property
-    def dual_edges(self):
-        """Vectors dual to `edges` in the tangent plane."""
-        one, other = self.edges
-        cosine = ufl.dot(one, other)
-        return (one - cosine * other) / (1 - cosine**2), (other - cosine * one) / (1 - cosine**2)
 
 
 def surface_frame(domain, director=None) -> SurfaceFrame:
@@ -48,11 +41,10 @@ def surface_frame(domain, director=None) -> SurfaceFrame:
         Unit normals interpolated in each cell; None: the normal of flat cells.
     """
     jacobian = ufl.Jacobian(domain)
-    columns = [ufl.as_vector([jacobian[i, a] for i in range(3)]) for a in range(2)]
-    first, second = (c / ufl.sqrt(ufl.dot(c, c)) for c in columns)
+    column = ufl.as_vector([jacobian[i, 0] for i in range(3)])
+    first = column / ufl.sqrt(ufl.dot(column, column))
     normal = unit_normal(domain)
-    return SurfaceFrame((first, ufl.cross(normal, first), normal), normal if director is None else director,
-                        (first, second))
+    return SurfaceFrame(domain, (first, ufl.cross(normal, first), normal), normal if director is None else director)
 
 
 def unit_normal(domain):
@@ -78,6 +70,12 @@ class ShellStrains:
     bending: object
     shear: object
     drilling: object
+
+    @property
+    def vector(self):
+        """All strains in the order membrane, bending, shear, drilling, shape (9,)."""
+        parts = (self.membrane, self.bending, self.shear)
+        return ufl.as_vector([part[i] for part in parts for i in range(part.ufl_shape[0])] + [self.drilling])
 
 
 def naghdi(u, rotation, frame, offset=0.0) -> ShellStrains:
@@ -120,17 +118,3 @@ def naghdi(u, rotation, frame, offset=0.0) -> ShellStrains:
         shear=ufl.as_vector([ufl.dot(f[a], d) - ufl.dot(t[a], n) for a in range(2)]),
         drilling=(ufl.dot(f[0], turned[1]) - ufl.dot(f[1], turned[0])) / 2,
     )
-
-
-def along_edge(membrane, shear, frame, number):
-    """Parts of membrane and shear strain that belong to one edge direction of the cells.
-
-    With edge direction s and its dual a the parts are (s . e s) a a and (g . s) a, on the axes of the frame.
-    """
-    edge, dual = frame.edges[number], frame.dual_edges[number]
-    s = [ufl.dot(edge, t) for t in frame.tangents]
-    a = [ufl.dot(dual, t) for t in frame.tangents]
-    strain = membrane[0] * s[0] ** 2 + membrane[1] * s[1] ** 2 + membrane[2] * s[0] * s[1]
-    slide = shear[0] * s[0] + shear[1] * s[1]
-    return (ufl.as_vector([strain * a[0] ** 2, strain * a[1] ** 2, 2 * strain * a[0] * a[1]]),
-            ufl.as_vector([slide * a[0], slide * a[1]]))

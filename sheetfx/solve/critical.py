@@ -53,19 +53,23 @@ class _Tries:
     def __getitem__(self, length: float) -> State:
         if length not in self.states:
             self.tracer.back_to(self.before)
-            state = self.tracer.attempt(length, self._guess(length))
+            state = self.tracer.attempt(length, self._guess(length)) or self.tracer.attempt(length)
             if state is None:
                 raise _Missed
             self.states[length] = state
         return self.states[length]
 
+    def neighbours(self, length: float) -> list[tuple[float, State]]:
+        """Lengths and states of the nearest tries on both sides."""
+        below, above = [s for s in self.states if s < length], [s for s in self.states if s > length]
+        return [(s, self.states[s]) for s in (max(below, default=None), min(above, default=None)) if s is not None]
+
     def _guess(self, length: float):
         """Cubic interpolation between the nearest states on both sides, from their tangents."""
-        a = max(s for s in self.states if s < length)
-        b = min(s for s in self.states if s > length)
+        (a, left), (b, right) = self.neighbours(length)
         span, t = b - a, (length - a) / (b - a)
         weights = ((1 + 2 * t) * (1 - t) ** 2, t * t * (3 - 2 * t), span * t * (1 - t) ** 2, span * t * t * (t - 1))
-        ends = [self.states[a], self.states[b]]
+        ends = [left, right]
         values = [(0.0, 0.0) if s is self.before else (s.load_increment, s.increment) for s in ends]
         slopes = [(s.load_rate, s.load_rate * s.response) for s in ends]
         return tuple(sum(w * v[n] for w, v in zip(weights, values + slopes, strict=True)) for n in range(2))
@@ -74,12 +78,12 @@ class _Tries:
 def _limit(tracer, before: State, after: State) -> State:
     """State within a step whose load rate is zero; its load differs by 1e-10 from the limit."""
     tries, sign = _Tries(tracer, before, after), 1.0 if before.load_rate > 0 else -1.0
-    change = abs(after.load_rate - before.load_rate) / after.length
 
     def rate(length):
         state = tries[length]
-        close = state.load_rate**2 / (2 * change) < 1e-10 * abs(state.factor)
-        return 0.0 if close and 0 < length < after.length else state.load_rate
+        slopes = [abs((s.load_rate - state.load_rate) / (other - length)) for other, s in tries.neighbours(length)]
+        close = len(slopes) == 2 and state.load_rate**2 < 2e-10 * min(slopes) * abs(state.factor)
+        return 0.0 if close else state.load_rate
 
     try:
         brentq(rate, 0.0, after.length, xtol=1e-7 * after.length)
