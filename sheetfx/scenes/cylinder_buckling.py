@@ -15,9 +15,8 @@ import numpy as np
 from scipy.linalg import eigh
 from typer import Option
 
-from .. import meshes
+from ..benchmark import Form, surface
 from ..case import Case, Record
-from ..mesh.reader import read
 from ..path import Until
 from ..scene import EdgeForce, Monitor, Scene, Support, symmetry
 from ..section import Elastic, Plate
@@ -32,8 +31,8 @@ def scene(
     ratio: Annotated[float, Option(help="radius over thickness")] = 500.0,
     halves: Annotated[float, Option(help="length, in half waves of the axisymmetric mode")] = 2.0,
     cells: Annotated[tuple[int, int], Option(help="cells around a quarter and along")] = (24, 4),
-    form: Annotated[str, Option(help="of the shell")] = "naghdi-q3",
-    count: Annotated[int, Option(help="number of buckling loads")] = 8,
+    form: Form = "naghdi-q3",
+    count: Annotated[int, Option(min=1, help="number of buckling loads")] = 8,
 ) -> Case:
     """Quarter of an axially compressed cylinder: modes with an even number of waves around."""
     if not ratio > 0 or not halves > 0:
@@ -41,13 +40,10 @@ def scene(
     thickness = RADIUS / ratio
     length = halves * pi * RADIUS / axisymmetric_wave(ratio)
 
-    def place(x):
-        angle = pi / 2 * x[:, 0]
-        return np.column_stack((RADIUS * np.cos(angle), RADIUS * np.sin(angle), length * x[:, 1]))
+    def place(x, y):
+        return RADIUS * np.cos(pi / 2 * x), RADIUS * np.sin(pi / 2 * x), length * y
 
-    triangles = form.startswith("naghdi-p")
-    order = 2 if triangles else int(form.removeprefix("naghdi-q")[0])
-    model = read(lambda: meshes.rectangle(cells, triangles=triangles), 3, order, place)
+    model = surface(form, cells, place, {})
     shell = Shell(model, Plate(thickness), MATERIAL, form=form)
     free = [symmetry(model, "west", "y"), symmetry(model, "east", "x"), Support(model, "south-west", "z")]
     held = [*free, *(Support(model, end, "x y rz") for end in ("south", "north"))]
