@@ -25,6 +25,7 @@ from .solve.control import LoadControl, StepRule
 Cells = Annotated[int, Option(min=1, help="cells along each side of the modelled part")]
 Form = Annotated[str, Option(help=f"of the shell: {', '.join(FORMS)}")]
 Steps = Annotated[int, Option(min=1, help="load steps")]
+ShearFactor = Annotated[float, Option(help="on the transverse shear stiffness; with 200 the shell is shear-rigid")]
 FirstArc = Annotated[float, Option(help="first arc length")]
 LinearSteps = Annotated[int, Option(min=0, help="load steps of the nonlinear path; 0: the linear response alone")]
 

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from typer import Option
 
-from ..benchmark import Cells, Form, LinearSteps, Reading, benchmark, members, slopes
+from ..benchmark import Cells, Form, LinearSteps, Reading, ShearFactor, benchmark, members, slopes
 from ..case import Case
 from ..scene import PointForce
 from ..section import Elastic, Plate
@@ -14,7 +14,9 @@ from ..shell import Shell
 from .diaphragm_cylinder import eighth
 
 READINGS = {"deflection": Reading("A", "z", -1.0)}
-REFERENCE = {"deflection": 1.8248e-5}
+# naghdi-q3 on 32 x 32 cells. Transverse shear has no finite deflection under a point force: 48 x 48 cells add 0.03 %.
+# Shear-rigid, as published: 1.8246e-5.
+REFERENCE = {"deflection": 1.859e-5}
 CHART = members({"naghdi-q2": (8, 16, 24, 32), "naghdi-q3": (4, 8, 12, 16), "naghdi-p2cr": (16, 24, 32, 48)}, steps=0)
 
 
@@ -23,12 +25,13 @@ def scene(
     form: Form = "naghdi-q3",
     thickness: Annotated[float, Option(help="of the shell; the radius is 300")] = 3.0,
     load: Annotated[float, Option(help="each of the two forces")] = 1.0,
+    shear_factor: ShearFactor = 5 / 6,
     steps: LinearSteps = 1,
 ) -> Case:
     """Pinched cylinder: the linear deflection under a force. One eighth is modelled."""
     model, supports = eighth(form, cells, 300.0)
     return benchmark(
-        Shell(model, Plate(thickness), Elastic(3e6, 0.3), form=form), supports,
+        Shell(model, Plate(thickness, shear_factor), Elastic(3e6, 0.3), form=form), supports,
         [PointForce(model, "A", (0.0, 0.0, -load / 4))], READINGS,
         ("deflection under a force", "sum of both forces"), steps=steps, copies=8,
         quantities=lambda record: slopes(record, READINGS, 0))

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from typer import Option
 
-from ..benchmark import Cells, Form, LinearSteps, Reading, benchmark, cylinder, members, slopes
+from ..benchmark import Cells, Form, LinearSteps, Reading, ShearFactor, benchmark, cylinder, members, slopes
 from ..case import Case
 from ..scene import Support, SurfaceForce, symmetry
 from ..section import Elastic, Plate
@@ -15,7 +15,9 @@ from ..shell import Shell
 
 RADIUS, LENGTH, HALF_ANGLE = 25.0, 50.0, radians(40.0)
 READINGS = {"deflection": Reading("middle", "z", -1.0)}
-REFERENCE = {"deflection": 0.3012}
+# naghdi-q3 on 16 x 16 cells (32 x 32: equal to 1e-4); 0.3014 if the diaphragms also hold the rotation about the
+# axis; shear-rigid 0.3006; 0.3024 published.
+REFERENCE = {"deflection": 0.3020}
 CHART = members({"naghdi-q2": (4, 8, 12, 16), "naghdi-q3": (2, 4, 6, 8), "naghdi-p2cr": (8, 16, 24, 32)}, steps=0)
 
 
@@ -24,11 +26,12 @@ def scene(
     form: Form = "naghdi-q3",
     thickness: Annotated[float, Option(help="of the roof; its radius is 25")] = 0.25,
     load: Annotated[float, Option(help="weight per area")] = 90.0,
+    shear_factor: ShearFactor = 5 / 6,
     steps: LinearSteps = 1,
 ) -> Case:
     """Scordelis-Lo roof: the linear deflection at the middle of a free edge. A quarter is modelled."""
     model = cylinder(form, (cells, cells), RADIUS, LENGTH / 2, HALF_ANGLE, {"middle": (0, 1)})
-    shell = Shell(model, Plate(thickness), Elastic(4.32e8, 0.0), form=form)
+    shell = Shell(model, Plate(thickness, shear_factor), Elastic(4.32e8, 0.0), form=form)
     return benchmark(
         shell, [symmetry(model, "west", "x"), symmetry(model, "south", "y"), Support(model, "east", "y z")],
         [SurfaceForce(shell, (0.0, 0.0, -load))], READINGS,
