@@ -26,7 +26,7 @@ from .numbers import lift_numbers
 from .quadrature import Rule
 from .unknowns import AdditiveField
 
-CHUNK = 256
+CHUNK = 64
 
 
 @dataclass(frozen=True)
@@ -148,9 +148,10 @@ class ElementWork:
             for coupling in self.couplings:
                 a, b = coupling.rows, coupling.columns
                 if (a, b) in matrices:
-                    block, flipped = _layout(*(self._raw[self.places.index(n)] for n in (a, b)), a == b)
-                    _add_blocks(matrices[a, b], block, flipped, bases[a], bases[b], nodes[a][chunk], nodes[b][chunk],
-                                coupling.pairs[chunk], coupling.values)
+                    raw = [self._raw[self.places.index(n)] for n in (a, b)]
+                    sizes = tuple((0,) * n for n in (*raw, *coupling.values.shape[1:]))
+                    _add_blocks(matrices[a, b], *_layout(*raw, a == b), bases[a], bases[b], nodes[a][chunk],
+                                nodes[b][chunk], coupling.pairs[chunk], coupling.values, sizes)
 
     def _add_curvature(self, number, chunk, vectors) -> None:
         """A unit quaternion's second variation is -1/4 times itself; vectors has shape (cells, components, nodes)."""
@@ -297,36 +298,42 @@ def _add_rows(target: np.ndarray, nodes: np.ndarray, values: np.ndarray) -> None
         target[:, component] += np.bincount(nodes.ravel(), values[:, component, :].ravel(), len(target))
 
 
-@numba.njit(cache=True)
-def _add_blocks(matrices, block, flipped, row_basis, column_basis, rows, columns, pairs, values):
-    """Add element matrices, taken to nodal increments, to the blocks of pairs of nodes."""
-    raw_rows, raw_columns = block.shape
+@numba.njit(cache=True, fastmath=True)
+def _add_blocks(matrices, block, flipped, row_basis, column_basis, rows, columns, pairs, values, sizes):
+    """Add element matrices, taken to nodal increments, to the blocks of pairs of nodes.
+
+    `sizes` holds tuples whose lengths are the numbers of components of the raw row and column and of their
+    increments: constants at compilation, so that the innermost loops are unrolled.
+    """
+    raw_rows, raw_columns, row_width, width = (len(sizes[0]), len(sizes[1]), len(sizes[2]), len(sizes[3]))
     plain_rows, plain_columns = row_basis.shape[0] == 1, column_basis.shape[0] == 1
-    width = column_basis.shape[2]
-    half = np.empty((raw_rows, max(raw_columns, width)))
-    whole = np.empty(raw_columns)
+    whole, half = np.empty((raw_rows, raw_columns)), np.empty((raw_rows, width))
     for c in range(matrices.shape[0]):
         for i in range(rows.shape[1]):
             row = row_basis[0 if plain_rows else rows[c, i]]
             for j in range(columns.shape[1]):
-                if pairs[c, i, j] < 0:
+                pair = pairs[c, i, j]
+                if pair < 0:
+                    continue
+                for a in range(raw_rows):
+                    for b in range(raw_columns):
+                        k = block[a, b]
+                        whole[a, b] = matrices[c, k, j, i] if flipped[a, b] else matrices[c, k, i, j]
+                if plain_rows and plain_columns:
+                    for m in range(row_width):
+                        for n in range(width):
+                            values[pair, m, n] += whole[m, n]
                     continue
                 column = column_basis[0 if plain_columns else columns[c, j]]
                 for a in range(raw_rows):
-                    for b in range(raw_columns):
-                        whole[b] = matrices[c, block[a, b], j, i] if flipped[a, b] else matrices[c, block[a, b], i, j]
                     for n in range(width):
-                        if plain_columns:
-                            half[a, n] = whole[n]
-                        else:
-                            half[a, n] = 0.0
-                            for b in range(raw_columns):
-                                half[a, n] += whole[b] * column[b, n]
-                target = values[pairs[c, i, j]]
-                for m in range(row.shape[1]):
+                        total = 0.0
+                        for b in range(raw_columns):
+                            total += whole[a, b] * column[b, n]
+                        half[a, n] = total
+                for m in range(row_width):
                     for n in range(width):
-                        if plain_rows:
-                            target[m, n] += half[m, n]
-                        else:
-                            for a in range(raw_rows):
-                                target[m, n] += row[a, m] * half[a, n]
+                        total = 0.0
+                        for a in range(raw_rows):
+                            total += row[a, m] * half[a, n]
+                        values[pair, m, n] += total
