@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from math import radians
+from math import radians, tan
 
 import numpy as np
+import ufl
+from dolfinx import fem
 from scipy.integrate import solve_bvp, solve_ivp
 from scipy.optimize import fsolve
 from scipy.spatial.transform import Rotation
@@ -12,7 +14,7 @@ from scipy.spatial.transform import Rotation
 from sheetfx import meshes
 from sheetfx.case import Case, Record, trace
 from sheetfx.mesh.reader import Model, read
-from sheetfx.path import Until
+from sheetfx.path import Path, Until
 from sheetfx.scene import Beam, Monitor, PointForce, Scene, clamp, symmetry
 from sheetfx.section import Elastic, Rectangle
 from sheetfx.solve.control import LoadControl
@@ -49,6 +51,14 @@ def displacement(record: Record, at: str = "tip") -> np.ndarray:
     record.show(record.states[-1])
     model = record.case.scene.parts[0].model
     return record.path.discretisation.kinematics(model).displacement(model, at)
+
+
+def response(scene: Scene) -> float:
+    """Monitored displacement of the unloaded structure by its loads, by linear theory."""
+    path = Path(scene)
+    state = next(iter(path))
+    _, places = path.discretisation.monitored(scene.monitor)
+    return scene.monitor.sign * float(state.response[places].sum())
 
 
 def elastica_under_line_force(bending: float, force: float, follower: bool) -> np.ndarray:
@@ -104,3 +114,71 @@ def rod_bend(radius: float, angle: float, force: float, stiffness: list[float]) 
         n = np.array([0.0, 0.0, part * force])
         moment = fsolve(lambda m: tip(m)[7:], moment, xtol=1e-11)
     return tip(moment)[:3]
+
+
+def move_at_random(discretisation, seed=1, size=0.2):
+    """Put a system to a random configuration that keeps the supports, and its stresses to it."""
+    system, generator = discretisation.system, np.random.default_rng(seed)
+    x = system.create_vector()
+    x.array[:] = generator.uniform(-size, size, len(x.array))
+    x.array[system._fixed] = 0
+    system.factor = 1.5
+    system.configure(x)
+    system.extrapolate_stress()
+    return x
+
+
+def tangents(system, x, step=1e-5):
+    """Assembled tangent and differences of the residual of the fourth order, on the free unknowns."""
+    system.configure(x)
+    matrix = system.tangent().copy().convert("dense")
+    assembled = matrix.getDenseArray().copy()
+    size = len(x.array)
+    free = np.setdiff1d(np.arange(size), system._fixed)
+    differences = np.zeros((size, size))
+    out, along = system.create_vector(), system.create_vector()
+    for j in free:
+        for times, weight in ((1, 8), (-1, -8), (2, -1), (-2, 1)):
+            moved = x.copy()
+            along.zeroEntries()
+            along.array[j] = times * step
+            system.retract(moved, along)
+            system.configure(moved)
+            system.residual(out)
+            differences[:, j] += weight * out.array / (12 * step)
+    return assembled[np.ix_(free, free)], differences[np.ix_(free, free)]
+
+
+def distance(a, b):
+    """Norm of the difference over that of the second."""
+    return np.linalg.norm(a - b) / np.linalg.norm(b)
+
+
+def turn_rigidly(discretisation, angle, axis, steps):
+    """Turn all nodes of a structure in space about the origin, in steps that are committed."""
+    system = discretisation.system
+    displacement_field, rotation_field = discretisation.unknowns.fields
+    places = displacement_field.value.function_space.tabulate_dof_coordinates()
+    axis = np.asarray(axis) / np.linalg.norm(axis)
+    part = angle / steps
+    skew = np.cross(axis, np.eye(3)).T
+    rotation = np.eye(3) + np.sin(part) * skew + (1 - np.cos(part)) * skew @ skew
+    for _ in range(steps):
+        current = places + displacement_field.value.x.array.reshape(-1, 3)
+        x = system.create_vector()
+        x.array[displacement_field.dofs] = (current @ rotation.T - current).ravel()
+        x.array[rotation_field.dofs] = np.tile(2 * tan(part / 2) * axis, len(rotation_field.dofs) // 3)
+        system.configure(x)
+        discretisation.commit()
+
+
+def energy_and_residual(discretisation):
+    """Energy of a linear elastic structure of one part, and the norm of its out-of-balance forces."""
+    system = discretisation.system
+    energy = 0.0
+    for term in system.internal[0].internal.terms:
+        density = ufl.inner(term.law(term.strains), term.strains) / 2
+        energy += fem.assemble_scalar(fem.form(density * ufl.dx(metadata=term.rule.metadata)))
+    out = system.create_vector()
+    system.residual(out)
+    return energy, np.linalg.norm(out.array)

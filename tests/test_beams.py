@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-from math import pi, radians, sqrt, tan
+from math import pi, radians, sqrt
 
 import numpy as np
 import pytest
 import ufl
-from dolfinx import fem
 from helpers import (
     cantilever,
     displacement,
+    distance,
     elastica_under_line_force,
+    energy_and_residual,
     follow,
+    move_at_random,
     rod_bend,
     shallow_arch,
     straight,
+    tangents,
+    turn_rigidly,
 )
 
 from sheetfx.case import trace
@@ -172,43 +176,6 @@ def beam_scene(dimension):
     return cantilever(model, loads, section=Rectangle(0.2, 0.1), up=(0.0, 1.0, 0.0))
 
 
-def move_at_random(discretisation, seed=1, size=0.2):
-    """Put a system to a random configuration that keeps the supports, and its stresses to it."""
-    system, generator = discretisation.system, np.random.default_rng(seed)
-    x = system.create_vector()
-    x.array[:] = generator.uniform(-size, size, len(x.array))
-    x.array[system._fixed] = 0
-    system.factor = 1.5
-    system.configure(x)
-    system.extrapolate_stress()
-    return x
-
-
-def tangents(system, x, step=1e-5):
-    """Assembled tangent and differences of the residual of the fourth order, on the free unknowns."""
-    system.configure(x)
-    matrix = system.tangent().copy().convert("dense")
-    assembled = matrix.getDenseArray().copy()
-    size = len(x.array)
-    free = np.setdiff1d(np.arange(size), system._fixed)
-    differences = np.zeros((size, size))
-    out, along = system.create_vector(), system.create_vector()
-    for j in free:
-        for times, weight in ((1, 8), (-1, -8), (2, -1), (-2, 1)):
-            moved = x.copy()
-            along.zeroEntries()
-            along.array[j] = times * step
-            system.retract(moved, along)
-            system.configure(moved)
-            system.residual(out)
-            differences[:, j] += weight * out.array / (12 * step)
-    return assembled[np.ix_(free, free)], differences[np.ix_(free, free)]
-
-
-def distance(a, b):
-    return np.linalg.norm(a - b) / np.linalg.norm(b)
-
-
 SCENES = {
     "planar": lambda: beam_scene(2),
     "frictionless layer": lambda: contact_scene("quadrature", "penalty", 0.1, 0.0),
@@ -313,34 +280,6 @@ def test_section_law_of_the_user():
     displacement(record)
     angle = record.path.discretisation.kinematics(scene.parts[0].model).angle(scene.parts[0].model, "tip")
     assert angle == pytest.approx(part * limit / sqrt(1 - part**2), rel=1e-9)
-
-
-def turn_rigidly(discretisation, angle, axis, steps):
-    """Turn all nodes of a spatial beam about the origin, in steps that are committed."""
-    system = discretisation.system
-    displacement_field, rotation_field = discretisation.unknowns.fields
-    places = displacement_field.value.function_space.tabulate_dof_coordinates()
-    axis = np.asarray(axis) / np.linalg.norm(axis)
-    part = angle / steps
-    skew = np.cross(axis, np.eye(3)).T
-    rotation = np.eye(3) + np.sin(part) * skew + (1 - np.cos(part)) * skew @ skew
-    for _ in range(steps):
-        current = places + displacement_field.value.x.array.reshape(-1, 3)
-        x = system.create_vector()
-        x.array[displacement_field.dofs] = (current @ rotation.T - current).ravel()
-        x.array[rotation_field.dofs] = np.tile(2 * tan(part / 2) * axis, len(places))
-        system.configure(x)
-        discretisation.commit()
-
-
-def energy_and_residual(discretisation):
-    system = discretisation.system
-    term = system.internal[0].internal.terms[0]
-    density = ufl.inner(term.law(term.strains), term.strains) / 2
-    energy = fem.assemble_scalar(fem.form(density * ufl.dx(metadata=term.rule.metadata)))
-    out = system.create_vector()
-    system.residual(out)
-    return energy, np.linalg.norm(out.array)
 
 
 @pytest.mark.parametrize("size", [0.0, 0.1])
