@@ -61,11 +61,18 @@ def panels(
     ----------
     nodes : name -> coordinates (3 numbers)
     faces : name -> names of 3 or 4 nodes around the panel; each panel is a physical group
-    cells : number of cells along each edge
-    triangles : triangular cells; a panel of three nodes is recombined to quadrilaterals otherwise
+    cells : number of cells along each edge; even where quadrilaterals fill panels of three nodes, whose triangles
+        are cut in three
+    triangles : triangular cells
     """
+    cut = not triangles and any(len(corners) == 3 for corners in faces.values())
+    if cut:
+        if cells % 2:
+            raise ValueError(f"panels: {cells} cells along the edges of panels of three nodes; the number must be even")
+        gmsh.option.setNumber("Mesh.SubdivisionAlgorithm", 1)
     geo = gmsh.model.geo
-    tags = {name: geo.addPoint(*x) for name, x in nodes.items()}
+    used = {name for corners in faces.values() for name in corners}
+    tags = {name: geo.addPoint(*x) for name, x in nodes.items() if name in used}
     lines: dict[tuple[str, str], int] = {}
 
     def line(a, b):
@@ -73,16 +80,15 @@ def panels(
             return -lines[b, a]
         if (a, b) not in lines:
             lines[a, b] = geo.addLine(tags[a], tags[b])
-            geo.mesh.setTransfiniteCurve(lines[a, b], cells + 1)
+            geo.mesh.setTransfiniteCurve(lines[a, b], (cells // 2 if cut else cells) + 1)
         return lines[a, b]
 
     groups = {}
     for name, corners in faces.items():
         loop = geo.addCurveLoop([line(a, b) for a, b in zip(corners, [*corners[1:], corners[0]], strict=True)])
         groups[name] = geo.addPlaneSurface([loop])
-        if len(corners) == 4 or triangles:
-            geo.mesh.setTransfiniteSurface(groups[name], "Left", [tags[c] for c in corners])
-        if not triangles:
+        geo.mesh.setTransfiniteSurface(groups[name], "Left", [tags[c] for c in corners])
+        if not triangles and len(corners) == 4:
             geo.mesh.setRecombine(2, groups[name])
     geo.synchronize()
     for name, surface in groups.items():

@@ -36,8 +36,8 @@ class System:
     """
 
     def __init__(self, unknowns: Unknowns, factor, internal: Sequence[Internal], work, *,
-                 nodal: Sequence[np.ndarray], fixed: Sequence[np.ndarray], symmetric: bool = True, mixed_points: bool = True,
-                 clock: Stopwatch | None = None):
+                 nodal: Sequence[np.ndarray], fixed: Sequence[np.ndarray], symmetric: bool = True,
+                 mixed_points: bool = True, clock: Stopwatch | None = None):
         self.unknowns, self.symmetric = unknowns, symmetric
         self.clock = clock or Stopwatch()
         self._factor, self._nodal = factor, nodal
@@ -100,20 +100,14 @@ class System:
         return forms
 
     def _fix(self, fixed) -> None:
-        self._conditions, rows = [], []
-        for block, dofs, offset in zip(self.unknowns.blocks, fixed, self._offsets, strict=False):
-            if block.space.mesh.comm.allreduce(len(dofs)):
-                self._conditions.append(fem.dirichletbc(fem.Function(block.space), np.asarray(dofs, dtype=np.int32)))
-            rows.append(offset + dofs[dofs < self._owned(block)])
-        self._fixed_dofs = fixed
+        rows = [offset + dofs[dofs < self._owned(block)]
+                for block, dofs, offset in zip(self.unknowns.blocks, fixed, self._offsets, strict=False)]
         self._fixed = np.concatenate(rows).astype(np.int32)
         self.size = self.comm.allreduce(int(self._offsets[-1]) - len(self._fixed))
 
     def _create_matrix(self) -> None:
         """A matrix for the entries of internal work, of other work and of fixed unknowns, in this order."""
-        numbers = dict(zip((id(b) for b in self.unknowns.blocks), self._free_numbers(), strict=True))
-        place = {id(f): numbers[id(b)][f.dofs].reshape(-1, f.width) for b in self.unknowns.blocks for f in b.fields}
-        places = [place[id(f)] for f in self.unknowns.fields]
+        places = self._places()
         rows, columns = [], []
         for work in self.internal:
             for coupling in work.couplings:
@@ -129,32 +123,63 @@ class System:
         self._other = None
         if self._tangent is not None:
             self._other = compat.create_matrix(self._tangent)
-            compat.assemble_matrix(self._other, self._tangent, self._conditions)
-            first, pointer, column = self._other.getOwnershipRange()[0], *self._other.getValuesCSR()[:2]
+            self._turn = self._turning_matrix(places)
+            self._turned = None
+            pointer, column, _ = self._other_tangent()
+            first = self._other.getOwnershipRange()[0]
             rows.append(first + np.repeat(np.arange(len(pointer) - 1), np.diff(pointer)))
             columns.append(column)
-        ends = self.comm.scan(int(self._offsets[-1]))
-        fixed = self._fixed + ends - self._offsets[-1]
-        rows, columns = np.concatenate([*rows, fixed]), np.concatenate([*columns, fixed])
-        lost = (rows < 0) | (columns < 0)
+        rows, columns = np.concatenate(rows), np.concatenate(columns)
+        fixed = self._fixed + self._start
+        all_fixed = np.concatenate(self.comm.allgather(fixed))
+        lost = np.isin(rows, all_fixed) | np.isin(columns, all_fixed)
         rows[lost], columns[lost] = -1, -1
+        rows, columns = np.concatenate((rows, fixed)), np.concatenate((columns, fixed))
         self.matrix = compat.create_coo_matrix(self.comm, int(self._offsets[-1]), rows, columns)
         if self.symmetric:
             self.matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
             self.matrix.setOption(PETSc.Mat.Option.SYMMETRY_ETERNAL, True)
 
-    def _free_numbers(self) -> list[np.ndarray]:
-        """For each block the global number of each local dof; -1 if it is fixed."""
-        start = self.comm.scan(int(self._offsets[-1])) - int(self._offsets[-1])
-        numbers = []
-        for block, offset, fixed in zip(self.unknowns.blocks, self._offsets, self._fixed_dofs, strict=False):
+    @property
+    def _start(self) -> int:
+        """Global number of the first row of this process."""
+        return self.comm.scan(int(self._offsets[-1])) - int(self._offsets[-1])
+
+    def _places(self) -> list[np.ndarray]:
+        """For each field the global numbers of its nodes' increments, shape (nodes, width)."""
+        places, start = [], self._start
+        for block, offset in zip(self.unknowns.blocks, self._offsets, strict=False):
             number = fem.Function(block.space)
             owned = self._owned(block)
             number.x.array[:owned] = start + offset + np.arange(owned)
-            number.x.array[fixed[fixed < owned]] = -1
             number.x.scatter_forward()
-            numbers.append(np.rint(number.x.array).astype(np.int64))
-        return numbers
+            places += [np.rint(number.x.array[f.dofs]).astype(np.int64).reshape(-1, f.width) for f in block.fields]
+        return places
+
+    def _turning_matrix(self, places) -> PETSc.Mat | None:
+        """Matrix from components along the axes of the nodes to those along the directions of space."""
+        if not self.comm.allreduce(any(f.axes is not None for f in self.unknowns.fields), op=MPI.LOR):
+            return None
+        rows, columns, values = [], [], []
+        for field, place in zip(self.unknowns.fields, places, strict=True):
+            own = place[(place[:, 0] >= self._start) & (place[:, 0] < self._start + self._offsets[-1])]
+            axes = np.broadcast_to(np.eye(field.width) if field.axes is None else field.axes,
+                                   (*place.shape, field.width))
+            shape = (*own.shape, field.width)
+            rows.append(np.broadcast_to(own[:, :, None], shape).ravel())
+            columns.append(np.broadcast_to(own[:, None, :], shape).ravel())
+            values.append(axes[: len(own)].ravel())
+        matrix = compat.create_coo_matrix(self.comm, int(self._offsets[-1]), np.concatenate(rows),
+                                          np.concatenate(columns))
+        compat.set_coo_values(matrix, np.concatenate(values))
+        return matrix
+
+    def _other_tangent(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Row pointers, columns and values of the tangent of work other than internal."""
+        matrix = compat.assemble_matrix(self._other, self._tangent)
+        if self._turn is not None:
+            matrix = self._turned = matrix.ptap(self._turn, result=self._turned)
+        return matrix.getValuesCSR()
 
     def _inner_product_weights(self) -> PETSc.Vec:
         """Weights that make increments of translations and rotations commensurate.
@@ -224,7 +249,7 @@ class System:
                     if field.curved:
                         values.append(np.repeat(curvature, field.width))
             if self._other is not None:
-                values.append(compat.assemble_matrix(self._other, self._tangent, self._conditions).getValuesCSR()[2])
+                values.append(self._other_tangent()[2])
             values.append(np.ones(len(self._fixed)))
             compat.set_coo_values(self.matrix, np.concatenate(values))
             return self.matrix
@@ -236,11 +261,28 @@ class System:
             for array, form in zip(arrays, forms or [], strict=False):
                 if form is not None:
                     fem.assemble_vector(array, form)
+            self._turn_inward(arrays)
             further(arrays)
             scatter_local_vectors(out, arrays, self._maps)
             out.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
             self._support = out.array[self._fixed]
             out.array[self._fixed] = 0
+
+    def _turn_inward(self, arrays) -> None:
+        """Take nodal vectors of the blocks from the directions of space to the axes of their nodes."""
+        for block, array in zip(self.unknowns.blocks, arrays, strict=True):
+            for f in block.fields:
+                if f.axes is not None:
+                    array[f.dofs] = f.inward(array[f.dofs])
+
+    def functional(self, block, dofs: np.ndarray, value: float) -> PETSc.Vec:
+        """Vector whose product with increments is `value` times the sum of some owned dofs, along space."""
+        arrays = [np.zeros(self._local_size(b)) for b in self.unknowns.blocks]
+        arrays[self.unknowns.blocks.index(block)][dofs] = value
+        self._turn_inward(arrays)
+        vector = self.create_vector()
+        scatter_local_vectors(vector, arrays, self._maps)
+        return vector
 
     def _internal_forces(self, arrays) -> None:
         """Add internal forces to the local arrays of the blocks."""

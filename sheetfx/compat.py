@@ -69,12 +69,12 @@ def create_matrix(forms):
     return petsc_fem.create_matrix(forms, kind="mpi")
 
 
-def assemble_matrix(matrix, forms, conditions):
-    """Assemble a square array of forms without the rows and columns of fixed unknowns."""
+def assemble_matrix(matrix, forms):
+    """Assemble a square array of forms."""
     matrix.zeroEntries()
     if hasattr(petsc_fem, "assemble_matrix_block"):
-        petsc_fem.assemble_matrix_block(matrix, forms, bcs=conditions, diagonal=0.0)
+        petsc_fem.assemble_matrix_block(matrix, forms)
     else:
-        petsc_fem.assemble_matrix(matrix, forms, bcs=conditions, diag=0.0)
+        petsc_fem.assemble_matrix(matrix, forms)
     matrix.assemble()
     return matrix

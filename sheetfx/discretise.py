@@ -52,6 +52,7 @@ class Discretisation:
         self.factor = ufl.variable(fem.Constant(scene.parts[0].model.mesh, 0.0))
         self._kinematics = {p.model: _kinematics(p) for p in scene.parts}
         blocks = [k.block for k in self._kinematics.values()]
+        self._turn_supported_nodes()
         self._travels = self._obstacle_travels(blocks)
         self._reactions = self._motion_reactions(blocks)
         self.contacts = [ContactFields(c, f"multiplier{i}") for i, c in enumerate(scene.contacts)]
@@ -209,6 +210,22 @@ class Discretisation:
         """A model that an obstacle may touch, and the measure over all its curves."""
         beam = next(c.contact.beam for c in self.contacts if c.contact.obstacle is obstacle)
         return beam.model, beam.model.integral({"quadrature_degree": 2 * beam.degree - 1})
+
+    def _turn_supported_nodes(self) -> None:
+        """Give the nodes of supports with axes of their own these axes."""
+        for support in self.scene.supports:
+            if support.axes is None:
+                continue
+            k = self.kinematics(support.model)
+            for field in k.block.fields:
+                space = field.value.function_space
+                nodes = fem.locate_dofs_topological(space, *support.model.at(support.at))
+                if field.axes is None:
+                    field.axes = np.tile(np.eye(3), (len(field.value.x.array) // space.dofmap.bs, 1, 1))
+                axes = support.directions(space.tabulate_dof_coordinates()[nodes]).transpose(0, 2, 1)
+                if not np.all(np.isclose(field.axes[nodes], np.eye(3)) | np.isclose(field.axes[nodes], axes)):
+                    raise ValueError(f"Support at {support.at!r}: its axes differ from those of another support there")
+                field.axes[nodes] = axes
 
     def _fixed(self, block: Block) -> np.ndarray:
         dofs = [np.empty(0, dtype=np.int32)]

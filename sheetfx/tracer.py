@@ -42,14 +42,8 @@ class Tracer:
 
     def _monitor(self) -> PETSc.Vec:
         """Vector whose product with increments is the monitored displacement."""
-        block, dofs = self.discretisation.monitored(self.discretisation.scene.monitor)
-        vector, offset = self.system.create_vector(), 0
-        for b in self.discretisation.unknowns.blocks:
-            if b is block:
-                break
-            offset += b.space.dofmap.index_map.size_local * b.space.dofmap.index_map_bs
-        vector.array[offset + dofs] = self.discretisation.scene.monitor.sign
-        return vector
+        monitor = self.discretisation.scene.monitor
+        return self.system.functional(*self.discretisation.monitored(monitor), monitor.sign)
 
     def attempt(self, length: float, guess: tuple[float, np.ndarray] | None = None) -> State | None:
         """Try one step of a given length from the current state; None if it does not converge.

@@ -31,7 +31,14 @@ class AdditiveField:
         Size against which increments are measured; infinite: not measured at all.
     multiplier : bool
         Whether the field is a Lagrange multiplier (counts one negative pivot each).
+
+    Attributes
+    ----------
+    axes : array, shape (nodes, width, width), or None
+        Columns are the directions that the components of nodal increments belong to; None: those of space.
     """
+
+    axes: np.ndarray | None = None
 
     def __init__(self, value: Function, dofs: np.ndarray, scale: float, multiplier: bool = False):
         self.value, self.dofs, self.scale, self.multiplier = value, dofs, scale, multiplier
@@ -51,14 +58,26 @@ class AdditiveField:
 
     def variations(self) -> np.ndarray:
         """Nodal variations by a unit increment, shape (nodes or 1 if all alike, components, width)."""
-        return np.eye(self.width)[None]
+        return np.eye(self.width)[None] if self.axes is None else self.axes
+
+    def outward(self, components: np.ndarray) -> np.ndarray:
+        """Nodal vectors along the directions of space from components along the axes."""
+        if self.axes is None:
+            return components
+        return np.einsum("nij,nj->ni", self.axes, components.reshape(-1, self.width)).ravel()
+
+    def inward(self, components: np.ndarray) -> np.ndarray:
+        """Components along the axes from nodal vectors along the directions of space."""
+        if self.axes is None:
+            return components
+        return np.einsum("nji,nj->ni", self.axes, components.reshape(-1, self.width)).ravel()
 
     def advance(self, block_increment: np.ndarray) -> None:
-        self.value.x.array[:] = self.previous.x.array + block_increment[self.dofs]
+        self.value.x.array[:] = self.previous.x.array + self.outward(block_increment[self.dofs])
 
     def change(self, block_increment: np.ndarray) -> np.ndarray:
         """First-order change of the value's array by a further increment."""
-        return block_increment[self.dofs]
+        return self.outward(block_increment[self.dofs])
 
     def combine(self, total: np.ndarray, further: np.ndarray) -> None:
         """Follow the increment `total` (changed in place) by `further`."""
@@ -89,22 +108,25 @@ class QuaternionField(AdditiveField):
         self.commit()
 
     def variations(self):
+        return self._spins() if self.axes is None else self._spins() @ self.axes
+
+    def _spins(self):
         q = self.value.x.array.reshape(-1, 4)
         q0, q1, q2, q3 = q.T / 2
         rows = [[-q1, -q2, -q3], [q0, q3, -q2], [-q3, q0, q1], [q2, -q1, q0]]
         return np.ascontiguousarray(np.array(rows).transpose(2, 0, 1))
 
     def advance(self, block_increment):
-        increment = block_increment[self.dofs].reshape(-1, 3)
+        increment = self.outward(block_increment[self.dofs]).reshape(-1, 3)
         self.value.x.array.reshape(-1, 4)[:] = _compose(increment, self.previous.x.array.reshape(-1, 4))
 
     def change(self, block_increment):
         return np.einsum("nai,ni->na", self.variations(), block_increment[self.dofs].reshape(-1, 3)).ravel()
 
     def combine(self, total, further):
-        before = total[self.dofs].reshape(-1, 3)
-        product = _compose(further[self.dofs].reshape(-1, 3), np.column_stack((np.ones(len(before)), before / 2)))
-        total[self.dofs] = (2 * product[:, 1:] / product[:, :1]).ravel()
+        before, more = (self.outward(a[self.dofs]).reshape(-1, 3) for a in (total, further))
+        product = _compose(more, np.column_stack((np.ones(len(before)), before / 2)))
+        total[self.dofs] = self.inward((2 * product[:, 1:] / product[:, :1]).ravel())
 
     def at_rest(self):
         return {self.symbol: ufl.classes.Zero(self.symbol.ufl_shape)}

@@ -1,0 +1,70 @@
+"""Supports along axes of their own."""
+
+from __future__ import annotations
+
+from math import pi, radians
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import sheetfx as fx
+from sheetfx.case import Case, trace
+from sheetfx.solve.control import LoadControl
+
+RADIUS = 10.0
+
+
+def pinched_hemisphere(turn: np.ndarray, pressure: float) -> tuple[np.ndarray, list[int]]:
+    """Displacement of the loaded corner in the frame of the structure, which stands in space turned by `turn`."""
+    def place(x):
+        azimuth, height = pi / 2 * x[:, 0], radians(72.0) * x[:, 1]
+        places = np.column_stack((np.cos(height) * np.cos(azimuth), np.cos(height) * np.sin(azimuth), np.sin(height)))
+        return RADIUS * places @ turn.T
+
+    model = fx.read(lambda: fx.meshes.rectangle((2, 2), points={"A": (0, 0)}), 3, 2, place)
+    shell = fx.Shell(model, fx.Plate(0.4), fx.Elastic(6.825e7, 0.3), form="naghdi-q2")
+    axes = None if np.array_equal(turn, np.eye(3)) else turn.T
+    supports = [fx.Support(model, "west", "y rx rz", axes), fx.Support(model, "east", "x ry rz", axes),
+                fx.Support(model, "A", "z", axes)]
+    loads = [fx.PointForce(model, "A", tuple(4e4 * turn[:, 0])), fx.Pressure(shell, pressure)]
+    record = trace(Case(fx.Scene([shell], supports, loads, fx.Monitor(model, "A", "x")), LoadControl(0.5, fixed=True)))
+    record.show(record.states[-1])
+    return turn.T @ record.path.discretisation.kinematics(model).displacement(model, "A"), [
+        s.iterations for s in record.states]
+
+
+@pytest.mark.parametrize("pressure", [0.0, 100.0])
+def test_turned_structure_moves_as_the_upright_one(pressure):
+    """With loads of fixed direction, and with pressure, whose tangent is assembled along space and turned."""
+    upright, iterations = pinched_hemisphere(np.eye(3), pressure)
+    turned, again = pinched_hemisphere(Rotation.from_rotvec([0.3, -0.5, 0.9]).as_matrix(), pressure)
+    assert np.linalg.norm(upright) > 0.05 * RADIUS
+    assert turned == pytest.approx(upright, rel=1e-7, abs=1e-9)
+    assert iterations == again
+
+
+def test_symmetry_about_any_plane():
+    """A plate cut along its diagonal bends as the whole does."""
+    def deflection(build, supports):
+        model = fx.read(build, 3)
+        shell = fx.Shell(model, fx.Plate(0.1), fx.Elastic(1e4), form="naghdi-q2")
+        scene = fx.Scene([shell], supports(model), [fx.SurfaceForce(shell, (0.0, 0.0, 1.0))],
+                         fx.Monitor(model, "c", "z"))
+        return trace(Case(scene, LoadControl(1.0))).states[-1].deflection
+
+    nodes = {"a": (0, 0, 0), "b": (1, 0, 0), "c": (1, 1, 0), "d": (0, 1, 0)}
+    whole = deflection(lambda: fx.meshes.panels(nodes, {"plate": "abcd"}, 8),
+                       lambda m: [fx.clamp(m, "a-b"), fx.clamp(m, "d-a")])
+    half = deflection(lambda: fx.meshes.panels(nodes, {"plate": "abc"}, 8),
+                      lambda m: [fx.clamp(m, "a-b"), fx.symmetry(m, "c-a", (1.0, -1.0, 0.0))])
+    assert half == pytest.approx(whole, rel=5e-3), "other mesh, same plate: both are within 0.5 % of convergence"
+
+
+def test_bad_axes_are_named():
+    model = fx.read(lambda: fx.meshes.rectangle((1, 1)), 3)
+    skew = fx.Support(model, "west", "x", ((1.0, 0.0, 0.0), (1.0, 1.0, 0.0), (0.0, 0.0, 1.0)))
+    shell = fx.Shell(model, fx.Plate(0.1), fx.Elastic(1e4), form="naghdi-q2")
+    scene = fx.Scene([shell], [skew], [fx.SurfaceForce(shell, (0.0, 0.0, 1.0))], fx.Monitor(model, "north-east", "z"))
+    with pytest.raises(ValueError, match="west.*orthonormal"):
+        fx.Path(scene)
