@@ -324,10 +324,15 @@ class System:
 
     def snapshot(self) -> dict[str, np.ndarray]:
         """Converged values of all fields on this process."""
-        return {f.name: f.previous.x.array.copy() for f in self.unknowns.fields}
+        return {self._key(n, f): f.previous.x.array.copy() for n, f in enumerate(self.unknowns.fields)}
 
     def restore(self, snapshot: dict[str, np.ndarray]) -> None:
         """Return to a converged state that `snapshot` gave."""
-        for f in self.unknowns.fields:
-            f.previous.x.array[:] = snapshot[f.name]
+        for n, f in enumerate(self.unknowns.fields):
+            f.previous.x.array[:] = snapshot[self._key(n, f)]
             f.value.x.array[:] = f.previous.x.array
+
+    @staticmethod
+    def _key(number: int, field) -> str:
+        """Name of a field in a snapshot; fields of several models have the same name but for the number."""
+        return f"{field.name} {number}"
