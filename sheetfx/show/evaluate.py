@@ -63,7 +63,8 @@ class Curves:
         discretisation = record.path.discretisation
         self._comm = communicator(record)
         self._parts = []
-        for model in dict.fromkeys(beam.model for beam in record.case.scene.parts):
+        models = dict.fromkeys(part.model for part in record.case.scene.parts)
+        for model in (m for m in models if m.mesh.topology.dim == 1):
             x = ufl.SpatialCoordinate(model.mesh)
             both = [*x, *(x + discretisation.kinematics(model).u)]
             self._parts.append((model, fem.Expression(ufl.as_vector(both), points, jit_options=JIT)))

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path as Folder
 
+import numpy as np
 import ufl
-from dolfinx import fem
+from dolfinx import fem, la
 from dolfinx.io import VTKFile
 
 from ..case import Record
@@ -19,9 +20,10 @@ def paraview(record: Record, folder: Folder) -> None:
     """Write path.pvd: displacement and rotation of all states, with the step as time.
 
     Both have three components: a planar rotation is an angle about z, a spatial one the rotation
-    vector (radians, below a full turn). A scene of several models gets path.pvd, path1.pvd and so on.
+    vector (radians, below a full turn), averaged where cells disagree. A scene of several models gets
+    path.pvd, path1.pvd and so on.
     """
-    models = list(dict.fromkeys(beam.model for beam in record.case.scene.parts))
+    models = list(dict.fromkeys(part.model for part in record.case.scene.parts))
     with last_state_kept(record):
         for i, model in enumerate(models):
             _write(record, model, Folder(folder) / "paraview" / f"path{i or ''}.pvd")
@@ -34,13 +36,25 @@ def _write(record: Record, model: Model, file: Folder) -> None:
     values = {"displacement": _padded(kinematics.u), "rotation": _rotation_vector(model, kinematics)}
     points = space.element.interpolation_points()
     expressions = [fem.Expression(v, points, jit_options=JIT) for v in values.values()]
+    share = fem.Function(space)
+    _add(share, np.ones((*space.dofmap.list[model.group(None)].shape, 3)), model)
     functions = [fem.Function(space, name=name) for name in values]
     with VTKFile(model.mesh.comm, file, "w") as stream:
         for state in record.states:
             record.show(state)
             for function, expression in zip(functions, expressions, strict=True):
-                function.interpolate(expression)
+                function.x.array[:] = 0
+                _add(function, expression.eval(model.mesh, model.group(None)), model)
+                function.x.array[:] /= share.x.array
             stream.write_function(functions, float(state.step))
+
+
+def _add(function: fem.Function, values: np.ndarray, model: Model) -> None:
+    """Add values at the nodes of each cell, so that fields with jumps can be averaged."""
+    nodes = function.function_space.dofmap.list[model.group(None)].ravel()
+    np.add.at(function.x.array.reshape(-1, 3), nodes, values.reshape(-1, 3))
+    function.x.scatter_reverse(la.InsertMode.add)
+    function.x.scatter_forward()
 
 
 def _padded(u):

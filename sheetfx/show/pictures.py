@@ -15,8 +15,10 @@ from ..state import State
 from .display import NoDisplay, display
 from .evaluate import ContactPoints, Curves, communicator, last_state_kept, most_telling, travel, unit_of, with_unit
 from .layout import Sheet
+from .surfaces import has_surfaces
+from .views import draw_views, view
 
-SIZE = (1600, 900)
+SIZE, MOST_VIEWS = (1600, 900), 6
 COLOURS = ("#0b4f8a", "#c4432b", "#1b8a5a", "#8e44ad", "#0097a7", "#7f6a00", "#d81b60")
 UNDEFORMED, LAST = "#9a9a9a", "#222222"
 STATUS = {"stick": ("#111111", "sticking"), "slip": ("#f2a900", "slipping")}
@@ -45,10 +47,14 @@ class Shape:
 def shapes(record: Record, folder: Folder, name: str = "shape.png") -> None:
     """Draw the structure undeformed, at critical points and at the last state (process 0 writes the file).
 
-    A critical point is drawn as the state at the end of the step that contains it; points of one step
-    share a line, and the legend tells where it is drawn if that is not close to the point. The picture is
-    left out with a warning where there is no X server and Xvfb is missing.
+    Surfaces are drawn side by side, one view to each state; curves all in one view. A critical point is drawn as
+    the state at the end of the step that contains it; points of one step are drawn once, and the legend tells
+    where if that is not close to the point. The picture is left out with a warning where there is no X server
+    and Xvfb is missing.
     """
+    if has_surfaces(record):
+        _draw_surfaces(record, Folder(folder) / name)
+        return
     undeformed, drawn = _collect(record)
     if communicator(record).rank > 0:
         return
@@ -67,11 +73,26 @@ def shapes(record: Record, folder: Folder, name: str = "shape.png") -> None:
             for status, (colour, meaning) in STATUS.items():
                 chosen = contact.position[contact.status == status]
                 sheet.spheres(*((colour, meaning) if friction else TOUCHING), chosen)
+    _save(sheet.save, Folder(folder) / name)
+
+
+def _draw_surfaces(record: Record, file: Folder) -> None:
+    views = []
+    with last_state_kept(record):
+        for state, label, _, _ in _choose(record, MOST_VIEWS - 1):
+            record.show(state)
+            views.append(view(record, label.replace(": ", "\n", 1)))
+    if communicator(record).rank == 0:
+        _save(lambda place: draw_views(record, views, place), file)
+
+
+def _save(draw, file: Folder) -> None:
+    """Draw into a file where there is an X server, otherwise warn."""
     try:
         with display():
-            sheet.save(Folder(folder) / name)
+            draw(file)
     except NoDisplay as missing:
-        warnings.warn(f"{name} is not drawn: {missing}", stacklevel=2)
+        warnings.warn(f"{file.name} is not drawn: {missing}", stacklevel=3)
 
 
 def _collect(record: Record) -> tuple[np.ndarray | None, list[Shape]]:
@@ -90,7 +111,7 @@ def _collect(record: Record) -> tuple[np.ndarray | None, list[Shape]]:
     return undeformed, drawn
 
 
-def _choose(record: Record) -> list[tuple[State, str, str, bool]]:
+def _choose(record: Record, most: int = len(COLOURS)) -> list[tuple[State, str, str, bool]]:
     """States to draw: label, colour and whether each belongs to a critical point."""
     length, force = (unit_of(a) for a in record.case.axes)
 
@@ -98,7 +119,7 @@ def _choose(record: Record) -> list[tuple[State, str, str, bool]]:
         return f"load {with_unit(at.load, force)}, deflection {with_unit(at.deflection, length)}"
 
     every = record.critical_points
-    points = most_telling(every, len(COLOURS))
+    points = most_telling(every, most)
     left_out = f" ({len(points)} of {len(every)} are drawn)" if len(points) < len(every) else ""
     states, last = {s.step: s for s in record.states}, record.states[-1]
     reach = max(abs(s.deflection) for s in record.states)

@@ -1,0 +1,101 @@
+"""Places on deformed surfaces, for pictures of states, modes and whatever else moves them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import ufl
+from dolfinx import fem
+
+from ..case import Record
+from ..compat import JIT
+from ..mesh.reader import Model
+from ..shell import TRIANGLE
+from .evaluate import communicator
+
+PIECES = 4
+
+
+@dataclass
+class Surface:
+    """Places on all surfaces, several to each cell so that curved cells look curved.
+
+    Attributes
+    ----------
+    undeformed, current : (n, 3)
+    faces : (m, 3), triangles by the numbers of their places
+    borders : (c, p), places around each cell
+    """
+
+    undeformed: np.ndarray
+    current: np.ndarray
+    faces: np.ndarray
+    borders: np.ndarray
+
+    def mesh(self, places: np.ndarray):
+        """A pyvista mesh of places of this surface, common places of cells merged, with the size of displacement."""
+        import pyvista
+
+        triangles = np.column_stack([np.full(len(self.faces), 3), self.faces]).ravel()
+        mesh = pyvista.PolyData(places, triangles)
+        mesh["displacement"] = np.linalg.norm(self.current - self.undeformed, axis=1)
+        return mesh.clean(tolerance=1e-7)
+
+    def edges(self, places: np.ndarray):
+        """A pyvista mesh of the borders of cells."""
+        import pyvista
+
+        lines = np.column_stack([np.full(len(self.borders), self.borders.shape[1]), self.borders]).ravel()
+        return pyvista.PolyData(places, lines=lines)
+
+
+def surfaces(record: Record, displacements: Mapping[Model, object] | None = None) -> list[Surface] | None:
+    """The surfaces of all models with the current fields, on process 0; None elsewhere.
+
+    Parameters
+    ----------
+    displacements : for each model a displacement to use instead of the current one (Function or UFL vector)
+    """
+    comm, found = communicator(record), []
+    for model in _surface_models(record):
+        u = displacements[model] if displacements else record.path.discretisation.kinematics(model).u
+        points, faces, border = _lattice(model.mesh.basix_cell() == TRIANGLE)
+        x = ufl.SpatialCoordinate(model.mesh)
+        expression = fem.Expression(ufl.as_vector([*x, *(x + u)]), points, jit_options=JIT)
+        gathered = comm.gather(expression.eval(model.mesh, model.group(None)).reshape(-1, len(points), 2, 3))
+        if gathered is not None:
+            table = np.concatenate(gathered)
+            first = len(points) * np.arange(len(table))[:, None]
+            undeformed, current = table.reshape(-1, 2, 3).transpose(1, 0, 2)
+            found.append(Surface(undeformed, current, (first[:, :, None] + faces).reshape(-1, 3), first + border))
+    return found if comm.rank == 0 else None
+
+
+def has_surfaces(record: Record) -> bool:
+    return bool(_surface_models(record))
+
+
+def _surface_models(record: Record) -> list[Model]:
+    models = dict.fromkeys(part.model for part in record.case.scene.parts)
+    return [m for m in models if m.mesh.topology.dim == 2]
+
+
+def _lattice(triangle: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Points on a reference cell, triangles between them, and the points around the cell."""
+    grid = [(i, j) for j in range(PIECES + 1) for i in range(PIECES + 1 - j * triangle)]
+    number = {place: n for n, place in enumerate(grid)}
+    faces = []
+    for i, j in grid:
+        right, above, opposite = (i + 1, j), (i, j + 1), (i + 1, j + 1)
+        if right in number and above in number:
+            faces.append((number[i, j], number[right], number[above]))
+            if opposite in number:
+                faces.append((number[right], number[opposite], number[above]))
+    line = range(PIECES)
+    corners = [(0, 0), (PIECES, 0), (0, PIECES)] if triangle else [(0, 0), (PIECES, 0), (PIECES, PIECES), (0, PIECES)]
+    around = []
+    for (i, j), (k, m) in zip(corners, [*corners[1:], corners[0]], strict=True):
+        around += [number[i + (k - i) * s // PIECES, j + (m - j) * s // PIECES] for s in line]
+    return np.array(grid) / PIECES, np.array(faces), np.array([*around, around[0]])
