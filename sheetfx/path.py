@@ -114,7 +114,7 @@ class Path:
         while True:
             length = self.control.clip(length, before.factor)
             after = self.tracer.attempt(length)
-            if after is not None and (before.step == 0 or self.tracer.turn(before) <= self.control.turn):
+            if after is not None and self.tracer.turn(before) <= self.control.turn:
                 break
             if after is not None:
                 self.tracer.back_to(before)

@@ -73,6 +73,13 @@ class State:
     response: np.ndarray = field(repr=False, default=None)
     fields: dict[str, np.ndarray] = field(repr=False, default_factory=dict)
 
+    @property
+    def direction(self) -> tuple[float, np.ndarray]:
+        """Increments of load factor and unknowns that led here; of the unloaded state those to come."""
+        if self.step == 0:
+            return self.load_rate, self.load_rate * self.response
+        return self.load_increment, self.increment
+
     def save(self, file: Path) -> None:
         """Write to a NumPy archive; the file appears complete or not at all."""
         numbers = {k: v for k, v in asdict(self).items() if k not in ("fields", "increment", "response")}

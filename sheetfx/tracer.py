@@ -141,11 +141,22 @@ class Tracer:
         self.tangent.current_stiffness = self._reference[1] / work if work else 1.0
 
     def turn(self, before: State) -> float:
-        """Angle between the last step's increment and the one before it, in radians."""
+        """Largest angle in radians between the last step's increment and what it should go on from and lead to.
+
+        These are the increment before it (for the first step the tangent) and, without contact, whose tangents
+        waver, the tangent at its end.
+        """
+        directions = [before.direction]
+        if not self.discretisation.contacts:
+            directions.append((self.state.load_rate, self.state.load_rate * self.state.response))
+        return max(self._angle((self.state.load_increment, self.state.increment), d) for d in directions)
+
+    def _angle(self, one: tuple[float, np.ndarray], other: tuple[float, np.ndarray]) -> float:
+        """Angle between two increments of load factor and unknowns."""
         inner, weight = self.tangent.inner, self._load_weight()
-        last, earlier = self.x.duplicate(), self.x.duplicate()
-        last.array[:], earlier.array[:] = self.state.increment, before.increment
-        a, b = self.state.load_increment, before.load_increment
-        length2 = (inner(last, last) + weight * a * a) * (inner(earlier, earlier) + weight * b * b)
-        cosine = (inner(last, earlier) + weight * a * b) / sqrt(length2) if length2 else 1.0
+        (a, first), (b, second) = one, other
+        left, right = self.x.duplicate(), self.x.duplicate()
+        left.array[:], right.array[:] = first, second
+        length2 = (inner(left, left) + weight * a * a) * (inner(right, right) + weight * b * b)
+        cosine = (inner(left, right) + weight * a * b) / sqrt(length2) if length2 else 1.0
         return acos(np.clip(cosine, -1.0, 1.0))

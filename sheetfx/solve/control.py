@@ -24,7 +24,7 @@ class StepRule:
     smallest, largest : bounds, as multiples of the first step
     iterations : number of iterations that a step should take; steps grow and shrink with the
         square root of this over the number taken
-    turn : largest angle in radians between consecutive increments
+    turn : largest angle in radians between consecutive increments, and of each to the tangent at its end
     """
 
     step: float | None = None
