@@ -38,7 +38,7 @@ PUBLISHED = {
         (-0.0006, 24.824), (0.0626, 26.565), (0.1427, 28.302), (0.2403, 30.023), (0.3559, 31.720), (0.4898, 33.388),
         (0.6417, 35.024), (0.8114, 36.626), (1.0313, 38.450)))}
 # naghdi-q3 on 16 x 16 cells (8 x 8: equal to 2e-5; naghdi-q2 on 24 x 24: to 1e-4). The table's extrema, 2226.3 and
-# 518.7, are its nearest points on 16 x 16 elements of four nodes. With 6.35: 583.83, -384.66 (585.9, -386.4).
+# 518.7, are single points near them. With 6.35: 583.83, -384.66 (585.9, -386.4).
 REFERENCE = {"limit_load": 2220.93, "lower_limit_load": 505.68}
 CHART = members({"naghdi-q2": (4, 6, 8, 12), "naghdi-q3": (2, 4, 6), "naghdi-p2cr": (8, 12, 16, 24)})
 PEERS = [{"driver": "kratos", "arguments": ["roof", "--cells", "16", "--step", "2", "--solver", "amgcl"]}]
