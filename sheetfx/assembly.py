@@ -118,8 +118,9 @@ class System:
                 columns += [right.ravel(), left[coupling.mirrored].ravel()]
             for number in work.places:
                 if self.unknowns.fields[number].curved:
-                    rows.append(places[number].ravel())
-                    columns.append(places[number].ravel())
+                    shape = (*places[number].shape, self.unknowns.fields[number].width)
+                    rows.append(np.broadcast_to(places[number][:, :, None], shape).ravel())
+                    columns.append(np.broadcast_to(places[number][:, None, :], shape).ravel())
         self._other = None
         if self._tangent is not None:
             self._other = compat.create_matrix(self._tangent)
@@ -240,14 +241,15 @@ class System:
         """Derivative of the residual with respect to increments of the current configuration."""
         with self.clock("assembly"):
             values = []
+            moments = self._moments()
             for work in self.internal:
                 work.tangent()
                 for coupling in work.couplings:
                     values += [coupling.values.ravel(), coupling.values[coupling.mirrored].ravel()]
-                for number, curvature in zip(work.places, work.curvatures, strict=True):
+                for number, held in zip(work.places, work.held, strict=True):
                     field = self.unknowns.fields[number]
                     if field.curved:
-                        values.append(np.repeat(curvature, field.width))
+                        values.append((field.curvature(held, self.symmetric) + moments.pop(number, 0.0)).ravel())
             if self._other is not None:
                 values.append(self._other_tangent()[2])
             values.append(np.ones(len(self._fixed)))
@@ -257,10 +259,7 @@ class System:
     def _assemble(self, forms, out, nodal: float, further=lambda arrays: None) -> None:
         """Sum of forms, nodal loads times a factor, and what `further` adds; zero where increments are fixed."""
         with self.clock("assembly"):
-            arrays = [nodal * load for load in self._nodal]
-            for array, form in zip(arrays, forms or [], strict=False):
-                if form is not None:
-                    fem.assemble_vector(array, form)
+            arrays = self._along_space(forms, nodal)
             self._turn_inward(arrays)
             further(arrays)
             scatter_local_vectors(out, arrays, self._maps)
@@ -268,10 +267,32 @@ class System:
             self._support = out.array[self._fixed]
             out.array[self._fixed] = 0
 
-    def _turn_inward(self, arrays) -> None:
-        """Take nodal vectors of the blocks from the directions of space to the axes of their nodes."""
+    def _along_space(self, forms, nodal: float) -> list[np.ndarray]:
+        """Forms and nodal loads times a factor on the blocks: forces along space, moments conjugate to the spin."""
+        arrays = [nodal * load for load in self._nodal]
+        for array, form in zip(arrays, forms or [], strict=False):
+            if form is not None:
+                fem.assemble_vector(array, form)
+        return arrays
+
+    def _moments(self) -> dict[int, np.ndarray]:
+        """For each field of rotations the change of moments with its increments, in unsymmetric problems."""
+        if self.symmetric:
+            return {}
+        arrays, slopes, number = self._along_space(self._residual, -self.factor), {}, 0
         for block, array in zip(self.unknowns.blocks, arrays, strict=True):
             for f in block.fields:
+                if f.curved:
+                    slopes[number] = f.moment_slopes(array[f.dofs].reshape(-1, f.width))
+                number += 1
+        return slopes
+
+    def _turn_inward(self, arrays) -> None:
+        """Take nodal vectors of the blocks to forces on increments along the axes of their nodes."""
+        for block, array in zip(self.unknowns.blocks, arrays, strict=True):
+            for f in block.fields:
+                if f.curved:
+                    array[f.dofs] = f.pull_moments(array[f.dofs].reshape(-1, f.width)).ravel()
                 if f.axes is not None:
                     array[f.dofs] = f.inward(array[f.dofs])
 

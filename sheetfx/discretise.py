@@ -60,10 +60,13 @@ class Discretisation:
         self.unknowns = Unknowns(blocks)
         self.clock = Stopwatch()
         self._close_contacts()
+        fixed = [self._fixed(b) for b in blocks]
+        for block, dofs in zip(blocks, fixed, strict=True):
+            self._chart_supported_nodes(block, dofs)
         self.system = System(
             self.unknowns, self.factor, [self._internal(p) for p in scene.parts], self._work(),
             nodal=self._nodal_loads(blocks),
-            fixed=[self._fixed(b) for b in blocks],
+            fixed=fixed,
             symmetric=not any(c.friction for c in scene.contacts) and not any(_turning(load) for load in scene.loads),
             mixed_points=mixed_points, clock=self.clock,
         )
@@ -227,6 +230,12 @@ class Discretisation:
                     raise ValueError(f"Support at {support.at!r}: its axes differ from those of another support there")
                 field.axes[nodes] = axes
 
+    def _chart_supported_nodes(self, block: Block, fixed: np.ndarray) -> None:
+        """Let rotations of which one component is fixed be followed by their Rodrigues vector."""
+        for field in block.fields:
+            if field.curved:
+                field.charted = np.isin(field.dofs, fixed).reshape(-1, field.width).sum(axis=1) == 1
+
     def _fixed(self, block: Block) -> np.ndarray:
         dofs = [np.empty(0, dtype=np.int32)]
         for model, k in self._kinematics.items():
@@ -295,7 +304,8 @@ class Discretisation:
 
 def _turning(load) -> bool:
     """Whether a load's tangent is unsymmetric."""
-    return isinstance(load, Pressure) or isinstance(load, LineForce) and load.follower
+    return (isinstance(load, Pressure) or isinstance(load, LineForce) and load.follower
+            or isinstance(load, Moment) and load.model.dimension == 3)
 
 
 def _nodal(load) -> bool:

@@ -1,9 +1,9 @@
 """Element vectors and matrices of internal virtual work.
 
-Strains are differentiated with respect to the jet of the fields at each integration point; shape
-functions enter by one product of dense matrices for many cells at once, and rotations by their nodal
-variations: a nodal quaternion varies by half the product of the nodal spin and itself, so that residual
-and tangent are exact derivatives of the energy as a function of the nodal rotations.
+Strains are differentiated with respect to the jet of the fields at each integration point; shape functions
+enter by one product of dense matrices for many cells at once, and rotations by the derivatives of the nodal
+quaternions, so that residual and tangent are gradient and Hessian of the energy as a function of the nodal
+increments.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ class ElementWork:
     ----------
     places : places in `fields` of those that occur
     couplings : list of Coupling, filled by `tangent`
-    curvatures : for each place the second variation of curved fields, a multiple of unity at each node
+    held : for each place the forces of the stresses in the tangent, shape (nodes, components)
     """
 
     def __init__(self, internal: Internal, fields: list[AdditiveField], increments: list[fem.Function] | None):
@@ -112,7 +112,7 @@ class ElementWork:
             mirrored = np.flatnonzero(nodes[:, 0] != nodes[:, 1]) if a == b else np.arange(len(nodes))
             values = np.zeros((len(nodes), self._fields[a].width, self._fields[b].width))
             self.couplings.append(Coupling(self.places[a], self.places[b], nodes, pairs, mirrored, values))
-        self.curvatures = [np.zeros(len(f.value.x.array) // n) for f, n in zip(self._fields, self._raw, strict=True)]
+        self.held = [np.zeros((len(f.value.x.array) // n, n)) for f, n in zip(self._fields, self._raw, strict=True)]
 
     def _chunks(self):
         count = len(self.internal.cells)
@@ -132,19 +132,20 @@ class ElementWork:
                 term.extrapolate_stress(chunk)
 
     def tangent(self) -> None:
-        """Put the tangent into `couplings`, and the second variation of rotations into `curvatures`."""
+        """Put the tangent into `couplings`, and the forces of its stresses into `held`."""
         for coupling in self.couplings:
             coupling.values[:] = 0
-        for curvature in self.curvatures:
-            curvature[:] = 0
+        for force in self.held:
+            force[:] = 0
         bases = {n: f.variations() for n, f in zip(self.places, self._fields, strict=True)}
         nodes = dict(zip(self.places, self._nodes, strict=True))
         for chunk in self._chunks():
             matrices: dict[tuple[int, int], np.ndarray] = {}
             for term in self._terms:
-                held = term.add_matrices(chunk, matrices)
-                for place, vectors in held:
-                    self._add_curvature(self.places.index(place), chunk, vectors)
+                for place, vectors in term.add_matrices(chunk, matrices):
+                    number = self.places.index(place)
+                    if self._fields[number].curved:
+                        _add_rows(self.held[number], self._nodes[number][chunk], vectors)
             for coupling in self.couplings:
                 a, b = coupling.rows, coupling.columns
                 if (a, b) in matrices:
@@ -152,14 +153,6 @@ class ElementWork:
                     sizes = tuple((0,) * n for n in (*raw, *coupling.values.shape[1:]))
                     _add_blocks(matrices[a, b], *_layout(*raw, a == b), bases[a], bases[b], nodes[a][chunk],
                                 nodes[b][chunk], coupling.pairs[chunk], coupling.values, sizes)
-
-    def _add_curvature(self, number, chunk, vectors) -> None:
-        """A unit quaternion's second variation is -1/4 times itself; vectors has shape (cells, components, nodes)."""
-        field, nodes = self._fields[number], self._nodes[number][chunk]
-        if field.curved:
-            values = field.value.x.array.reshape(-1, self._raw[number])[nodes]
-            work = np.einsum("cki,cik->ci", vectors, values)
-            self.curvatures[number] -= np.bincount(nodes.ravel(), work.ravel() / 4, len(self.curvatures[number]))
 
 
 class _TermWork:

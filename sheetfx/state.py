@@ -75,10 +75,13 @@ class State:
 
     @property
     def direction(self) -> tuple[float, np.ndarray]:
-        """Increments of load factor and unknowns that led here; of the unloaded state those to come."""
-        if self.step == 0:
-            return self.load_rate, self.load_rate * self.response
+        """Increments of load factor and unknowns that led here."""
         return self.load_increment, self.increment
+
+    @property
+    def tangent(self) -> tuple[float, np.ndarray]:
+        """Rates of load factor and unknowns along the path."""
+        return self.load_rate, self.load_rate * self.response
 
     def save(self, file: Path) -> None:
         """Write to a NumPy archive; the file appears complete or not at all."""

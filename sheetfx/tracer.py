@@ -143,12 +143,12 @@ class Tracer:
     def turn(self, before: State) -> float:
         """Largest angle in radians between the last step's increment and what it should go on from and lead to.
 
-        These are the increment before it (for the first step the tangent) and, without contact, whose tangents
-        waver, the tangent at its end.
+        These are the tangents at its start and its end; with contact, where tangents waver, the increment before.
         """
-        directions = [before.direction]
+        wavering = self.discretisation.contacts and before.step > 0
+        directions = [before.direction] if wavering else [before.tangent]
         if not self.discretisation.contacts:
-            directions.append((self.state.load_rate, self.state.load_rate * self.state.response))
+            directions.append(self.state.tangent)
         return max(self._angle((self.state.load_increment, self.state.increment), d) for d in directions)
 
     def _angle(self, one: tuple[float, np.ndarray], other: tuple[float, np.ndarray]) -> float:

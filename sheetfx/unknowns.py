@@ -1,7 +1,7 @@
 """Unknown fields: what the solver's vector means, and how an increment changes a field.
 
 The solver works with increments since the last converged state. A displacement adds its
-increment; a rotation composes it with the stored quaternion, node by node, so that the state
+increment; a rotation composes it with the quaternion of that state, node by node, so that the state
 depends on the nodal rotations only and the total rotation is unlimited.
 """
 
@@ -92,10 +92,15 @@ class AdditiveField:
 
 
 class QuaternionField(AdditiveField):
-    """Rotations as nodal quaternions (scalar first) with Rodrigues increments of 3 components.
+    """Rotations as nodal quaternions of unit length, scalar first.
 
-    The value is of unit length at nodes; its second variation by an increment a is -|a|^2 / 4 times itself,
-    so that fields of this type are curved.
+    The increment of a node is the Rodrigues vector of its rotation since the last converged state (twice the
+    tangent of half the angle). Further increments are small rotations that follow it: forces on them are moments.
+
+    Attributes
+    ----------
+    charted : bool array, nodes whose further increments add to the Rodrigues vector instead, because one component
+        of it is fixed: the Hessian of the energy is then symmetric whatever the reaction there
     """
 
     curved = True
@@ -105,39 +110,94 @@ class QuaternionField(AdditiveField):
         super().__init__(value, dofs, 1.0)
         self.symbol = symbol
         value.x.array.reshape(-1, 4)[:] = (1, 0, 0, 0)
+        count = len(value.x.array) // 4
+        self.charted, self._increment = np.zeros(count, dtype=bool), np.zeros((count, 3))
         self.commit()
 
-    def variations(self):
-        return self._spins() if self.axes is None else self._spins() @ self.axes
-
-    def _spins(self):
-        q = self.value.x.array.reshape(-1, 4)
-        q0, q1, q2, q3 = q.T / 2
-        rows = [[-q1, -q2, -q3], [q0, q3, -q2], [-q3, q0, q1], [q2, -q1, q0]]
-        return np.ascontiguousarray(np.array(rows).transpose(2, 0, 1))
-
     def advance(self, block_increment):
-        increment = self.outward(block_increment[self.dofs]).reshape(-1, 3)
-        self.value.x.array.reshape(-1, 4)[:] = _compose(increment, self.previous.x.array.reshape(-1, 4))
+        self._increment = self.outward(block_increment[self.dofs]).reshape(-1, 3)
+        self.value.x.array.reshape(-1, 4)[:] = _compose(self._increment, self.previous.x.array.reshape(-1, 4))
 
-    def change(self, block_increment):
-        return np.einsum("nai,ni->na", self.variations(), block_increment[self.dofs].reshape(-1, 3)).ravel()
+    def commit(self):
+        super().commit()
+        self._increment = np.zeros_like(self._increment)
 
     def combine(self, total, further):
         before, more = (self.outward(a[self.dofs]).reshape(-1, 3) for a in (total, further))
         product = _compose(more, np.column_stack((np.ones(len(before)), before / 2)))
-        total[self.dofs] = self.inward((2 * product[:, 1:] / product[:, :1]).ravel())
+        composed = np.where(self.charted[:, None], before + more, 2 * product[:, 1:] / product[:, :1])
+        total[self.dofs] = self.inward(composed.ravel())
+
+    def variations(self):
+        slopes = _slopes(self.value.x.array.reshape(-1, 4))
+        slopes[self.charted] = self._chart()[2]
+        return np.ascontiguousarray(slopes if self.axes is None else slopes @ self.axes)
+
+    def _chart(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Of charted nodes the quaternion, and its derivative by the Rodrigues vector along and across it."""
+        product = np.column_stack((np.ones(self.charted.sum()), self._increment[self.charted] / 2))
+        length = np.linalg.norm(product, axis=1)
+        slopes = _slopes(self.previous.x.array.reshape(-1, 4)[self.charted]) / length[:, None, None]
+        unit = self.value.x.array.reshape(-1, 4)[self.charted]
+        along = np.einsum("na,nai->ni", unit, slopes)
+        return unit, along, slopes - unit[:, :, None] * along[:, None, :]
+
+    def change(self, block_increment):
+        return np.einsum("nai,ni->na", self.variations(), block_increment[self.dofs].reshape(-1, 3)).ravel()
+
+    def curvature(self, force: np.ndarray, symmetric: bool) -> np.ndarray:
+        """Part of the tangent from forces on the quaternions, shape (nodes, 3, 3).
+
+        The second derivative of the quaternions; in unsymmetric problems also the change of moments as the spin
+        that they are conjugate to turns, which makes the tangent the derivative of the residual.
+        """
+        q = self.value.x.array.reshape(-1, 4)
+        blocks = -np.einsum("na,na->n", force, q)[:, None, None] / 4 * np.eye(3)
+        if not symmetric:
+            moments = np.einsum("na,nai->ni", force, _slopes(q))
+            blocks = blocks - np.cross(np.eye(3)[None], moments[:, None, :]) / 2
+        unit, along, across = self._chart()
+        force = force[self.charted]
+        mixed = np.einsum("ni,nj->nij", along, np.einsum("na,nai->ni", force, across))
+        radial = np.einsum("na,na->n", force, unit)[:, None, None] * np.einsum("nai,naj->nij", across, across)
+        blocks[self.charted] = -mixed - mixed.transpose(0, 2, 1) - radial
+        return self._turned(blocks)
+
+    def _turned(self, blocks: np.ndarray) -> np.ndarray:
+        """Nodal matrices for components along the axes, from those along the directions of space."""
+        return blocks if self.axes is None else np.einsum("nki,nkl,nlj->nij", self.axes, blocks, self.axes)
+
+    def pull_moments(self, moments: np.ndarray) -> np.ndarray:
+        """Forces on further increments by moments that are conjugate to the spin, both shape (nodes, 3).
+
+        The spin by a variation b of a Rodrigues vector a is (b + a x b / 2) / (1 + |a|^2 / 4) (Geradin and
+        Cardona 2001, section 4.9).
+        """
+        a = self._increment
+        pulled = (moments - np.cross(a, moments) / 2) / (1 + (a * a).sum(axis=1, keepdims=True) / 4)
+        return np.where(self.charted[:, None], pulled, moments)
+
+    def moment_slopes(self, moments: np.ndarray) -> np.ndarray:
+        """Derivative of `pull_moments` with respect to further increments, shape (nodes, 3, 3); not symmetric."""
+        a = self._increment
+        twice = 2 + (a * a).sum(axis=1)[:, None, None] / 2
+        skew = np.cross(np.eye(3)[None], moments[:, None, :]).transpose(0, 2, 1)
+        slopes = -(skew + np.einsum("ni,nj->nij", self.pull_moments(moments), a)) / twice
+        return self._turned(np.where(self.charted[:, None, None], slopes, 0.0))
 
     def at_rest(self):
         return {self.symbol: ufl.classes.Zero(self.symbol.ufl_shape)}
 
 
+def _slopes(quaternion: np.ndarray) -> np.ndarray:
+    """Derivative of (1, increment / 2) * quaternion with respect to the increment, shape (n, 4, 3)."""
+    q0, q1, q2, q3 = quaternion.T / 2
+    return np.array([[-q1, -q2, -q3], [q0, q3, -q2], [-q3, q0, q1], [q2, -q1, q0]]).transpose(2, 0, 1)
+
+
 def _compose(increment: np.ndarray, quaternion: np.ndarray) -> np.ndarray:
-    """Unit quaternions (1, increment/2) * quaternion, row by row (see forms.rotation.compose)."""
-    scalar, vector = quaternion[:, :1], quaternion[:, 1:]
-    product = np.empty_like(quaternion)
-    product[:, :1] = scalar - (increment * vector).sum(axis=1, keepdims=True) / 2
-    product[:, 1:] = vector + (scalar * increment + np.cross(increment, vector)) / 2
+    """Unit quaternions (1, increment / 2) * quaternion, row by row (see forms.rotation.compose)."""
+    product = quaternion + np.einsum("nai,ni->na", _slopes(quaternion), increment)
     return product / np.linalg.norm(product, axis=1, keepdims=True)
 
 
