@@ -16,7 +16,7 @@ from .solve.buckling import BucklingLoad, buckling
 from .solve.control import ArcLength, StepRule
 from .state import CriticalPoint, State
 
-PARTS = ("compile", "assembly", "factorisation", "solve", "contact", "output")
+PARTS = ("compile", "assembly", "factorisation", "solve", "contact", "path", "output")
 
 
 @dataclass(frozen=True, eq=False)

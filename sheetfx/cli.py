@@ -120,12 +120,16 @@ def run_scene(name: str, function, parameters: dict, output: Path | None, resume
 
 @app.command()
 def warm(scenes: Annotated[list[str] | None, typer.Argument(help="Names of scenes; default all.")] = None) -> None:
-    """Compile the forms of scenes, so that their first run starts at once."""
+    """Compile the forms of scenes and of all shells, so that their first run starts at once."""
     from .discretise import Discretisation
+    from .shell import FORMS
 
     for name in scenes or scene_names():
         typer.echo(f"compiling the forms of {name}")
         Discretisation(load_scene(name)().scene)
+    for form in () if scenes else FORMS:
+        typer.echo(f"compiling {form}")
+        Discretisation(load_scene("hemisphere")(form=form).scene)
 
 
 @app.command()

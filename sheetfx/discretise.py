@@ -260,7 +260,8 @@ class Discretisation:
             case PointForce():
                 return float(np.linalg.norm(load.force))
             case Moment():
-                return float(np.linalg.norm(load.moment))
+                length = load.model.edge_length(load.at) if load.at in load.model.edges else 1.0
+                return float(np.linalg.norm(load.moment)) * length
             case LineForce():
                 return float(np.linalg.norm(load.force)) * load.beam.model.measure
             case EdgeForce():

@@ -8,6 +8,7 @@ for state in Path(scene, ArcLength(), until=Until(deflection=40.0)):
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -69,6 +70,7 @@ class Path:
                  start: Sequence[State] = (), mixed_points: bool = True, prefix: str = "sheetfx_"):
         self.scene, self.control, self.until = scene, control or ArcLength(), until or Until()
         self.discretisation = Discretisation(scene, mixed_points)
+        self._started = time.process_time()
         self.tracer = Tracer(self.discretisation, self.control, prefix)
         self.message = ""
         self._listeners: list[Callable[[State], None]] = []
@@ -98,8 +100,10 @@ class Path:
         self.message = message
 
     def _announce(self, state: State) -> State:
-        for listener in self._listeners:
-            listener(state)
+        self.clock.seconds["path"] = time.process_time() - self._started - self.clock.seconds["output"]
+        with self.clock("output"):
+            for listener in self._listeners:
+                listener(state)
         return state
 
     def _end(self, state: State) -> str | None:

@@ -16,7 +16,7 @@ from .quadrature import Rule, gauss, simplex
 from .section import Elastic, GivenPlate, Plate
 
 TRIANGLE, QUADRILATERAL = basix.CellType.triangle, basix.CellType.quadrilateral
-STRETCH, BENDING = (0, 1, 2, 6, 7, 8), (3, 4, 5)
+MEMBRANE, BENDING, SHEAR_AND_DRILLING = (0, 1, 2), (3, 4, 5), (6, 7, 8)
 
 
 @dataclass(frozen=True)
@@ -27,10 +27,10 @@ class ShellForm:
     ----------
     cell : of the mesh
     displacement, rotation : family and degree of the spaces
-    low, full : quadrature rules; membrane and shear energies are integrated with (1 - share) of the low and
-        `share` of the full rule, bending and drilling with the full rule (partial selective reduced integration,
-        Arnold and Brezzi 1997)
-    facets : whether the low rule leaves flat cells too soft in their plane, so that these need the full rule
+    low, full : quadrature rules; membrane, shear and drilling energies are integrated with (1 - share) of the low
+        and `share` of the full rule, bending with the full rule (partial selective reduced integration, Arnold and
+        Brezzi 1997; drilling with the full rule would lock thin curved cells)
+    facets : whether the low rule leaves flat cells too soft in their plane, so that these need the full rule there
     """
 
     cell: basix.CellType
@@ -40,18 +40,19 @@ class ShellForm:
     full: Rule
     facets: bool = False
 
-    def share(self, frame, thickness):
-        """Share of the full rule in membrane and shear energies, at most 1.
+    def shares(self, frame, thickness):
+        """Shares of the full rule in the energies of the membrane, and of shear and drilling; at most 1.
 
-        thickness^2 / area keeps the parasitic energy of a bent cell below its bending energy; cells whose low
+        thickness^2 / area keeps the parasitic energy of a bent cell below its bending energy; membranes whose low
         rule is too soft get 1 / (10 curvature^2 area) times more, which is everything where they are flat.
         """
         area = ufl.JacobianDeterminant(frame.domain)
         share = thickness**2 / area
+        membrane = share
         if self.facets:
             bent = sum(ufl.inner(s, s) for s in (frame.along(frame.director, t) for t in frame.tangents))
-            share = share * (1 + 0.1 / (bent * area + 1e-12))
-        return ufl.min_value(1.0, share)
+            membrane = share * (1 + 0.1 / (bent * area + 1e-12))
+        return ufl.min_value(1.0, membrane), ufl.min_value(1.0, share)
 
 
 def _quadrilateral(degree: int) -> ShellForm:
@@ -64,7 +65,7 @@ FORMS = {
     "naghdi-q2": _quadrilateral(2),
     "naghdi-q3": _quadrilateral(3),
     "naghdi-p2cr": ShellForm(TRIANGLE, ("P", 2), ("CR", 1), simplex(1), simplex(2), facets=True),
-    "naghdi-p3": ShellForm(TRIANGLE, ("P", 3), ("P", 3), simplex(2), simplex(5), facets=True),
+    "naghdi-p3": ShellForm(TRIANGLE, ("P", 3), ("P", 3), simplex(2), simplex(6), facets=True),
 }
 
 
@@ -105,27 +106,26 @@ class Shell:
         return FORMS[self.form] if isinstance(self.form, str) else self.form
 
     def internal(self, u, rotation, frame) -> Internal:
-        """Internal virtual work: energies of stretch and bending, and their coupling, each with its rule.
-
-        Full rule: share * stretch + bending; low rule: (1 - share) * stretch + coupling.
-        """
+        """Internal virtual work: each energy, and their coupling where there is one, with its rule."""
         form, mesh = self.discrete, self.model.mesh
         stiffness, thickness, offset = as_constants(
             mesh, (self.section.stiffness(self.material), self.section.thickness, self.offset))
         measure = self.strains or (lambda u, rotation, frame: forms.shell.naghdi(u, rotation, frame, offset))
         strains = measure(u, rotation, frame).vector
-        share = form.share(frame, thickness)
+        stretch, shear = form.shares(frame, thickness)
 
         def law(e):
             return self.law(e, stiffness)
 
-        def low(e):
-            if not self.section.coupled:
-                return (1 - share) * _restricted(law, STRETCH)(e)
-            return law(e) - share * _restricted(law, STRETCH)(e) - _restricted(law, BENDING)(e)
-
         def full(e):
-            return share * _restricted(law, STRETCH)(e) + _restricted(law, BENDING)(e)
+            return (stretch * _restricted(law, MEMBRANE)(e) + shear * _restricted(law, SHEAR_AND_DRILLING)(e)
+                    + _restricted(law, BENDING)(e))
+
+        def low(e):
+            if self.section.coupled:
+                return law(e) - full(e)
+            return ((1 - stretch) * _restricted(law, MEMBRANE)(e)
+                    + (1 - shear) * _restricted(law, SHEAR_AND_DRILLING)(e))
 
         return Internal([Term(strains, low, form.low), Term(strains, full, form.full)], mesh,
                         self.model.group(self.group))

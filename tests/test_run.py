@@ -20,7 +20,7 @@ from sheetfx.scenes.arch import arch_model, scene
 SMALL = {"ratio": 1.0, "elements": 40, "layer": 10.8, "to": 12.0}
 CONTRACT = {"scene", "parameters", "status", "message", "unknowns", "steps", "iterations", "factorisations",
             "critical_points", "quantities", "timings"}
-PARTS = {"compile", "assembly", "factorisation", "solve", "contact", "output", "total"}
+PARTS = {"compile", "assembly", "factorisation", "solve", "contact", "path", "output", "total"}
 
 
 def sheetfx(*arguments, processes=1, **options):

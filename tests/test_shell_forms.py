@@ -169,23 +169,33 @@ def angle(form, cells, thickness):
     return beam(form, cells, thickness, [(1, 0), (0, 0), (0, 1)], closed=False)
 
 
+def panel(form, cells, thickness):
+    """Cantilever of length 4 and height 1 under a shear force on its end."""
+    triangles = FORMS[form].cell == TRIANGLE
+    model = read(lambda: meshes.rectangle((cells, cells), (4.0, 1.0), triangles=triangles), 3)
+    shell = Shell(model, Plate(thickness), Elastic(1.0, 0.3), form=form)
+    return response(Scene([shell], [clamp(model, "west")], [EdgeForce(model, "east", (0.0, thickness, 0.0))],
+                          Monitor(model, "north-east", "y")))
+
+
 PANELS = {
-    "Cook's membrane": (cook, 0.048, 25.178),
-    "tube": (tube, 0.003, 36.110),
-    "angle": (angle, 0.003, 76.272),
+    "flat panel": (panel, 0.004, 267.579, 2e-2),
+    "Cook's membrane": (cook, 0.048, 25.178, 2.5e-2),
+    "tube": (tube, 0.003, 36.110, 2e-2),
+    "angle": (angle, 0.003, 76.272, 2e-2),
 }
 
 
 @every_form
 @pytest.mark.parametrize("name", PANELS)
 def test_flat_and_folded_panels_on_coarse_meshes(form, name):
-    """Error below 2 %, with 4 cells along each edge.
+    """Error below 2 % with 4 cells along each edge, of Cook's membrane with its obtuse corner below 2.5 %.
 
     Reference: 16 cells of the fourth degree along each edge; 8 give 0.05 % less. The corners of clamped edges
     and the fold limit the order.
     """
-    solve, thickness, reference = PANELS[name]
-    assert solve(form, 4, thickness) == pytest.approx(reference, rel=2e-2)
+    solve, thickness, reference, tolerance = PANELS[name]
+    assert solve(form, 4, thickness) == pytest.approx(reference, rel=tolerance)
 
 
 def move_vertices(cells, size, seed=3):
