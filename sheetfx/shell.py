@@ -127,8 +127,19 @@ class Shell:
             return ((1 - stretch) * _restricted(law, MEMBRANE)(e)
                     + (1 - shear) * _restricted(law, SHEAR_AND_DRILLING)(e))
 
-        return Internal([Term(strains, low, form.low), Term(strains, full, form.full)], mesh,
-                        self.model.group(self.group))
+        everything = range(9)
+        low_places = everything if self.section.coupled else [*MEMBRANE, *SHEAR_AND_DRILLING]
+        return Internal([_term(strains, low, low_places, form.low), _term(strains, full, everything, form.full)],
+                        mesh, self.model.group(self.group))
+
+
+def _term(strains, law, places, rule) -> Term:
+    """Term of those strains that the law gives forces to."""
+    def chosen(e):
+        given = dict(zip(places, e, strict=True))
+        resultants = law(ufl.as_vector([given.get(n, ufl.as_ufl(0.0)) for n in range(9)]))
+        return ufl.as_vector([resultants[n] for n in places])
+    return Term(ufl.as_vector([strains[n] for n in places]), chosen, rule)
 
 
 def _restricted(law, places):
