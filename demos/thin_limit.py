@@ -110,12 +110,11 @@ axes[1, 2].legend(fontsize=8, loc="lower left", ncols=2)
 figure.savefig("thin_limit.png", dpi=150)
 
 # %% [markdown]
-# Quadrilaterals do not lock: at 1e-5 their error is that of thicker shells, apart from the layers at the edges of the
-# hemisphere, which these meshes do not resolve. Triangles do lock on plates: they integrate the shear of flat cells
-# with the full rule.
+# No plate locks. On the hemisphere the error of quadrilaterals at 1e-5 is that of thicker shells, apart from the layers
+# at its edges, which these meshes do not resolve; triangles are too soft there by some percent, at any thickness.
 
 # %%
 for (name, form), (thin, fine) in results.items():
-    if FORMS[form].cell != TRIANGLE:
+    if FORMS[form].cell != TRIANGLE or name != "pinched hemisphere":
         assert thin[-1] < 2 * thin[np.array(THICKNESSES) >= 1e-3].max() + 1e-4
         assert name == "distorted plate" or fine[-1] < 1e-4 or np.log2(fine[-2] / fine[-1]) > 1.6
