@@ -76,13 +76,13 @@ class _Tries:
 
 
 def _limit(tracer, before: State, after: State) -> State:
-    """State within a step whose load rate is zero; its load differs by 1e-10 from the limit."""
+    """State within a step whose load rate is zero; its load differs by about 1e-12 from the limit."""
     tries, sign = _Tries(tracer, before, after), 1.0 if before.load_rate > 0 else -1.0
 
     def rate(length):
         state = tries[length]
         slopes = [abs((s.load_rate - state.load_rate) / (other - length)) for other, s in tries.neighbours(length)]
-        close = len(slopes) == 2 and state.load_rate**2 < 2e-10 * min(slopes) * abs(state.factor)
+        close = len(slopes) == 2 and state.load_rate**2 < 2e-12 * min(slopes) * abs(state.factor)
         return 0.0 if close else state.load_rate
 
     try:
