@@ -185,7 +185,7 @@ class System:
     def _inner_product_weights(self) -> PETSc.Vec:
         """Weights that make increments of translations and rotations commensurate.
 
-        Each field counts with the mean square of its nodal increments over its scale.
+        Each field counts with the mean square of its nodal increments over its scale; fixed increments do not.
         """
         weights = self.create_vector()
         local = []
@@ -196,6 +196,7 @@ class System:
                 array[f.dofs] = 1 / (f.scale**2 * space.dofmap.index_map.size_global)
             local.append(array)
         scatter_local_vectors(weights, local, self._maps)
+        weights.array[self._fixed] = 0
         return weights
 
     @staticmethod

@@ -19,13 +19,24 @@ class CriticalPoint:
     kind : "limit" (the load has an extremum) or "bifurcation"
     load : total load on the whole structure
     deflection : of the monitored point
-    step : number of the step that ends behind the point
+    step : number of the step that the point lies in
+    length : of that step up to the point, in the measure of the control
+    multiplicity : number of null vectors of the tangent
+    name : "maximum" or "minimum" of the load; "asymmetric", "stable symmetric", "unstable symmetric" or "multiple"
+        bifurcation; "" where the tangent is not symmetric
+    slope, curvature : Koiter's a and b of a simple bifurcation, load = critical load (1 + a xi + b xi^2) with the
+        mode's largest displacement xi; None: not known
     """
 
     kind: str
     load: float
     deflection: float
     step: int
+    length: float = 0.0
+    multiplicity: int = 1
+    name: str = ""
+    slope: float | None = None
+    curvature: float | None = None
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,81 @@
+"""Eigenvalues of a factored tangent nearest to zero, against any mass.
+
+The SLEPc solver takes the prefix `sheetfx_spectrum_`.
+"""
+
+from __future__ import annotations
+
+from petsc4py import PETSc
+from slepc4py import SLEPc
+
+from .linear import DirectSolver
+
+PREFIX = "sheetfx_spectrum_"
+
+
+def nearest_to_zero(solver: DirectSolver, mass: PETSc.Mat, count: int,
+                    tolerance: float = 1e-12) -> tuple[list[float], list[PETSc.Vec]]:
+    """Eigenvalues of K mode = value M mode nearest to zero, in ascending order, and modes with mode M mode = 1.
+
+    Parameters
+    ----------
+    solver : with the factor of the tangent K, which is not factored again
+    mass : symmetric and semidefinite, on the rows of K
+    count : number of eigenvalues; fewer where the mass has a lower rank
+
+    Raises
+    ------
+    ArithmeticError
+        If none is found.
+    """
+    eps = SLEPc.EPS().create(mass.comm)
+    eps.setOptionsPrefix(PREFIX)
+    eps.setOperators(solver.matrix, mass)
+    kinds = SLEPc.EPS.ProblemType
+    eps.setProblemType(kinds.GHEP if solver.symmetric else kinds.GNHEP)
+    eps.setDimensions(count, min(max(2 * count + 8, 12), mass.getSize()[0]))
+    eps.setTolerances(tolerance, 300)
+    eps.setTarget(0.0)
+    eps.setWhichEigenpairs(SLEPc.EPS.Which.TARGET_MAGNITUDE)
+    transformation = eps.getST()
+    transformation.setType(SLEPc.ST.Type.SINVERT)
+    ksp = transformation.getKSP()
+    ksp.setType(PETSc.KSP.Type.PREONLY)
+    ksp.getPC().setType(PETSc.PC.Type.PYTHON)
+    ksp.getPC().setPythonContext(_Factored(solver))
+    eps.setFromOptions()
+    eps.solve()
+    found = []
+    for i in range(min(count, eps.getConverged())):
+        mode = mass.createVecRight()
+        value = eps.getEigenpair(i, mode).real
+        found.append((value, _normed(mode, mass)))
+    if not found:
+        raise ArithmeticError(f"no eigenvalue of the tangent converges; try PETSC_OPTIONS='-{PREFIX}eps_tol 1e-8'")
+    found.sort(key=lambda pair: pair[0])
+    return [value for value, _ in found], [mode for _, mode in found]
+
+
+def _normed(mode: PETSc.Vec, mass: PETSc.Mat) -> PETSc.Vec:
+    weighted = mode.duplicate()
+    mass.mult(mode, weighted)
+    mode.scale(1 / mode.dot(weighted) ** 0.5)
+    return mode
+
+
+class _Factored:
+    """A preconditioner that is the factor of a direct solver."""
+
+    def __init__(self, solver: DirectSolver):
+        self._solver = solver
+
+    def apply(self, pc, right, solution):
+        self._solver.solve(right, solution)
+
+
+def diagonal(weights: PETSc.Vec) -> PETSc.Mat:
+    """Matrix with the given diagonal."""
+    matrix = PETSc.Mat().createAIJ(((weights.getLocalSize(), None),) * 2, nnz=1, comm=weights.comm)
+    matrix.setDiagonal(weights)
+    matrix.assemble()
+    return matrix
