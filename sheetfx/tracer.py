@@ -69,6 +69,21 @@ class Tracer:
             self._undo(start)
         return None
 
+    def accept(self, load_increment: float, iterations: int = 0) -> State:
+        """Commit the current configuration, which equilibrium was found for by other means than a step.
+
+        Parameters
+        ----------
+        load_increment : of the load factor since the current state; the increments of the unknowns are those in `x`
+
+        Raises
+        ------
+        SingularTangent
+        """
+        before, self.stepper.load_increment, self._most = self.total_factorisations, load_increment, iterations
+        self.state = self._converged(self.state, iterations, factorisations=before)
+        return self.state
+
     def _correct(self) -> bool:
         self.snes.solve(None, self.x)
         self.stepper.continue_step()
