@@ -7,3 +7,10 @@ def require_positive(owner, *names: str) -> None:
         value = getattr(owner, name)
         if value is not None and not value > 0:
             raise ValueError(f"{type(owner).__name__}: {name} is {value}; it must be positive")
+
+
+def require_choice(owner, name: str, known) -> None:
+    """Refuse an attribute of `owner` that is not among the known names."""
+    value = getattr(owner, name)
+    if value not in known:
+        raise ValueError(f"{type(owner).__name__}: {name} is {value!r}; it must be one of {', '.join(known)}")

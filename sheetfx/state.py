@@ -57,6 +57,7 @@ class State:
     load_increment, increment : of that step (increment: this process's part of the solver's vector)
     response : displacement by a unit of load, with the tangent of the step that led here
     current_stiffness : Bergan's current stiffness parameter
+    displacement_extremes : number of its sign changes through infinity so far
     reference : squared norm of the first response, and its work
     contact_points, penetration : points that touch and largest penetration
     critical : critical points that this state brought to light, in its step or the one before
@@ -77,6 +78,7 @@ class State:
     load_increment: float
     current_stiffness: float
     reference: tuple[float, float]
+    displacement_extremes: int = 0
     contact_points: int = 0
     penetration: float = 0.0
     critical: tuple[CriticalPoint, ...] = ()

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from math import acos, copysign, sqrt
+from math import acos, inf, sqrt
 
 import numpy as np
 from petsc4py import PETSc
 
 from .discretise import Discretisation
+from .scene import Monitor
 from .solve.arclength import create
 from .solve.control import StepRule, Tangent
 from .solve.linear import SingularTangent
@@ -19,11 +20,14 @@ class Tracer:
 
     def __init__(self, discretisation: Discretisation, control: StepRule, prefix: str):
         self.discretisation, self.system, self.control = discretisation, discretisation.system, control
-        self.snes = create(self.system.comm, self.system, prefix)
+        self.snes = create(self.system.comm, self.system, prefix, iterations=20 if control.newton == "full" else 100)
         self.stepper = self.snes.getPythonContext()
         self.x = self.system.create_vector()
         self._response, self._load = self.system.create_vector(), self.system.create_vector()
-        self.tangent = Tangent(self._response, self.system.weights, self._monitor())
+        monitor = discretisation.scene.monitor
+        self._monitor = self._functional(monitor)
+        self.tangent = Tangent(self._response, self.system.weights,
+                               self._functional(getattr(control, "monitor", None) or monitor))
         self._reference: tuple[float, float] | None = None
         self.iterations = self._most = 0
         discretisation.commit()
@@ -40,9 +44,8 @@ class Tracer:
     def total_factorisations(self) -> int:
         return self.stepper.linear.factorisations
 
-    def _monitor(self) -> PETSc.Vec:
-        """Vector whose product with increments is the monitored displacement."""
-        monitor = self.discretisation.scene.monitor
+    def _functional(self, monitor: Monitor) -> PETSc.Vec:
+        """Vector whose product with increments is a displacement."""
         return self.system.functional(*self.discretisation.monitored(monitor), monitor.sign)
 
     def attempt(self, length: float, guess: tuple[float, np.ndarray] | None = None) -> State | None:
@@ -56,7 +59,7 @@ class Tracer:
         for layers in self.discretisation.enforcement.approaches():
             self._most = 0
             if guess is None:
-                load_increment = self.control.predict(length, copysign(1.0, start.load_rate), self.tangent)
+                load_increment = self.control.predict(length, self.control.direction(start), self.tangent)
                 self.stepper.begin(self.control, self.tangent, length, load_increment)
             else:
                 self.stepper.begin(self.control, self.tangent, length, *guess)
@@ -96,6 +99,9 @@ class Tracer:
         self.system.factor = start.factor
         self.x.zeroEntries()
         self.system.configure(self.x)
+        if self.control.newton == "modified":
+            self.system.extrapolate_stress()
+            self.stepper.factor(self.snes, self.x)
 
     def reason(self) -> str:
         """Why the last attempt failed."""
@@ -118,11 +124,12 @@ class Tracer:
         self._respond()
         weight = self._load_weight()
         load_increment = self.stepper.load_increment if start else 0.0
+        extremes = start.displacement_extremes + self._passes_extreme(start) if start else 0
         along = tangent.inner(self.x, self._response) + weight * load_increment
         sign = -1.0 if start and along < 0 else 1.0
         pivots = self.stepper.linear.negative_pivots()
         touching, penetration = self.discretisation.enforcement.summary()
-        increment, deflection = self.x.array.copy(), self.tangent.monitored(self.x)
+        increment, deflection = self.x.array.copy(), self._monitor.dot(self.x)
         self.discretisation.commit()
         self.x.zeroEntries()
         return State(
@@ -132,7 +139,7 @@ class Tracer:
             load_rate=sign / sqrt(tangent.norm2 + weight),
             iterations=iterations, hardest=self._most, factorisations=self.total_factorisations - factorisations,
             length=length, next_length=length or self.control.first, load_increment=load_increment,
-            current_stiffness=tangent.current_stiffness, reference=self._reference,
+            current_stiffness=tangent.current_stiffness, displacement_extremes=extremes, reference=self._reference,
             contact_points=touching, penetration=penetration,
             increment=increment, response=self._response.array.copy(), fields=self.discretisation.snapshot())
 
@@ -154,6 +161,17 @@ class Tracer:
             self._reference = self.tangent.norm2, work
         self.tangent.initial_norm2 = self._reference[0]
         self.tangent.current_stiffness = self._reference[1] / work if work else 1.0
+
+    def _passes_extreme(self, start: State) -> bool:
+        """Whether the displacement along the load has had an extreme since a state.
+
+        The current stiffness parameter then changes sign through infinity, not through zero as at an extreme of the
+        load: its value for the chord of the step lies beyond those at both ends.
+        """
+        ends = start.current_stiffness, self.tangent.current_stiffness
+        work = self._load.dot(self.x)
+        chord = self.stepper.load_increment * self._reference[1] / work if work else inf
+        return ends[0] * ends[1] < 0 and not min(ends) < chord < max(ends)
 
     def turn(self, before: State) -> float:
         """Largest angle in radians between the last step's increment and what it should go on from and lead to.

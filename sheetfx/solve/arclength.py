@@ -16,11 +16,11 @@ from .linear import DirectSolver, SingularTangent
 Reason = PETSc.SNES.ConvergedReason
 
 
-def create(comm, system, prefix: str) -> PETSc.SNES:
-    """A SNES of this type, with options of the given prefix, for a system."""
+def create(comm, system, prefix: str, iterations: int) -> PETSc.SNES:
+    """A SNES of this type with at most so many iterations, and options of the given prefix, for a system."""
     snes = PETSc.SNES().create(comm)
     snes.setOptionsPrefix(prefix)
-    snes.setTolerances(rtol=1e-8, atol=0.0, stol=0.0, max_it=20)
+    snes.setTolerances(rtol=1e-8, atol=0.0, stol=0.0, max_it=iterations)
     snes.setType("python")
     snes.setPythonType(f"{__name__}.PathStep")
     snes.setFromOptions()
@@ -32,7 +32,8 @@ class PathStep:
     """Newton iteration on equilibrium and a control equation together.
 
     Each iteration solves the bordered system with one factorisation and two back-substitutions:
-    for the residual and for the load (Batoz and Dhatt 1979).
+    for the residual and for the load (Batoz and Dhatt 1979). Modified Newton keeps the factor that
+    it finds, of the state that the step starts from.
     """
 
     def __init__(self):
@@ -110,7 +111,8 @@ class PathStep:
         return Reason.DIVERGED_MAX_IT
 
     def _correct(self, snes, x) -> None:
-        self.factor(snes, x)
+        if self.control.newton == "full" or self._guess is not None:
+            self.factor(snes, x)
         with self.system.clock("solve"):
             self.linear.solve(self._residual, self._part)
             self._part.scale(-1)

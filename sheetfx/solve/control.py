@@ -6,17 +6,27 @@ factor, the load correction that keeps the added equation true.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import copysign, sqrt
 
 from petsc4py import PETSc
 
-from ..checks import require_positive
+from ..checks import require_choice, require_positive
+from ..state import State
+
+SIGNS: dict[str, Callable[[State], float]] = {
+    "projection": lambda state: state.load_rate,
+    "determinant": lambda state: (-1.0) ** state.unstable,
+    "current stiffness": lambda state: state.current_stiffness,
+    "current stiffness with displacement extremes":
+        lambda state: (-1.0) ** state.displacement_extremes * state.current_stiffness,
+}
 
 
 @dataclass(frozen=True)
 class StepRule:
-    """How long steps are, whatever they are measured in.
+    """How steps are taken, whatever they are measured in.
 
     Attributes
     ----------
@@ -24,7 +34,8 @@ class StepRule:
     smallest, largest : bounds, as multiples of the first step
     iterations : number of iterations that a step should take; steps grow and shrink with the
         square root of this over the number taken
-    turn : largest angle in radians between consecutive increments, and of each to the tangent at its end
+    turn : largest angle in radians between consecutive increments, and of each to the tangent at its end; pi: any
+    newton : "full", a new tangent for each iteration, or "modified", the tangent at the start of the step for all
     """
 
     step: float | None = None
@@ -32,9 +43,11 @@ class StepRule:
     largest: float = 8.0
     iterations: int = 7
     turn: float = 0.8
+    newton: str = "full"
 
     def __post_init__(self):
         require_positive(self, "step", "smallest", "largest", "iterations", "turn")
+        require_choice(self, "newton", ("full", "modified"))
 
     @property
     def first(self) -> float:
@@ -48,6 +61,10 @@ class StepRule:
     def clip(self, length: float, factor: float) -> float:
         """Shorten a step that would pass the control's end."""
         return length
+
+    def direction(self, state: State) -> float:
+        """Sign of the predictor's load increment."""
+        return 1.0
 
 
 @dataclass(frozen=True)
@@ -75,22 +92,54 @@ class LoadControl(StepRule):
 
 
 @dataclass(frozen=True)
-class DisplacementControl(StepRule):
-    """Prescribed increments of the monitored displacement; fails where it turns back."""
+class TwoWayRule(StepRule):
+    """Steps on which the load may rise or fall; a sign rule says which.
 
-    default = 1.0
+    Attributes
+    ----------
+    sign : of the predictor's load increment, as in section 4.4.2 of the thesis: that of the "projection" of the
+        tangent on the increment before (4.33); of the "determinant" of the tangent stiffness (4.30), which turns
+        back where bifurcations change it; of the "current stiffness" parameter (Bergan 1980; 4.31), which turns
+        back where the displacement has an extreme; or "current stiffness with displacement extremes", which counts
+        these (4.32)
+    """
 
-    def predict(self, length, sign, tangent):
-        return sign * length / abs(tangent.monitored(tangent.solution))
+    sign: str = "projection"
 
-    def correct(self, length, tangent, increment, load_increment, residual_part):
-        target = copysign(length, tangent.monitored(increment))
-        missing = target - tangent.monitored(increment) - tangent.monitored(residual_part)
-        return missing / tangent.monitored(tangent.solution), 1.0
+    def __post_init__(self):
+        super().__post_init__()
+        require_choice(self, "sign", SIGNS)
+
+    def direction(self, state):
+        if self.sign == "determinant" and state.unstable is None:
+            raise ValueError(f"{type(self).__name__}: sign 'determinant' needs a symmetric tangent, and friction or "
+                             "follower loads make this one unsymmetric; choose 'projection'")
+        return copysign(1.0, SIGNS[self.sign](state))
 
 
 @dataclass(frozen=True)
-class ArcLength(StepRule):
+class DisplacementControl(TwoWayRule):
+    """Prescribed increments of a displacement; fails where it turns back.
+
+    Attributes
+    ----------
+    monitor : scene.Monitor, the displacement that is controlled; None: the one that the scene monitors
+    """
+
+    monitor: object = None
+    default = 1.0
+
+    def predict(self, length, sign, tangent):
+        return sign * length / abs(tangent.controlled(tangent.solution))
+
+    def correct(self, length, tangent, increment, load_increment, residual_part):
+        target = copysign(length, tangent.controlled(increment))
+        missing = target - tangent.controlled(increment) - tangent.controlled(residual_part)
+        return missing / tangent.controlled(tangent.solution), 1.0
+
+
+@dataclass(frozen=True)
+class ArcLength(TwoWayRule):
     """Prescribed length of the step in displacements and load (Crisfield 1981).
 
     |dx|^2 + psi^2 dlambda^2 = s^2 in the scaled inner product, with psi = 0 (cylindrical),
@@ -112,9 +161,7 @@ class ArcLength(StepRule):
 
     def __post_init__(self):
         super().__post_init__()
-        shapes = ("cylindrical", "spherical", "elliptical")
-        if self.shape not in shapes:
-            raise ValueError(f"ArcLength: shape is {self.shape!r}; it must be one of {', '.join(shapes)}")
+        require_choice(self, "shape", ("cylindrical", "spherical", "elliptical"))
 
     def load_weight(self, tangent) -> float:
         """psi^2."""
@@ -167,14 +214,14 @@ class Tangent:
     ----------
     solution : displacement by a unit of load with the current factor
     weights : diagonal of the inner product
-    functional : vector whose product with an increment is the monitored displacement, or None
+    functional : vector whose product with an increment is the controlled displacement
     initial_norm2 : squared norm of the first state's solution
     current_stiffness : Bergan's current stiffness parameter
     """
 
     solution: PETSc.Vec
     weights: PETSc.Vec
-    functional: PETSc.Vec | None
+    functional: PETSc.Vec
     initial_norm2: float = 1.0
     current_stiffness: float = 1.0
 
@@ -189,7 +236,5 @@ class Tangent:
     def norm2(self) -> float:
         return self.inner(self.solution, self.solution)
 
-    def monitored(self, increment: PETSc.Vec) -> float:
-        if self.functional is None:
-            raise ValueError("displacement control needs a monitored displacement: give the scene a `monitor`")
+    def controlled(self, increment: PETSc.Vec) -> float:
         return self.functional.dot(increment)

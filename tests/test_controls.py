@@ -1,0 +1,146 @@
+"""Shapes of the control equation, sign rules of the predictor, and Newton's variants, on paths with known turns.
+
+Lee's frame has a limit of the load, two extremes of the deflection (61.0 and 51.0) and a second limit of the load.
+"""
+
+from dataclasses import replace
+from math import pi
+
+import numpy as np
+import pytest
+
+from sheetfx.case import trace
+from sheetfx.path import Path, PathFailure
+from sheetfx.scene import Monitor
+from sheetfx.scenes import arch, lee_frame
+from sheetfx.solve.control import SIGNS, ArcLength, DisplacementControl, LoadControl
+
+COUNTING = "current stiffness with displacement extremes"
+
+
+def frame(steps=60, **rule):
+    case = lee_frame.scene(elements=10)
+    return replace(case, control=ArcLength(step=0.02, **rule), until=replace(case.until, steps=steps))
+
+
+def shallow(**rule):
+    return replace(arch.scene(no_punch=True, elements=10), control=ArcLength(step=0.005, **rule))
+
+
+def limits(case):
+    return [(p.load, p.deflection) for p in trace(case).critical_points if p.kind == "limit"]
+
+
+@pytest.fixture(scope="module")
+def frame_limits():
+    return limits(frame())
+
+
+@pytest.mark.parametrize("sign", ["determinant", COUNTING])
+def test_signs_that_pass_all_limits(sign, frame_limits):
+    """Limits and extremes of the deflection but no bifurcation: the limits to the solver's tolerance."""
+    case = frame(sign=sign, turn=pi)
+    assert limits(case) == pytest.approx(np.array(frame_limits), rel=1e-6)
+
+
+def test_extremes_of_the_displacement_are_counted():
+    states = trace(frame()).states
+    assert states[-1].displacement_extremes == 2
+    for before, after in zip(states, states[1:], strict=False):
+        if after.displacement_extremes > before.displacement_extremes:
+            assert 50 < min(before.deflection, after.deflection) and max(before.deflection, after.deflection) < 62
+
+
+def test_current_stiffness_turns_back_at_an_extreme_of_the_displacement():
+    """It passes the limit of the load, never the first extreme of the deflection (thesis, figure 4.2 b)."""
+    states = trace(frame(25, sign="current stiffness", turn=pi)).states
+    assert states[-1].step == 25
+    behind = states[next(i for i, s in enumerate(states) if s.current_stiffness < 0):]
+    assert min(s.load for s in behind) > 10000
+    assert sum(s.load_increment > 0 for s in behind[1:]) > 4
+
+
+@pytest.mark.parametrize("sign", SIGNS)
+def test_signs_without_extremes_of_the_displacement(sign):
+    """The shallow arch has two limits of the load and nothing else: all rules agree."""
+    assert limits(shallow(sign=sign)) == pytest.approx(np.array(limits(shallow())), rel=1e-9)
+
+
+def test_determinant_turns_back_at_a_bifurcation():
+    """The whole, higher arch bifurcates on its way down, at 32 mm; the determinant is positive again behind it."""
+    case = arch.scene(no_punch=True, elements=10, full=True, half_angle=12.0, to=45.0)
+    step = case.control.step
+    assert trace(case).states[-1].deflection >= 45
+    until = replace(case.until, steps=60)
+    states = trace(replace(case, control=ArcLength(step=step, sign="determinant", turn=pi), until=until)).states
+    assert max(s.deflection for s in states) < 45
+    assert sum(b.deflection < a.deflection for a, b in zip(states, states[1:], strict=False)) > 5
+
+
+def test_counted_extremes_survive_an_interruption():
+    """Resumed behind the first extreme, the path goes on as the uninterrupted one."""
+    case = frame(sign=COUNTING, turn=pi)
+    whole = trace(case).states
+    middle = next(i for i, s in enumerate(whole) if s.displacement_extremes == 1) + 1
+    resumed = trace(case, start=whole[:middle]).states
+    assert [s.load for s in resumed] == pytest.approx([s.load for s in whole], rel=1e-7)
+
+
+@pytest.mark.parametrize("shape", ["spherical", "elliptical"])
+def test_shapes_trace_the_same_path(shape, frame_limits):
+    assert limits(frame(shape=shape)) == pytest.approx(np.array(frame_limits), rel=1e-6)
+
+
+def test_modified_newton_gives_the_same_states_with_one_factorisation_each():
+    """Load steps to 88 % of the limit; the unloaded tangent is one factorisation more."""
+    case = arch.scene(no_punch=True, elements=10)
+    records = {n: trace(replace(case, control=LoadControl(step=20.0, target=140.0, fixed=True, newton=n)))
+               for n in ("full", "modified")}
+    full, modified = (records[n].states for n in ("full", "modified"))
+    assert [s.deflection for s in modified] == pytest.approx([s.deflection for s in full], rel=1e-6)
+    assert [s.factorisations for s in modified] == [1] * len(modified)
+    assert sum(s.iterations for s in modified) > 1.5 * sum(s.iterations for s in full)
+    assert sum(s.factorisations for s in full) >= 3 * (len(full) - 1)
+
+
+def test_modified_newton_passes_limits():
+    """The tangent of the step's start serves behind limits too; the points are found by full Newton."""
+    assert limits(shallow(newton="modified")) == pytest.approx(np.array(limits(shallow())), rel=1e-6)
+
+
+def test_displacement_control_stops_where_the_displacement_turns_back():
+    """Lee's frame: the first extreme of the deflection, 61.0 at a load of 11 940."""
+    case = replace(frame(), control=DisplacementControl(step=1.0, turn=pi))
+    with pytest.raises(PathFailure) as failure:
+        trace(case)
+    last = failure.value.record.states[-1]
+    highest = max(s.deflection for s in trace(frame(steps=14)).states)
+    assert highest - 0.2 < last.deflection < highest + 0.2
+
+
+def test_control_of_another_displacement():
+    """The increments of the rotation of the frame's corner are the steps."""
+    case = frame()
+    corner = Monitor(case.scene.parts[0].model, "corner", "rz")
+    path = Path(case.scene, DisplacementControl(step=0.05, largest=1.0, monitor=corner), replace(case.until, steps=5))
+    field, places = path.discretisation.monitored(corner)
+    turns = [s.increment[places].sum() for s in path][1:]
+    assert np.abs(turns) == pytest.approx(0.05, rel=1e-9)
+
+
+@pytest.mark.parametrize(("make", "words"), [
+    (lambda: ArcLength(sign="work"), "ArcLength: sign is 'work'.*projection, determinant, current stiffness"),
+    (lambda: DisplacementControl(sign="up"), "DisplacementControl: sign is 'up'"),
+    (lambda: ArcLength(shape="cubic"), "ArcLength: shape is 'cubic'.*cylindrical, spherical, elliptical"),
+    (lambda: LoadControl(newton="quasi"), "LoadControl: newton is 'quasi'.*full, modified"),
+    (lambda: ArcLength(turn=0.0), "ArcLength: turn is 0.0.*positive"),
+])
+def test_bad_rules_are_refused(make, words):
+    with pytest.raises(ValueError, match=words):
+        make()
+
+
+def test_determinant_needs_a_symmetric_tangent():
+    case = arch.scene(friction=0.3, elements=10, degree=1, contact="nodes")
+    with pytest.raises(ValueError, match="'determinant' needs a symmetric tangent.*'projection'"):
+        trace(replace(case, control=ArcLength(sign="determinant")))
