@@ -15,7 +15,7 @@ from .case import Case, Record
 from .mesh.reader import Model, read
 from .path import Until
 from .scene import Monitor, Scene, Support
-from .shell import FORMS, TRIANGLE, Shell
+from .shell import FORMS, TRIANGLE, Shell, named_form
 from .show.curves import path_curve, smooth
 from .show.evaluate import communicator, last_state_kept
 from .show.files import paraview
@@ -67,15 +67,14 @@ def surface(form: str, cells: tuple[int, int], place: Callable, points: dict[str
     place : function (s, t) -> (x, y, z) of arrays between 0 and 1
     points : names for corners of the square
     """
-    if form not in FORMS:
-        raise ValueError(f"form is {form!r}; choose from {', '.join(FORMS)}")
+    discrete = named_form(form)
     if min(cells) < 1:
         raise ValueError(f"cells are {cells[0]} and {cells[1]}; at least 1 is needed")
 
     def build():
-        meshes.rectangle(cells, triangles=FORMS[form].cell == TRIANGLE, points=points)
+        meshes.rectangle(cells, triangles=discrete.cell == TRIANGLE, points=points)
 
-    return read(build, 3, min(FORMS[form].displacement[1], HIGHEST_GEOMETRY),
+    return read(build, 3, min(discrete.displacement[1], HIGHEST_GEOMETRY),
                 lambda x: np.column_stack(np.broadcast_arrays(*place(x[:, 0], x[:, 1]))))
 
 
@@ -154,16 +153,16 @@ def at_load(record: Record, readings: dict[str, Reading], factor: float = 1.0) -
 
     A path that does not get there gives its last state.
     """
+    from scipy.interpolate import CubicHermiteSpline
+
     factors = np.array([s.factor for s in record.states])
     passes = np.flatnonzero((factors[:-1] - factor) * (factors[1:] - factor) <= 0)
     if not len(passes):
         return read_off(record, readings, -1)
     i = int(passes[-1])
-    step = factors[i + 1] - factors[i]
-    ends = [np.array(list(f(record, readings, n).values())) for n in (i, i + 1) for f in (read_off, slopes)]
-    t = (factor - factors[i]) / step
-    weights = (1 - t) ** 2 * (1 + 2 * t), t * (1 - t) ** 2 * step, t**2 * (3 - 2 * t), t**2 * (t - 1) * step
-    return dict(zip(readings, sum(w * e for w, e in zip(weights, ends, strict=True)).tolist(), strict=True))
+    ends = sorted((i, i + 1), key=lambda n: factors[n])
+    values, rates = ([list(f(record, readings, n).values()) for n in ends] for f in (read_off, slopes))
+    return dict(zip(readings, CubicHermiteSpline(factors[ends], values, rates)(factor).tolist(), strict=True))
 
 
 def published_points(record: Record, folder: Folder, readings: dict[str, Reading], published: Published,

@@ -6,17 +6,27 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path as Folder
+from typing import TYPE_CHECKING
 
 from mpi4py import MPI
 
 from .archive import Archive
 from .path import Path, PathFailure, Until
 from .scene import Scene
-from .solve.buckling import BucklingLoad, buckling
 from .solve.control import ArcLength, StepRule
 from .state import CriticalPoint, State
 
+if TYPE_CHECKING:
+    from .solve.buckling import BucklingLoad
+
 PARTS = ("compile", "assembly", "factorisation", "solve", "contact", "path", "output")
+
+
+def _linear_buckling(path: Path, state: State) -> list[BucklingLoad]:
+    """`solve.buckling.buckling`, imported when first asked for: SLEPc starts slowly."""
+    from .solve.buckling import buckling
+
+    return buckling(path, state)
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +53,7 @@ class Case:
     pictures: Sequence[Callable[[Record, Folder], None]] = ()
     axes: tuple[str, str] = ("deflection (mm)", "load (N)")
     mixed_points: bool = True
-    buckling: Callable[[Path, State], list[BucklingLoad]] = buckling
+    buckling: Callable[[Path, State], list[BucklingLoad]] = _linear_buckling
 
 
 @dataclass

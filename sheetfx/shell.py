@@ -69,6 +69,19 @@ FORMS = {
 }
 
 
+def named_form(name: str) -> ShellForm:
+    """The form of a name in FORMS.
+
+    Raises
+    ------
+    ValueError
+        Where there is none.
+    """
+    if name not in FORMS:
+        raise ValueError(f"Shell: no form {name!r}; choose from {', '.join(FORMS)}")
+    return FORMS[name]
+
+
 @dataclass(frozen=True, eq=False)
 class Shell:
     """Shells on the surfaces of a model.
@@ -94,8 +107,6 @@ class Shell:
     offset: float = 0.0
 
     def __post_init__(self):
-        if isinstance(self.form, str) and self.form not in FORMS:
-            raise ValueError(f"Shell: no form {self.form!r}; choose from {', '.join(FORMS)}")
         cell = self.model.mesh.basix_cell()
         if self.discrete.cell != cell:
             raise ValueError(f"Shell: form {self.form!r} needs a mesh of {self.discrete.cell.name} cells, "
@@ -103,7 +114,7 @@ class Shell:
 
     @property
     def discrete(self) -> ShellForm:
-        return FORMS[self.form] if isinstance(self.form, str) else self.form
+        return named_form(self.form) if isinstance(self.form, str) else self.form
 
     def internal(self, u, rotation, frame) -> Internal:
         """Internal virtual work: each energy, and their coupling where there is one, with its rule."""

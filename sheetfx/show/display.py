@@ -7,8 +7,10 @@ import ctypes.util
 import os
 import shutil
 import subprocess
-from collections.abc import Iterator
+import warnings
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 
 class NoDisplay(RuntimeError):
@@ -31,6 +33,15 @@ def display() -> Iterator[None]:
             os.environ["DISPLAY"] = before
         server.terminate()
         server.wait()
+
+
+def save_picture(draw: Callable[[Path], None], file: Path) -> None:
+    """Draw into a file where there is an X server, otherwise warn."""
+    try:
+        with display():
+            draw(file)
+    except NoDisplay as missing:
+        warnings.warn(f"{file.name} is not drawn: {missing}", stacklevel=3)
 
 
 def _answers() -> bool:

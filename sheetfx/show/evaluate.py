@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 
 import numpy as np
@@ -13,6 +13,7 @@ from mpi4py import MPI
 from ..case import Record
 from ..compat import JIT
 from ..contact.fields import ContactFields, ContactState
+from ..mesh.reader import Model
 from ..state import CriticalPoint
 
 POINTS_PER_CELL = 5
@@ -56,9 +57,14 @@ def most_telling(points: list[CriticalPoint], most: int) -> list[CriticalPoint]:
 
 
 class Curves:
-    """The curves of all models, several points to each cell so that curved cells look curved."""
+    """The curves of all models, several points to each cell so that curved cells look curved.
 
-    def __init__(self, record: Record):
+    Parameters
+    ----------
+    displacements : for each model a displacement to use instead of the current one
+    """
+
+    def __init__(self, record: Record, displacements: Mapping[Model, fem.Function] | None = None):
         points = np.linspace(0, 1, POINTS_PER_CELL)[:, None]
         discretisation = record.path.discretisation
         self._comm = communicator(record)
@@ -66,12 +72,13 @@ class Curves:
         models = dict.fromkeys(part.model for part in record.case.scene.parts)
         for model in (m for m in models if m.mesh.topology.dim == 1):
             x = ufl.SpatialCoordinate(model.mesh)
-            both = [*x, *(x + discretisation.kinematics(model).u)]
+            u = displacements[model] if displacements else discretisation.kinematics(model).u
+            both = [*x, *(x + u)]
             self._parts.append((model, fem.Expression(ufl.as_vector(both), points, jit_options=JIT)))
 
     def evaluate(self) -> tuple[np.ndarray, np.ndarray] | None:
         """Undeformed and current places, each (cells, points, 3), on process 0; None elsewhere."""
-        rows = []
+        rows = [np.zeros((0, POINTS_PER_CELL, 2, 3))]
         for model, expression in self._parts:
             d = model.dimension
             table = expression.eval(model.mesh, model.group(None)).reshape(-1, POINTS_PER_CELL, 2, d)

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import csv
-import warnings
+from dataclasses import dataclass
 from pathlib import Path as Folder
 
 import numpy as np
-from dolfinx import fem, plot
+from dolfinx import fem
 from dolfinx.io import VTKFile
 
 from ..case import Record
 from ..solve.buckling import BucklingLoad, mode_displacement
-from .display import NoDisplay, display
-from .evaluate import communicator
+from .display import save_picture
+from .evaluate import Curves, communicator
+from .surfaces import Surface, surfaces
+from .views import lines
 
 SIZE, COLUMNS, MOST = (1600, 900), 3, 6
 SHARE = 0.04
@@ -27,17 +29,9 @@ def draw_modes(record: Record, folder: Folder, name: str = "modes.png") -> None:
     Colours show the displacement along the normal of surfaces; curves stand beside the undeformed ones. The picture
     is left out with a warning where there is no X server and Xvfb is missing.
     """
-    loads = record.buckling[:MOST]
-    models = _models(record)
-    drawn = [[_gather(record, model, load) for model in models] for load in loads]
-    if communicator(record).rank > 0:
-        return
-    length = max(_size(parts) for parts in drawn[0])
-    try:
-        with display():
-            _draw(loads, drawn, SHARE * length, Folder(folder) / name)
-    except NoDisplay as missing:
-        warnings.warn(f"{name} is not drawn: {missing}", stacklevel=2)
+    shapes = [_shape(record, load) for load in record.buckling[:MOST]]
+    if communicator(record).rank == 0:
+        save_picture(lambda file: _draw(shapes, file), Folder(folder) / name)
 
 
 def mode_files(record: Record, folder: Folder) -> None:
@@ -63,57 +57,60 @@ def _models(record: Record) -> list:
     return list(dict.fromkeys(part.model for part in record.case.scene.parts))
 
 
-def _size(parts) -> float:
-    """Diagonal of the box around gathered pieces."""
-    x = np.concatenate([piece[2] for piece in parts])
-    return float(np.linalg.norm(np.ptp(x, axis=0)))
+@dataclass
+class _Shape:
+    """A mode as it is drawn, its places moved by the mode: title, surfaces, curves before and after."""
+
+    title: str
+    surfaces: list[Surface]
+    curves: tuple[np.ndarray, np.ndarray]
+
+    @property
+    def undeformed(self) -> np.ndarray:
+        """All undeformed places, (n, 3)."""
+        return np.concatenate([*(s.undeformed for s in self.surfaces), self.curves[0].reshape(-1, 3)])
+
+    @property
+    def flat(self) -> bool:
+        """Whether all lies in the plane of x and y, and stays there."""
+        current = [*(s.current for s in self.surfaces), self.curves[1].reshape(-1, 3)]
+        return not np.ptp(np.concatenate([self.undeformed, *current])[:, 2])
 
 
-def _gather(record: Record, model, load: BucklingLoad) -> list | None:
-    """Cells, their types, nodes and displacements of each process, on process 0."""
-    displacement = mode_displacement(record.path, model, load)
-    cells, types, x = plot.vtk_mesh(displacement.function_space, model.group(None))
-    values = np.zeros((len(x), 3))
-    values[:, :model.dimension] = displacement.x.array.reshape(len(x), -1)
-    return communicator(record).gather((cells, types, x, values))
+def _shape(record: Record, load: BucklingLoad) -> _Shape | None:
+    """A mode on process 0, None elsewhere."""
+    displacements = {model: mode_displacement(record.path, model, load) for model in _models(record)}
+    group = f", cluster of {load.multiplicity}" if load.multiplicity > 1 else ""
+    found, curves = surfaces(record, displacements), Curves(record, displacements).evaluate()
+    return None if found is None else _Shape(f"load factor {load.factor:.5g}{group}", found, curves)
 
 
-def _draw(loads, drawn, size: float, file: Folder) -> None:
+def _draw(shapes: list[_Shape], file: Folder) -> None:
     import pyvista
 
-    rows = -(-len(loads) // COLUMNS)
-    plotter = pyvista.Plotter(off_screen=True, shape=(rows, min(COLUMNS, len(loads))), window_size=SIZE, border=False)
-    for i, (load, parts) in enumerate(zip(loads, drawn, strict=True)):
+    size = SHARE * np.linalg.norm(np.ptp(shapes[0].undeformed, axis=0))
+    rows, columns = -(-len(shapes) // COLUMNS), min(COLUMNS, len(shapes))
+    plotter = pyvista.Plotter(off_screen=True, shape=(rows, columns), window_size=SIZE, border=False)
+    for i, shape in enumerate(shapes):
         plotter.subplot(i // COLUMNS, i % COLUMNS)
-        flat = True
-        for piece in (piece for part in parts for piece in part):
-            flat = flat and not np.ptp(piece[2][:, 2]) and not piece[3][:, 2].any()
-            _add(plotter, *piece, size)
-        group = f", cluster of {load.multiplicity}" if load.multiplicity > 1 else ""
-        plotter.add_text(f"load factor {load.factor:.5g}{group}", font_size=11, color="black")
-        plotter.view_xy() if flat else plotter.view_isometric()
+        for surface in shape.surfaces:
+            _add_surface(plotter, surface, size)
+        before, after = shape.curves
+        if len(before):
+            plotter.add_mesh(lines(before), color=UNDEFORMED, line_width=2)
+            plotter.add_mesh(lines(before + size * (after - before)), color=CURVE, line_width=4)
+        plotter.add_text(shape.title, font_size=11, color="black")
+        plotter.view_xy() if shape.flat else plotter.view_isometric()
         plotter.camera.zoom(1.2)
     plotter.set_background("white")
     plotter.screenshot(file)
     plotter.close()
 
 
-def _add(plotter, cells, types, x, displacement, size: float) -> None:
-    """Add a piece with its nodes moved."""
-    import pyvista
-
-    grid = pyvista.UnstructuredGrid(cells, types, x)
-    grid["displacement"] = displacement
-    grid = grid.tessellate()
-    surface = grid.extract_geometry()
-    if surface.n_faces_strict:
-        surface = surface.compute_normals(cell_normals=False, split_vertices=False)
-        values = np.einsum("ni,ni->n", surface["displacement"], surface["Normals"])
-        limit = float(np.abs(values).max()) or 1.0
-        look = {"scalars": values, "cmap": "coolwarm", "clim": (-limit, limit), "show_scalar_bar": False,
-                "ambient": 0.25, "diffuse": 0.75, "smooth_shading": True}
-    else:
-        plotter.add_mesh(surface.copy(), color=UNDEFORMED, line_width=2)
-        look = {"color": CURVE, "line_width": 4}
-    surface.points = surface.points + size * surface["displacement"]
-    plotter.add_mesh(surface, **look)
+def _add_surface(plotter, surface: Surface, size: float) -> None:
+    mesh = surface.mesh(surface.undeformed).compute_normals(cell_normals=False, split_vertices=False)
+    values = np.einsum("ni,ni->n", mesh["displacement"], mesh["Normals"])
+    mesh.points = mesh.points + size * mesh["displacement"]
+    limit = float(np.abs(values).max()) or 1.0
+    plotter.add_mesh(mesh, scalars=values, cmap="coolwarm", clim=(-limit, limit), show_scalar_bar=False,
+                     ambient=0.25, diffuse=0.75, smooth_shading=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass
 from pathlib import Path as Folder
 
@@ -12,7 +11,7 @@ from ..case import Record
 from ..contact.fields import ContactState
 from ..scene import RigidCylinder, RigidPlane
 from ..state import State
-from .display import NoDisplay, display
+from .display import save_picture
 from .evaluate import ContactPoints, Curves, communicator, last_state_kept, most_telling, travel, unit_of, with_unit
 from .layout import Sheet
 from .surfaces import has_surfaces
@@ -73,7 +72,7 @@ def shapes(record: Record, folder: Folder, name: str = "shape.png") -> None:
             for status, (colour, meaning) in STATUS.items():
                 chosen = contact.position[contact.status == status]
                 sheet.spheres(*((colour, meaning) if friction else TOUCHING), chosen)
-    _save(sheet.save, Folder(folder) / name)
+    save_picture(sheet.save, Folder(folder) / name)
 
 
 def _draw_surfaces(record: Record, file: Folder) -> None:
@@ -83,16 +82,7 @@ def _draw_surfaces(record: Record, file: Folder) -> None:
             record.show(state)
             views.append(view(record, label.replace(": ", "\n", 1)))
     if communicator(record).rank == 0:
-        _save(lambda place: draw_views(record, views, place), file)
-
-
-def _save(draw, file: Folder) -> None:
-    """Draw into a file where there is an X server, otherwise warn."""
-    try:
-        with display():
-            draw(file)
-    except NoDisplay as missing:
-        warnings.warn(f"{file.name} is not drawn: {missing}", stacklevel=3)
+        save_picture(lambda place: draw_views(record, views, place), file)
 
 
 def _collect(record: Record) -> tuple[np.ndarray | None, list[Shape]]:

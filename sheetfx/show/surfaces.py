@@ -35,12 +35,12 @@ class Surface:
     borders: np.ndarray
 
     def mesh(self, places: np.ndarray):
-        """A pyvista mesh of places of this surface, common places of cells merged, with the size of displacement."""
+        """A pyvista mesh of places of this surface, common places of cells merged, with the displacement."""
         import pyvista
 
         triangles = np.column_stack([np.full(len(self.faces), 3), self.faces]).ravel()
         mesh = pyvista.PolyData(places, triangles)
-        mesh["displacement"] = np.linalg.norm(self.current - self.undeformed, axis=1)
+        mesh["displacement"] = self.current - self.undeformed
         return mesh.clean(tolerance=1e-7)
 
     def edges(self, places: np.ndarray):

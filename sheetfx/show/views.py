@@ -39,8 +39,8 @@ class View:
 def view(record: Record, title: str) -> View | None:
     """What is shown of the current fields, on process 0; None elsewhere."""
     beams = any(part.model.mesh.topology.dim == 1 for part in record.case.scene.parts)
-    found, lines = surfaces(record), Curves(record).evaluate() if beams else None
-    return None if found is None else View(title, found, None if lines is None else lines[1])
+    found, curves = surfaces(record), Curves(record).evaluate() if beams else None
+    return None if found is None else View(title, found, None if curves is None else curves[1])
 
 
 def draw_views(record: Record, views: list[View], file: Folder) -> None:
@@ -152,11 +152,17 @@ def _render(shown: View, camera: Camera, norm) -> np.ndarray:
             plotter.add_mesh(surface.edges(camera.forward(surface.current)), color=LINE, opacity=0.5,
                              line_width=0.6 * OVERSAMPLING, lighting=False)
     if shown.beams is not None:
-        count, points = shown.beams.shape[:2]
-        numbers = np.column_stack([np.full(count, points), np.arange(count * points).reshape(count, points)])
-        plotter.add_mesh(pyvista.PolyData(camera.forward(shown.beams.reshape(-1, 3)), lines=numbers.ravel()),
-                         color=BEAM, line_width=4 * OVERSAMPLING, lighting=False)
+        plotter.add_mesh(lines(camera.forward(shown.beams)), color=BEAM, line_width=4 * OVERSAMPLING, lighting=False)
     camera.aim(plotter)
     image = plotter.screenshot(return_img=True)
     plotter.close()
     return image
+
+
+def lines(cells: np.ndarray):
+    """A pyvista mesh of curves, shape (cells, points, 3)."""
+    import pyvista
+
+    count, points = cells.shape[:2]
+    numbers = np.column_stack([np.full(count, points), np.arange(count * points).reshape(count, points)])
+    return pyvista.PolyData(cells.reshape(-1, 3), lines=numbers.ravel())
