@@ -101,7 +101,7 @@ def _draw(shapes: list[_Shape], file: Folder) -> None:
             plotter.add_mesh(lines(before + size * (after - before)), color=CURVE, line_width=4)
         plotter.add_text(shape.title, font_size=11, color="black")
         plotter.view_xy() if shape.flat else plotter.view_isometric()
-        plotter.camera.zoom(1.2)
+        plotter.camera.zoom(min(1.2, SIZE[0] / columns / (SIZE[1] / rows)))
     plotter.set_background("white")
     plotter.screenshot(file)
     plotter.close()
