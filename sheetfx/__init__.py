@@ -16,7 +16,8 @@ _HOMES = {
     "Path": "path", "PathFailure": "path", "Until": "path", "Case": "case", "Record": "case", "trace": "case",
     "run": "case", "read": "mesh.reader", "ArcLength": "solve.control", "DisplacementControl": "solve.control",
     "LoadControl": "solve.control", "buckling": "solve.buckling", "BucklingLoad": "solve.buckling",
-    "mode_displacement": "solve.buckling", "imperfect": "mesh.imperfection",
+    "mode_displacement": "solve.buckling", "imperfect": "mesh.imperfection", "branches": "solve.branches",
+    "Branch": "solve.branches",
 }
 _MODULES = ("forms", "meshes", "show")
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
 import numpy as np
 import ufl
@@ -321,6 +322,22 @@ class System:
                     force = force_of[id(f)]
                     basis = np.broadcast_to(f.variations(), (len(force), force.shape[1], f.width))
                     array[f.dofs] += np.einsum("na,nai->ni", force, basis).ravel()
+
+    @contextmanager
+    def additive_increments(self) -> Iterator[None]:
+        """Let increments since the last converged state add at all nodes, those of rotations too.
+
+        Residual and tangent are then gradient and Hessian of the energy as a function of them, wherever they are.
+        """
+        turning = [f for f in self.unknowns.fields if f.curved]
+        kept = [f.charted for f in turning]
+        for f in turning:
+            f.charted = np.ones_like(f.charted)
+        try:
+            yield
+        finally:
+            for f, charted in zip(turning, kept, strict=True):
+                f.charted = charted
 
     def extrapolate_stress(self, step: PETSc.Vec | None = None) -> None:
         """Stresses of the tangent: those of the current state plus their linear change by `step`."""

@@ -113,7 +113,7 @@ class Path:
 
     def _step(self, before: State) -> State:
         """One converged step, shortened as often as needed, with the critical points inside it."""
-        length, smallest = before.next_length, self.control.smallest * self.control.first
+        length, smallest = before.next_length or self.control.first, self.control.smallest * self.control.first
         largest = self.control.largest * self.control.first
         while True:
             length = self.control.clip(length, before.factor)

@@ -53,7 +53,7 @@ class State:
     load_rate : load component of the unit tangent along the path
     iterations, factorisations : of the step that led here, failed tries included
     hardest : most iterations of one Newton solution in its last try
-    length, next_length : of that step and the next
+    length, next_length : of that step and the next; 0: the first of the control
     load_increment, increment : of that step (increment: this process's part of the solver's vector)
     response : displacement by a unit of load, with the tangent of the step that led here
     current_stiffness : Bergan's current stiffness parameter

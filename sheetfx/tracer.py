@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import acos, inf, sqrt
 
 import numpy as np
@@ -84,7 +85,8 @@ class Tracer:
         SingularTangent
         """
         before, self.stepper.load_increment, self._most = self.total_factorisations, load_increment, iterations
-        self.state = self._converged(self.state, iterations, factorisations=before)
+        found = self._converged(self.state, iterations, factorisations=before)
+        self.state = replace(found, next_length=0.0)
         return self.state
 
     def _correct(self) -> bool:
