@@ -16,8 +16,8 @@ _HOMES = {
     "Path": "path", "PathFailure": "path", "Until": "path", "Case": "case", "Record": "case", "trace": "case",
     "run": "case", "read": "mesh.reader", "ArcLength": "solve.control", "DisplacementControl": "solve.control",
     "LoadControl": "solve.control", "buckling": "solve.buckling", "BucklingLoad": "solve.buckling",
-    "mode_displacement": "solve.buckling", "imperfect": "mesh.imperfection", "branches": "solve.branches",
-    "Branch": "solve.branches",
+    "mode_displacement": "solve.modes", "imperfect": "mesh.imperfection", "branches": "solve.branches",
+    "Branch": "solve.branches", "frequencies": "solve.vibration", "Vibration": "solve.vibration",
 }
 _MODULES = ("forms", "meshes", "show")
 

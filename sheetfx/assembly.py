@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from itertools import repeat
 
 import numpy as np
 import ufl
@@ -123,9 +124,9 @@ class System:
                     rows.append(np.broadcast_to(places[number][:, :, None], shape).ravel())
                     columns.append(np.broadcast_to(places[number][:, None, :], shape).ravel())
         self._other = None
+        self._turn = self._turning_matrix(places)
         if self._tangent is not None:
             self._other = compat.create_matrix(self._tangent)
-            self._turn = self._turning_matrix(places)
             self._turned = None
             pointer, column, _ = self._other_tangent()
             first = self._other.getOwnershipRange()[0]
@@ -234,6 +235,15 @@ class System:
         """Out-of-balance forces of the current configuration."""
         self._assemble(self._residual, out, -self.factor, self._internal_forces)
         self.reaction = self.comm.allreduce(float(self._support @ self._support)) ** 0.5
+
+    def bilinear(self, form) -> PETSc.Mat:
+        """Matrix of a form in `unknowns.vary` and `unknowns.linearise` on the rows of the tangent; fixed ones empty."""
+        forms = self._square(self._compiled(form))
+        matrix = compat.assemble_matrix(compat.create_matrix(forms), forms)
+        if self._turn is not None:
+            matrix = matrix.ptap(self._turn)
+        matrix.zeroRowsColumns(self._fixed + self._start, 0.0)
+        return matrix
 
     def load(self, out: PETSc.Vec) -> None:
         """Derivative of the external forces with respect to the load factor."""
@@ -344,17 +354,19 @@ class System:
         if self._changes is None:
             return
         with self.clock("assembly"):
-            for change in self._changes:
-                change.x.array[:] = 0
-            if step is not None:
-                step.ghostUpdate(addv=PETSc.InsertMode.INSERT, mode=PETSc.ScatterMode.FORWARD)
-                local = get_local_vectors(step, self._maps)
-                changes = iter(self._changes)
-                for block, array in zip(self.unknowns.blocks, local, strict=True):
-                    for f in block.fields:
-                        next(changes).x.array[:] = f.change(array)
+            for change, values in zip(self._changes, repeat(0.0) if step is None else self.changes(step), strict=False):
+                change.x.array[:] = values
             for work in self.internal:
                 work.extrapolate_stress()
+
+    def changes(self, step: PETSc.Vec) -> list[np.ndarray]:
+        """First-order change of the values of each field by a further step."""
+        step.ghostUpdate(addv=PETSc.InsertMode.INSERT, mode=PETSc.ScatterMode.FORWARD)
+        return [f.change(array) for f, array in self._each(get_local_vectors(step, self._maps))]
+
+    def _each(self, arrays):
+        """Each field and the array of its block, from arrays for each block."""
+        return [(f, array) for block, array in zip(self.unknowns.blocks, arrays, strict=True) for f in block.fields]
 
     def commit(self) -> None:
         """Accept the current configuration as converged; increments count from here."""

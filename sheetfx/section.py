@@ -1,4 +1,4 @@
-"""Section and material data of beams (any consistent units; the scenes use N and mm)."""
+"""Section and material data of beams and shells (any consistent units; the scenes use N and mm)."""
 
 from __future__ import annotations
 
@@ -17,13 +17,15 @@ class Elastic:
     modulus : Young's modulus (force / length^2)
     poisson : Poisson's ratio; the thesis gives none for the arch, 0.3 is taken (it enters through
         the shear stiffness only: 0.02 % of the arch's limit load between 0 and 0.5)
+    density : mass per volume, for vibrations; None: not given
     """
 
     modulus: float
     poisson: float = 0.3
+    density: float | None = None
 
     def __post_init__(self):
-        require_positive(self, "modulus")
+        require_positive(self, "modulus", "density")
         if not -1 < self.poisson <= 0.5:
             raise ValueError(f"Elastic: poisson is {self.poisson}; it must lie above -1 and not above 0.5")
 
@@ -55,6 +57,12 @@ class Section:
         if dimension == 2:
             return [axial, shear, about_binormal]
         return [axial, shear, shear, material.shear_modulus * self.torsion, about_normal, about_binormal]
+
+    def inertia(self, material: Elastic, dimension: int) -> list[float]:
+        """Mass per length, and rotary inertia per length about the binormal (2) or all axes of the section (3)."""
+        about_normal, about_binormal = (material.density * i for i in self.second_moments)
+        rotary = [about_binormal] if dimension == 2 else [about_normal + about_binormal, about_normal, about_binormal]
+        return [material.density * self.area, *rotary]
 
 
 @dataclass(frozen=True)
@@ -142,8 +150,18 @@ class ShellStiffness:
     drilling: float
 
 
+class ShellSection:
+    """What all shell sections have in common."""
+
+    thickness: float
+
+    def inertia(self, material: Elastic) -> list[float]:
+        """Mass per area, and rotary inertia of the director per area."""
+        return [material.density * self.thickness, material.density * self.thickness**3 / 12]
+
+
 @dataclass(frozen=True)
-class Plate:
+class Plate(ShellSection):
     """Homogeneous shell section.
 
     Attributes
@@ -173,7 +191,7 @@ class Plate:
 
 
 @dataclass(frozen=True)
-class GivenPlate:
+class GivenPlate(ShellSection):
     """Shell section whose stiffness is given, for orthotropic or layered shells.
 
     Attributes

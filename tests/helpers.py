@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from math import radians, tan
+from pathlib import Path as Folder
 
 import numpy as np
 import ufl
@@ -182,3 +186,13 @@ def energy_and_residual(discretisation):
     out = system.create_vector()
     system.residual(out)
     return energy, np.linalg.norm(out.array)
+
+
+def on_two_processes(script: str) -> list[str]:
+    """Lines that the first of two processes prints; the script may import from the tests."""
+    names = os.pathsep.join([str(Folder(__file__).parent), *filter(None, [os.environ.get("PYTHONPATH")])])
+    quiet = "import os, sys\nfrom mpi4py import MPI\nif MPI.COMM_WORLD.rank: sys.stdout = open(os.devnull, 'w')\n"
+    result = subprocess.run(["mpirun", "-n", "2", sys.executable, "-c", quiet + script], capture_output=True, text=True,
+                            timeout=300, env=os.environ | {"PYTHONPATH": names})
+    assert result.returncode == 0, result.stdout + result.stderr
+    return result.stdout.split("\n")[:-1]

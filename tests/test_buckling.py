@@ -16,8 +16,9 @@ from sheetfx.scene import Beam, LineForce, Monitor, Motion, PointForce, Scene, S
 from sheetfx.scenes import cylinder_buckling, plate_buckling
 from sheetfx.section import Elastic, Rectangle, round_bar
 from sheetfx.show.modes import draw_modes, mode_files
-from sheetfx.solve.buckling import buckling, clusters, mode_displacement
+from sheetfx.solve.buckling import buckling, clusters
 from sheetfx.solve.control import ArcLength, LoadControl
+from sheetfx.solve.modes import mode_displacement
 
 COLUMN = Elastic(1e7, 0.3)
 EULER = pi**2 * 1e7 * pi * 0.01**4 / 64

@@ -17,15 +17,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from dolfinx import fem
-from mpi4py import MPI
 from petsc4py import PETSc
 from slepc4py import SLEPc
 
 from ..discretise import Discretisation
-from ..mesh.reader import Model
 from ..state import State
 from .linear import DirectSolver
+from .modes import scaled
 
 STEP = 1e-4
 PREFIX = "sheetfx_buckling_"
@@ -97,26 +95,6 @@ def buckling(path, state: State, count: int = 6, *, supports: Sequence | None = 
     finally:
         discretisation.restore(kept)
         system.factor = factor
-
-
-def mode_displacement(path, model: Model, mode: BucklingLoad) -> fem.Function:
-    """Displacement of a model's parts in a mode."""
-    discretisation = path.discretisation
-    vector = discretisation.system.create_vector()
-    vector.array[:] = mode.mode
-    return _displacement(discretisation, model, vector)
-
-
-def _displacement(discretisation: Discretisation, model: Model, increment: PETSc.Vec) -> fem.Function:
-    u = discretisation.kinematics(model).u
-    change, zero = fem.Function(u.function_space, name="displacement"), increment.duplicate()
-    zero.zeroEntries()
-    discretisation.system.configure(zero)
-    before = u.x.array.copy()
-    discretisation.system.configure(increment)
-    change.x.array[:] = u.x.array - before
-    discretisation.system.configure(zero)
-    return change
 
 
 class _Problem:
@@ -220,7 +198,7 @@ class _Problem:
         numbers = clusters([increment for increment, _ in pairs], tolerance)
         return [BucklingLoad(
             self.state.factor + increment, self._total_load(increment), increment, number, numbers.count(number),
-            self.residual(increment, mode), self._scaled(mode)) for (increment, mode), number in zip(
+            self.residual(increment, mode), scaled(self.discretisation, mode)) for (increment, mode), number in zip(
                 pairs, numbers, strict=True)]
 
     def _total_load(self, increment: float) -> float:
@@ -229,20 +207,6 @@ class _Problem:
         self.system.factor = self.state.factor + increment
         self.system.configure(x)
         return self.discretisation.total_load()
-
-    def _scaled(self, mode: PETSc.Vec) -> np.ndarray:
-        """The mode with a largest displacement of 1, its largest component being positive."""
-        vector, sizes, signs = self.system.create_vector(), [], []
-        vector.array[:] = mode.array
-        for model in dict.fromkeys(part.model for part in self.discretisation.scene.parts):
-            table = _displacement(self.discretisation, model, vector).x.array.reshape(-1, model.dimension)
-            sizes.append(np.linalg.norm(table, axis=1).max(initial=0.0))
-            signs += [table.max(initial=0.0), table.min(initial=0.0)]
-        comm = self.system.comm
-        size, *signs = (comm.allreduce(float(v), op=MPI.MAX) for v in (
-            max(sizes), max(signs), -min(signs)))
-        sign = 1.0 if signs[0] >= signs[1] else -1.0
-        return sign * mode.array / (size or 1.0)
 
 
 def clusters(increments: Sequence[float], tolerance: float) -> list[int]:

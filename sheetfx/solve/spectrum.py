@@ -56,6 +56,31 @@ def nearest_to_zero(solver: DirectSolver, mass: PETSc.Mat, count: int,
     return [value for value, _ in found], [mode for _, mode in found]
 
 
+def lowest(solver: DirectSolver, mass: PETSc.Mat, count: int, negative: int) -> tuple[list[float], list[PETSc.Vec]]:
+    """Algebraically lowest eigenvalues of K mode = value M mode, in ascending order, and modes with mode M mode = 1.
+
+    Parameters
+    ----------
+    solver, mass, count : as of `nearest_to_zero`
+    negative : number of negative eigenvalues, from the inertia of K
+
+    Raises
+    ------
+    ArithmeticError
+        If not all negative ones are found.
+    """
+    asked, size = count + negative, mass.getSize()[0]
+    while True:
+        values, modes = nearest_to_zero(solver, mass, min(asked, size))
+        if sum(value < 0 for value in values) == negative:
+            return values[:count], modes[:count]
+        if asked >= size or asked > 16 * (count + negative):
+            raise ArithmeticError(
+                f"the inertia shows {negative} negative eigenvalues, the eigensolver finds "
+                f"{sum(value < 0 for value in values)}; try PETSC_OPTIONS='-{PREFIX}eps_tol 1e-8'")
+        asked *= 2
+
+
 def _normed(mode: PETSc.Vec, mass: PETSc.Mat) -> PETSc.Vec:
     weighted = mode.duplicate()
     mass.mult(mode, weighted)

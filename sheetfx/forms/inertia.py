@@ -1,0 +1,38 @@
+"""Virtual work of inertia about a state at rest; `rate` and `variation` are linear in trial and test functions."""
+
+from __future__ import annotations
+
+import ufl
+
+
+def translation(mass, rate, variation):
+    """Work of accelerated mass: mass per length or area times the product of the two."""
+    return mass * ufl.inner(rate, variation)
+
+
+def section(inertia, spin_rate, spin_variation, rotation, frame):
+    """Work of the rotary inertia of a beam's section on its turned axes (Simo and Vu-Quoc 1988).
+
+    Parameters
+    ----------
+    inertia : sequence of floats or UFL constants
+        In the plane one, about the binormal; in space those about all axes of the frame (mass length).
+    spin_rate, spin_variation : UFL scalars in the plane, vectors of shape (3,) in space
+    rotation : rotation of the section
+    frame : CurveFrame
+    """
+    if spin_rate.ufl_shape == ():
+        return inertia[0] * spin_rate * spin_variation
+    turned = [rotation.rotate(axis) for axis in frame.axes]
+    return sum(i * ufl.dot(spin_rate, a) * ufl.dot(spin_variation, a) for i, a in zip(inertia, turned, strict=True))
+
+
+def director(inertia, spin_rate, spin_variation, normal):
+    """Work of the rotary inertia of a shell's director (Simo, Rifai and Fox 1992): none about the director itself.
+
+    Parameters
+    ----------
+    inertia : per area, about any axis across the director (mass)
+    normal : UFL vector, shape (3,), the director now
+    """
+    return inertia * ufl.inner(ufl.cross(spin_rate, normal), ufl.cross(spin_variation, normal))
