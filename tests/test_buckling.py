@@ -198,7 +198,7 @@ def test_mode_as_imperfection(hinged_arch):
     """The arch with its first mode as imperfection sways, and its limit load is below the bifurcation."""
     scene = hinged_arch.case.scene
     model = scene.parts[0].model
-    mode = hinged_arch.case.buckling(hinged_arch.path, hinged_arch.states[0], 1)[0]
+    mode = buckling(hinged_arch.path, hinged_arch.states[0], 1)[0]
     shape = mode_displacement(hinged_arch.path, model, mode)
     assert np.linalg.norm(shape.x.array.reshape(-1, 2), axis=1).max() == pytest.approx(1.0)
     before = model.mesh.geometry.x.copy()
