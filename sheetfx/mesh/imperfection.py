@@ -1,45 +1,157 @@
-"""Imperfect shapes: a model with moved nodes."""
+"""Imperfect shapes: a model with moved nodes.
+
+Shapes are modes, functions of place, measured deviations or random fields, and sums of these.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import dolfinx
 import numpy as np
 import ufl
 from dolfinx import fem
+from scipy.interpolate import RBFInterpolator
 
+from .. import forms
 from ..compat import JIT
 from .reader import Model
 
+Shape = fem.Function | Callable[[np.ndarray], np.ndarray]
 
-def imperfect(model: Model, displacement: fem.Function | Callable, amplitude: float) -> Model:
+FLAT = 1e-8
+
+
+def imperfect(model: Model, displacement: Shape | Sequence[Shape], amplitude: float | Sequence[float] = 1.0) -> Model:
     """A model like another with all nodes moved by `amplitude` times a displacement.
 
-    The given model keeps its shape; edges, points and groups have the same names. The sum of several
-    imperfections is made by one call after the other.
+    The given model keeps its shape; edges, points and groups have the same names.
 
     Parameters
     ----------
     displacement : Function on the model's mesh (such as `mode_displacement` gives), or a function from
-        coordinates, shape (n, 3), to displacements, shape (n, 3) or (n, 2) in the plane
-    amplitude : factor, a length where the largest displacement is 1
+        coordinates, shape (n, 3), to displacements, shape (n, 3) or (n, 2) in the plane, or to deviations along the
+        unit normal of a surface or plane curve, shape (n,); or a sequence of these
+    amplitude : factor, a length where the largest displacement is 1; a sequence has a factor for each displacement
+
+    Raises
+    ------
+    ValueError
+        If there is not one amplitude for each displacement, or no normal for deviations along it.
     """
     mesh, old = model.mesh, model.mesh.geometry
+    shapes = displacement if isinstance(displacement, Sequence) else [displacement]
+    amplitudes = np.atleast_1d(amplitude)
+    if len(amplitudes) not in (1, len(shapes)):
+        raise ValueError(f"imperfect: {len(amplitudes)} amplitudes for {len(shapes)} displacements; give one for each")
     x = old.x[:, :old.dim].copy()
-    moved = _at_nodes(mesh, displacement) if isinstance(displacement, fem.Function) else displacement(old.x)
-    x += amplitude * np.asarray(moved)[:, :old.dim]
+    for shape, factor in zip(shapes, np.broadcast_to(amplitudes, len(shapes)), strict=True):
+        x += factor * _moved(model, shape)
     geometry = type(old._cpp_object)(old.index_map(), old.dofmap, old.cmap._cpp_object, x, old.input_global_indices)
     copy = type(mesh._cpp_object)(mesh.comm, mesh.topology._cpp_object, geometry)
     domain = ufl.Mesh(mesh.ufl_domain().ufl_coordinate_element())
     return Model(dolfinx.mesh.Mesh(copy, domain), model.cells, model.edges, model.points)
 
 
-def _at_nodes(mesh, displacement: fem.Function) -> np.ndarray:
-    """Displacement at the nodes of the geometry of this process, shape (n, dimension)."""
-    points = mesh.ufl_domain().ufl_coordinate_element().basix_element.points
-    cells = np.arange(len(mesh.geometry.dofmap), dtype=np.int32)
-    table = fem.Expression(displacement, points, jit_options=JIT).eval(mesh, cells)
-    values = np.zeros((len(mesh.geometry.x), mesh.geometry.dim))
-    values[mesh.geometry.dofmap.ravel()] = table.reshape(-1, mesh.geometry.dim)
+def measured(points: np.ndarray, offsets: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+    """Deviations measured at points, as a function of place for `imperfect`.
+
+    Between the points they are interpolated by cubic radial basis functions with a linear polynomial (natural cubic
+    splines where the points lie on a line), in as many directions as the points extend.
+
+    Parameters
+    ----------
+    points : nominal places, shape (n, 3) or (n, 2)
+    offsets : displacements from there, shape (n, 3) or (n, 2), or deviations along the normal, shape (n,); of
+        measured places give the difference to the nominal ones
+
+    Raises
+    ------
+    ValueError
+        If the table has not one offset for each point, points twice, or too few points.
+    """
+    points, offsets = np.asarray(points, dtype=float), np.asarray(offsets, dtype=float)
+    if points.ndim != 2 or len(points) != len(offsets):
+        raise ValueError(f"measured: points of shape {points.shape} and offsets of shape {offsets.shape}; "
+                         "give a row of coordinates and an offset for each point")
+    if len(np.unique(points, axis=0)) < len(points):
+        raise ValueError("measured: a point stands twice in the table; keep one of its rows")
+    centre = points.mean(axis=0)
+    _, extents, axes = np.linalg.svd(points - centre, full_matrices=False)
+    axes = axes[extents > FLAT * extents.max(initial=0.0)]
+    if len(points) <= len(axes) or not len(axes):
+        raise ValueError(f"measured: {len(points)} points are too few; give {max(len(axes), 1) + 1} or more")
+    interpolate = RBFInterpolator((points - centre) @ axes.T, offsets, kernel="cubic")
+    return lambda x: interpolate((x[:, :points.shape[1]] - centre) @ axes.T)
+
+
+def random_field(correlation_length: float, deviation: float = 1.0, seed: int = 0,
+                 waves: int = 1000) -> Callable[[np.ndarray], np.ndarray]:
+    """Random Gaussian deviations along the normal, as a function of place for `imperfect`.
+
+    Their mean is zero and their covariance deviation^2 exp(-(distance / correlation_length)^2), with distances in
+    space. The field is a sum of waves with random phases and wave vectors from the spectrum of the covariance
+    (Shinozuka and Deodatis 1991; Rahimi and Recht 2007, section 3): a function of place alone, the same on any mesh and
+    any number of processes. It is Gaussian in the limit of many waves; with 1000 its kurtosis is 2.9985.
+
+    Parameters
+    ----------
+    correlation_length : distance at which the correlation is 1 / e
+    deviation : standard deviation, a length
+    seed : of the random numbers; another seed is another sample
+    waves : number of waves
+    """
+    for name, value in (("correlation_length", correlation_length), ("deviation", deviation), ("waves", waves)):
+        if not value > 0:
+            raise ValueError(f"random_field: {name} is {value}; it must be positive")
+    generator = np.random.default_rng(seed)
+    vectors = generator.normal(scale=np.sqrt(2) / correlation_length, size=(3, waves))
+    phases = generator.uniform(0, 2 * np.pi, waves)
+    return lambda x: deviation * np.sqrt(2 / waves) * np.cos(x @ vectors + phases).sum(axis=1)
+
+
+def _moved(model: Model, shape: Shape) -> np.ndarray:
+    """Displacement of a shape at the nodes of the geometry of this process, shape (n, dimension)."""
+    if isinstance(shape, fem.Function):
+        return _at_nodes(model, shape)
+    values = np.asarray(shape(model.mesh.geometry.x), dtype=float)
+    return values[:, :model.dimension] if values.ndim == 2 else values[:, None] * _normals(model)
+
+
+def _at_nodes(model: Model, field) -> np.ndarray:
+    """Mean over the cells at each node of the geometry of a vector expression, shape (n, dimension)."""
+    mesh, geometry = model.mesh, model.mesh.geometry
+    element = mesh.ufl_domain().ufl_coordinate_element()
+    space = fem.functionspace(mesh, element)
+    expression = fem.Expression(field, element.basix_element.points, jit_options=JIT)
+    total, count = fem.Function(space), fem.Function(space)
+    cells = model.group(None)
+    nodes, width = space.dofmap.list[cells], model.dimension
+    table = expression.eval(mesh, cells).reshape(*nodes.shape, width)
+    np.add.at(total.x.array.reshape(-1, width), nodes, table)
+    np.add.at(count.x.array.reshape(-1, width), nodes, 1.0)
+    for function in (total, count):
+        function.x.scatter_reverse(dolfinx.la.InsertMode.add)
+        function.x.scatter_forward()
+    values = np.zeros((len(geometry.x), width))
+    values[geometry.dofmap] = (total.x.array / count.x.array).reshape(-1, width)[space.dofmap.list]
     return values
+
+
+def _normals(model: Model) -> np.ndarray:
+    """Unit normals at the nodes of the geometry of this process, shape (n, dimension)."""
+    mesh = model.mesh
+    if mesh.topology.dim == 2:
+        normal = forms.shell.unit_normal(mesh)
+    elif model.dimension == 2:
+        normal = forms.beam.curve_frame(mesh).normal
+    else:
+        raise ValueError("imperfect: curves in space have no normal for deviations along it; "
+                         "give displacements of shape (n, 3)")
+    normals = _at_nodes(model, normal)
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    places = np.concatenate(mesh.comm.allgather(mesh.geometry.x[lengths[:, 0] < 0.1]))
+    if len(places):
+        raise ValueError(f"imperfect: normals of the parts that meet at {places[0]} cancel; give displacements of "
+                         "shape (n, 3) instead of deviations along the normal")
+    return normals / lengths

@@ -1,0 +1,105 @@
+"""Imperfect shapes: modes, measured deviations and random fields."""
+
+import numpy as np
+import pytest
+from dolfinx import fem
+from scipy.spatial import cKDTree
+
+from sheetfx import meshes
+from sheetfx.mesh.imperfection import imperfect, measured, random_field
+from sheetfx.mesh.reader import read
+
+LENGTH, DEVIATION, SAMPLES = 0.3, 2.0, 4000
+
+
+def arc(elements=12, order=2):
+    return read(lambda: meshes.arc(2.0, -1.0, 1.0, elements), 2, order)
+
+
+def cylinder(cells=(4, 3), order=2):
+    def place(x):
+        return np.column_stack((x[:, 0], np.sin(x[:, 1]), np.cos(x[:, 1])))
+
+    return read(lambda: meshes.rectangle(cells), 3, order, place)
+
+
+def shift(model, *arguments):
+    """Displacement of the nodes by `imperfect`, shape (n, 3)."""
+    return imperfect(model, *arguments).mesh.geometry.x - model.mesh.geometry.x
+
+
+def test_statistics_of_random_fields():
+    """Mean, deviation, correlation exp(-(d / l)^2) and kurtosis over many samples, at four standard errors."""
+    places = np.array([[0.0, 0, 0], [0.5 * LENGTH, 0, 0], [0, LENGTH, 0], [0, 0, 2 * LENGTH]])
+    table = np.array([random_field(LENGTH, DEVIATION, seed)(places) for seed in range(SAMPLES)])
+    error = 1 / np.sqrt(SAMPLES)
+    assert np.abs(table.mean(axis=0)).max() < 4 * DEVIATION * error
+    assert table.std(axis=0) == pytest.approx(DEVIATION, rel=4 * error / np.sqrt(2))
+    assert np.corrcoef(table.T)[0] == pytest.approx(np.exp(-np.array([0, 0.5, 1, 2]) ** 2), abs=4 * error)
+    kurtosis = ((table / DEVIATION) ** 4).mean(axis=0)
+    assert kurtosis == pytest.approx(3, abs=4 * np.sqrt(96) * error)
+
+
+def test_the_same_field_on_any_mesh():
+    """Nodes that two meshes share move by the same vector."""
+    field = random_field(LENGTH, 0.01, 7)
+    coarse, fine = arc(6), arc(12)
+    distance, partner = cKDTree(fine.mesh.geometry.x).query(coarse.mesh.geometry.x)
+    shared = distance < 1e-6
+    assert shared.sum() == 13
+    assert shift(coarse, field)[shared] == pytest.approx(shift(fine, field)[partner[shared]], abs=3e-5)
+
+
+@pytest.mark.parametrize("model, radius", [(arc(), 2.0), (arc(24, 1), 2.0), (cylinder(), 1.0),
+                                           (cylinder((6, 6), 3), 1.0)])
+def test_deviations_along_the_normal(model, radius):
+    """A constant deviation changes the radius of a circle and of a cylinder."""
+    moved = imperfect(model, lambda x: np.full(len(x), 0.1)).mesh.geometry.x
+    across = moved[:, :2] if model.dimension == 2 else moved[:, 1:]
+    assert np.abs(np.linalg.norm(across, axis=1) - radius) == pytest.approx(0.1, rel=5e-3)
+
+
+def test_measured_field_at_its_points():
+    """Nodes at which deviations were measured move by them; a linear field is exact everywhere."""
+    model = cylinder((4, 4), 2)
+    x = model.mesh.geometry.x.copy()
+    chosen = np.arange(0, len(x), 3)
+    offsets = 0.01 * np.random.default_rng(2).standard_normal((len(chosen), 3))
+    assert shift(model, measured(x[chosen], offsets))[chosen] == pytest.approx(offsets, abs=1e-12)
+    slopes = np.array([[0.1, -0.2, 0.3], [0.0, 0.1, 0.2], [0.3, 0.0, 0.1]])
+    assert shift(model, measured(x[chosen], x[chosen] @ slopes)) == pytest.approx(x @ slopes, abs=1e-10)
+
+
+def test_measured_on_a_line_and_between_points():
+    """On a straight line the natural spline through samples of sin(pi x), which has no curvature at its ends either."""
+    model = read(lambda: meshes.frame({"a": (0, 0), "b": (1, 0)}, {"beam": ("a", "b", 33)}), 2)
+    stations = np.linspace(0, 1, 9)
+    points = np.column_stack((stations, 0 * stations))
+    moved = shift(model, measured(points, np.sin(np.pi * stations)), 0.1)
+    assert moved[:, 1] == pytest.approx(0.1 * np.sin(np.pi * model.mesh.geometry.x[:, 0]), abs=3e-5)
+
+
+def test_combination_of_modes():
+    """A sum of functions of the mesh and of places, each with its amplitude."""
+    model = arc()
+    mode = fem.Function(fem.functionspace(model.mesh, ("P", 2, (2,))))
+    mode.interpolate(lambda x: (x[1], x[0] ** 2))
+    x = model.mesh.geometry.x
+    expected = 0.5 * np.column_stack((x[:, 1], x[:, 0] ** 2)) + 0.2 * x[:, :2]
+    assert shift(model, [mode, lambda x: x], [0.5, 0.2])[:, :2] == pytest.approx(expected, abs=1e-12)
+
+
+@pytest.mark.parametrize("build, message", [
+    (lambda: random_field(0.0), "correlation_length is 0.0"),
+    (lambda: measured(np.zeros((2, 3)), np.zeros(3)), "an offset for each point"),
+    (lambda: measured(np.zeros((2, 3)), np.zeros(2)), "stands twice"),
+    (lambda: measured(np.eye(3)[:1], np.zeros(1)), "too few"),
+    (lambda: imperfect(arc(), [lambda x: x], [1.0, 2.0]), "2 amplitudes for 1"),
+    (lambda: imperfect(read(lambda: meshes.frame({"a": (0, 0, 0), "b": (1, 0, 0)}, {"c": ("a", "b", 2)}), 3),
+                       random_field(1.0)), "no normal"),
+    (lambda: imperfect(read(lambda: meshes.frame({"a": (0, 0), "b": (1, 0)}, {"c": ("a", "b", 2), "d": ("b", "a", 3)}),
+                            2), random_field(1.0)), "cancel"),
+])
+def test_bad_input(build, message):
+    with pytest.raises(ValueError, match=message):
+        build()
