@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path as Folder
 
 import numpy as np
@@ -25,35 +26,12 @@ def path_curve(record: Record, folder: Folder, name: str = "path.png") -> None:
 
 def draw_path(record: Record):
     """The matplotlib figure of `path_curve`."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(8.0, 5.2), layout="constrained")
-    FigureCanvasAgg(figure)
-    axes = figure.add_subplot()
-    knots, unstable = path_knots(record.states)
-    curve, segment = smooth(knots)
-    flags = unstable[segment]
-    named = record.states[-1].unstable is not None
-    for flag, colour, dashes, label in ((False, STABLE, "-", "stable" if named else "path"),
-                                        (True, UNSTABLE, (0, (5, 2)), "unstable")):
-        for i, (first, last) in enumerate(_runs(flags == flag)):
-            axes.plot(*curve[first:last + 1].T, color=colour, linestyle=dashes, linewidth=1.6, zorder=2,
-                      label=label if i == 0 else None)
+    figure, axes = _frame(record)
+    curve = _draw_stretches(axes, *path_knots(record.states), named=record.states[-1].unstable is not None)
     axes.plot([s.deflection for s in record.states], [s.load for s in record.states], ".", color="#333333",
               markersize=3.5, zorder=3, label="converged states")
     points = record.critical_points
-    for kind, (marker, label) in MARKERS.items():
-        chosen = [p for p in points if p.kind == kind]
-        if chosen:
-            axes.plot([p.deflection for p in chosen], [p.load for p in chosen], marker, color="white",
-                      markeredgecolor="black", markeredgewidth=1.3, markersize=7, zorder=4, label=_count(label, chosen))
-    axes.set_xlabel(record.case.axes[0])
-    axes.set_ylabel(record.case.axes[1])
-    axes.grid(color="#dddddd", linewidth=0.6)
-    axes.set_axisbelow(True)
-    axes.margins(x=0.05, y=0.12)
-    axes.spines[["top", "right"]].set_visible(False)
+    _draw_points(axes, points)
     axes.legend(frameon=True, framealpha=0.9, edgecolor="none", fontsize=9)
     unit = unit_of(record.case.axes[1])
     texts = [(p.deflection, p.load, f"{p.kind} {with_unit(p.load, unit)}") for p in most_telling(points, MOST_LABELS)]
@@ -61,7 +39,65 @@ def draw_path(record: Record):
     return figure
 
 
-def path_knots(states: list[State]) -> tuple[np.ndarray, np.ndarray]:
+def draw_branches(record: Record, branches: Sequence[tuple[CriticalPoint, Sequence[State]]]):
+    """Matplotlib figure of a path with branches of its bifurcations.
+
+    Parameters
+    ----------
+    branches : bifurcation and states of each branch, in order, the first being the start
+    """
+    figure, axes = _frame(record)
+    named = record.states[-1].unstable is not None
+    for point, states in branches:
+        knots, unstable = path_knots(states)
+        knots = np.concatenate([[(point.deflection, point.load)], knots])
+        unstable = np.concatenate([[bool(states[0].unstable)], unstable])
+        _draw_stretches(axes, knots, unstable, named=named, width=0.9)
+    _draw_stretches(axes, *path_knots(record.states), named=named, width=2.4)
+    _draw_points(axes, record.critical_points)
+    handles = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
+    axes.legend(handles.values(), handles.keys(), frameon=True, framealpha=0.9, edgecolor="none", fontsize=9)
+    return figure
+
+
+def _frame(record: Record):
+    """A figure and its axes, with the names of a record."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(8.0, 5.2), layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.add_subplot()
+    axes.set_xlabel(record.case.axes[0])
+    axes.set_ylabel(record.case.axes[1])
+    axes.grid(color="#dddddd", linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.margins(x=0.05, y=0.12)
+    axes.spines[["top", "right"]].set_visible(False)
+    return figure, axes
+
+
+def _draw_stretches(axes, knots: np.ndarray, unstable: np.ndarray, named: bool, width: float = 1.6) -> np.ndarray:
+    """Draw a smooth curve through knots by its stability, and return its points."""
+    curve, segment = smooth(knots)
+    flags = unstable[segment]
+    for flag, colour, dashes, label in ((False, STABLE, "-", "stable" if named else "path"),
+                                        (True, UNSTABLE, (0, (5, 2)), "unstable")):
+        for i, (first, last) in enumerate(_runs(flags == flag)):
+            axes.plot(*curve[first:last + 1].T, color=colour, linestyle=dashes, linewidth=width, zorder=2,
+                      label=label if i == 0 else None)
+    return curve
+
+
+def _draw_points(axes, points: list[CriticalPoint]) -> None:
+    for kind, (marker, label) in MARKERS.items():
+        chosen = [p for p in points if p.kind == kind]
+        if chosen:
+            axes.plot([p.deflection for p in chosen], [p.load for p in chosen], marker, color="white",
+                      markeredgecolor="black", markeredgewidth=1.3, markersize=7, zorder=4, label=_count(label, chosen))
+
+
+def path_knots(states: Sequence[State]) -> tuple[np.ndarray, np.ndarray]:
     """Points of the path in order, and whether it is unstable between each and the next.
 
     Returns

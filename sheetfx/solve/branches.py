@@ -25,12 +25,14 @@ from .critical import _bifurcation
 from .linear import SingularTangent
 from .spectrum import diagonal, nearest_to_zero
 
-ANGLES = 48
-STARTS = 16
+ANGLES = 48  # on the circle of directions of a double bifurcation
+STARTS = 16  # for each null vector of a higher one
 ITERATIONS = 12
-SMALLEST = 1e-3
-EXACT = 1e-10
-SAME = 1e-3
+CONVERGED = 1e-7  # last correction over the amplitude; with Newton's method the next one is its square
+NEAR = 0.02  # change of load between bifurcation and start, over the load
+SMALLEST = 1e-4  # amplitude over the first one tried
+NO_FORCE = 1e-10  # forces along null vectors over the load
+SAME = 1e-3  # distance of unit vectors
 
 
 class NoBranch(ArithmeticError):
@@ -69,7 +71,7 @@ def branches(path, states: Sequence[State], point: CriticalPoint,
     states : of the path, among them those before and after the bifurcation
     point : the bifurcation, one of `critical` of these states
     amplitude : of the modes at the starts, in the scaled inner product (of the size of rotations in radians); it is
-        halved until Newton's method converges quickly in all directions
+        halved until Newton's method converges quickly, to loads within 2 %, in all directions
 
     Raises
     ------
@@ -83,7 +85,7 @@ def branches(path, states: Sequence[State], point: CriticalPoint,
     try:
         bifurcation = _bifurcation(tracer, before, after)
         tracer.back_to(bifurcation)
-        reduction = _Reduction(tracer, point.multiplicity, after.increment)
+        reduction = _Reduction(tracer, point.multiplicity, after)
         return _found(reduction, amplitude)
     finally:
         tracer.back_to(present)
@@ -119,10 +121,10 @@ class _Reduction:
 
     Parameters
     ----------
-    along : increment along the path through the bifurcation, this process's part
+    after : state at the end of the step that the bifurcation lies in
     """
 
-    def __init__(self, tracer, multiplicity: int, along: np.ndarray):
+    def __init__(self, tracer, multiplicity: int, after: State):
         self.tracer, self.system, self.bifurcation = tracer, tracer.system, tracer.state
         self.linear = tracer.stepper.linear
         tracer._respond()
@@ -131,7 +133,8 @@ class _Reduction:
             raise NoBranch(f"only {len(self.modes)} of {multiplicity} null vectors at load "
                            f"{self.bifurcation.load:.6g} converge")
         self.weighted = [self._weighted(mode) for mode in self.modes]
-        self.measures = self._measures(along)
+        self.measures = self._measures(after.increment)
+        self.reach = NEAR * max(abs(self.bifurcation.factor), abs(after.load_increment))
         self.springs = self._pivots()
         self._residual, self._load = self.system.create_vector(), self.system.create_vector()
 
@@ -215,7 +218,9 @@ class _Reduction:
             system.load(self._load)
             size = max(abs(system.factor) * self._load.norm(), system.reaction)
             self._residual.axpy(-1.0, self._combined(self.weighted, forces))
-            if self._residual.norm() <= 1e-8 * size and taken <= EXACT * amplitude:
+            if self._residual.norm() <= 1e-8 * size and taken <= CONVERGED * amplitude:
+                if abs(load_increment) > self.reach:
+                    break
                 return _Solution(x.array.copy(), load_increment, forces, iteration)
             missing = amplitude * direction - [measure.dot(x) for measure in self.measures]
             try:
@@ -323,7 +328,7 @@ def _around_circle(reduction: _Reduction, amplitude: float) -> tuple[list[np.nda
 
     angles = np.linspace(0, 2 * np.pi, ANGLES + 1) + 0.1
     solutions = [reduction.solve(direction(angle), amplitude) for angle in angles[:-1]]
-    if max(map(reduction.relative_forces, solutions)) < EXACT:
+    if max(map(reduction.relative_forces, solutions)) < NO_FORCE:
         return [direction(angles[0])], True
     forces = [s.forces @ direction(a + np.pi / 2) for s, a in zip(solutions, angles, strict=False)]
     forces.append(forces[0])
@@ -337,7 +342,7 @@ def _over_sphere(reduction: _Reduction, amplitude: float) -> tuple[list[np.ndarr
     multiplicity = len(reduction.modes)
     starts = np.random.default_rng(0).standard_normal((STARTS * multiplicity, multiplicity))
     starts /= np.linalg.norm(starts, axis=1, keepdims=True)
-    if max(reduction.relative_forces(reduction.solve(c, amplitude)) for c in starts) < EXACT:
+    if max(reduction.relative_forces(reduction.solve(c, amplitude)) for c in starts) < NO_FORCE:
         return [starts[0]], True
     found: list[np.ndarray] = []
     for start in starts:
