@@ -11,14 +11,17 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import count
 
 from .checks import require_positive
 from .discretise import Discretisation
 from .scene import Scene
 from .solve.control import ArcLength, LoadControl, StepRule
-from .solve.critical import locate
-from .state import State
+from .solve.critical import Jump, locate
+from .state import CriticalPoint, State
 from .tracer import Tracer
+
+CROWDED, UNCROWDED = 4, 8  # bifurcations for which a step is cut, and the number of cuts made on their account
 
 
 class PathFailure(ArithmeticError):
@@ -115,22 +118,32 @@ class Path:
         """One converged step, shortened as often as needed, with the critical points inside it."""
         length, smallest = before.next_length or self.control.first, self.control.smallest * self.control.first
         largest = self.control.largest * self.control.first
-        while True:
+        for cut in count():
             length = self.control.clip(length, before.factor)
-            after = self.tracer.attempt(length)
-            if after is not None and self.tracer.turn(before) <= self.control.turn:
+            taken = self._try(before, length, CROWDED if cut < UNCROWDED else None)
+            if taken is not None:
                 break
-            if after is not None:
-                self.tracer.back_to(before)
             length /= 2
             if length < smallest:
                 raise PathFailure(self._complaint(before, length))
+        after, points = taken
         growth = self.control.growth(after.hardest)
-        after = replace(after, next_length=min(largest, length * growth))
-        points = locate(self.tracer, self._earlier, before, after)
-        after = replace(after, critical=points)
+        after = replace(after, next_length=min(largest, length * growth), critical=points)
         self.tracer.state, self._earlier = after, before
         return after
+
+    def _try(self, before: State, length: float, most: int | None) -> tuple[State, tuple[CriticalPoint, ...]] | None:
+        """A step with its critical points; None, and back to its start, if it does not converge or leaves its branch."""
+        after = self.tracer.attempt(length)
+        if after is None:
+            return None
+        try:
+            if self.tracer.turn(before, after) <= self.control.turn:
+                return after, locate(self.tracer, self._earlier, before, after, most)
+        except Jump:
+            pass
+        self.tracer.back_to(before)
+        return None
 
     def _complaint(self, state: State, length: float) -> str:
         history = self.tracer.stepper.history

@@ -31,6 +31,7 @@ class Tracer:
                                self._functional(getattr(control, "monitor", None) or monitor))
         self._reference: tuple[float, float] | None = None
         self.iterations = self._most = 0
+        self._factored: tuple[State | None, int] = None, 0
         discretisation.commit()
         try:
             self.state = self._converged(None)
@@ -67,6 +68,7 @@ class Tracer:
             if self.discretisation.enforcement.solve(self._correct, layers):
                 try:
                     self.state = self._converged(start, self.iterations - spent, length, before)
+                    self._mark_factored()
                     return self.state
                 except SingularTangent:
                     pass
@@ -87,6 +89,7 @@ class Tracer:
         before, self.stepper.load_increment, self._most = self.total_factorisations, load_increment, iterations
         found = self._converged(self.state, iterations, factorisations=before)
         self.state = replace(found, next_length=0.0)
+        self._mark_factored()
         return self.state
 
     def _correct(self) -> bool:
@@ -95,6 +98,24 @@ class Tracer:
         self.iterations += self.snes.getIterationNumber()
         self._most = max(self._most, self.snes.getIterationNumber())
         return self.snes.getConvergedReason() > 0
+
+    def factor_at(self, state: State) -> None:
+        """Return to a state and factor its tangent, unless that is the last one factored."""
+        if self.state is not state:
+            self.back_to(state)
+        factored, count = self._factored
+        if factored is not state or count != self.total_factorisations:
+            self._respond()
+            self._mark_factored()
+
+    def _mark_factored(self) -> None:
+        """Remember that the last factor is that of the current state."""
+        self._factored = self.state, self.total_factorisations
+
+    def load_vector(self) -> PETSc.Vec:
+        """Derivative of the external forces with respect to the load factor, in the current state."""
+        self.system.load(self._load)
+        return self._load.copy()
 
     def _undo(self, start: State) -> None:
         """Put the fields back to the state that the last attempt started from."""
@@ -175,23 +196,26 @@ class Tracer:
         chord = self.stepper.load_increment * self._reference[1] / work if work else inf
         return ends[0] * ends[1] < 0 and not min(ends) < chord < max(ends)
 
-    def turn(self, before: State) -> float:
-        """Largest angle in radians between the last step's increment and what it should go on from and lead to.
+    def turn(self, before: State, after: State) -> float:
+        """Largest angle in radians between the increment of a step and what it should go on from and lead to.
 
         These are the tangents at its start and its end; with contact, where tangents waver, the increment before.
         """
         wavering = self.discretisation.contacts and before.step > 0
         directions = [before.direction] if wavering else [before.tangent]
         if not self.discretisation.contacts:
-            directions.append(self.state.tangent)
-        return max(self._angle((self.state.load_increment, self.state.increment), d) for d in directions)
+            directions.append(after.tangent)
+        return max(self._angle(after.direction, d) for d in directions)
 
     def _angle(self, one: tuple[float, np.ndarray], other: tuple[float, np.ndarray]) -> float:
         """Angle between two increments of load factor and unknowns."""
-        inner, weight = self.tangent.inner, self._load_weight()
-        (a, first), (b, second) = one, other
-        left, right = self.x.duplicate(), self.x.duplicate()
-        left.array[:], right.array[:] = first, second
-        length2 = (inner(left, left) + weight * a * a) * (inner(right, right) + weight * b * b)
-        cosine = (inner(left, right) + weight * a * b) / sqrt(length2) if length2 else 1.0
-        return acos(np.clip(cosine, -1.0, 1.0))
+        lengths = self.distance(*one) * self.distance(*other)
+        return acos(np.clip(self._inner(one, other) / lengths, -1.0, 1.0)) if lengths else 0.0
+
+    def distance(self, load: float, increment: np.ndarray) -> float:
+        """Length of an increment of load factor and unknowns (this process's part) in the control's measure."""
+        return self._inner((load, increment), (load, increment)) ** 0.5
+
+    def _inner(self, one: tuple[float, np.ndarray], other: tuple[float, np.ndarray]) -> float:
+        (a, left), (b, right) = one, other
+        return self.system.comm.allreduce(float(left * self.system.weights.array @ right)) + self._load_weight() * a * b

@@ -1,125 +1,309 @@
-"""Critical points between two converged states: found by sign changes, refined by restarts."""
+"""Critical points between two converged states: found by sign changes, pinpointed by repeating the step."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.interpolate import CubicHermiteSpline, KroghInterpolator
 from scipy.optimize import brentq, minimize_scalar
 
 from ..state import CriticalPoint, State
+from .koiter import postbuckling
+from .spectrum import diagonal, nearest_to_zero
+
+SAME = 1e-6  # relative difference of loads of one multiple point
+STRAY = 0.3  # of the distance between its neighbours, by which a state may miss their interpolation
 
 
-def locate(tracer, earlier: State | None, before: State, after: State) -> tuple[CriticalPoint, ...]:
-    """Critical points that the step from `before` to `after` brings to light; the tracer ends at `after`.
-
-    A change of sign of the load rate is a limit point, which changes the number of unstable directions
-    by one; any other change in that number is a bifurcation. Both are refined by repeating the step
-    with other lengths.
-
-    As a contact slides over contact points the load rate wavers about that of the smooth path, while
-    the load itself hardly does. With contact a limit point is therefore a step in which the load
-    turns, and is searched there and in the step before it, which starts at `earlier`.
-    """
-    found = []
-    if tracer.discretisation.contacts:
-        if before.load_increment * after.load_increment < 0:
-            steps = [(before, after)] if earlier is None else [(earlier, before), (before, after)]
-            found.append(("limit", _highest(tracer, steps, 1.0 if before.load_increment > 0 else -1.0)))
-    elif before.load_rate * after.load_rate < 0:
-        found.append(("limit", _limit(tracer, before, after)))
-    if _beyond_limits(before) != _beyond_limits(after):
-        found.append(("bifurcation", _bifurcation(tracer, before, after)))
-    if not found:
-        return ()
-    tracer.back_to(after)
-    found.sort(key=lambda item: (item[1].step, item[1].length))
-    return tuple(CriticalPoint(kind, s.load, s.deflection, s.step) for kind, s in found)
-
-
-def _beyond_limits(state: State) -> int | None:
-    """Unstable directions beyond the one that a falling load brings; changes at bifurcations only."""
-    return None if state.unstable is None else state.unstable - (state.load_rate < 0)
+class Jump(ArithmeticError):
+    """The states of a step do not lie on one smooth piece of path: the step is too long or has left its branch."""
 
 
 class _Missed(ArithmeticError):
     """A step of a shorter length does not converge."""
 
 
-class _Tries:
-    """The step from a state repeated with other lengths."""
+class Stretch:
+    """The piece of path from a state to another one, searched by repeating the step with other lengths."""
 
     def __init__(self, tracer, before: State, after: State):
-        self.tracer, self.before = tracer, before
+        self.tracer, self.before, self.after = tracer, before, after
         self.states = {0.0: before, after.length: after}
+        self._spectra: dict[float, tuple[list[float], list]] = {}
 
     def __getitem__(self, length: float) -> State:
+        """State at a length of the step.
+
+        Raises
+        ------
+        Jump, _Missed
+        """
         if length not in self.states:
+            left, right = self.neighbours(length)
+            guess = self._interpolated(left, right, length)
             self.tracer.back_to(self.before)
-            state = self.tracer.attempt(length, self._guess(length)) or self.tracer.attempt(length)
+            state = self.tracer.attempt(length, guess) or self.tracer.attempt(length)
             if state is None:
                 raise _Missed
+            if not self.tracer.discretisation.contacts:
+                self._compare(state, guess, left, right)
             self.states[length] = state
         return self.states[length]
 
-    def neighbours(self, length: float) -> list[tuple[float, State]]:
-        """Lengths and states of the nearest tries on both sides."""
-        below, above = [s for s in self.states if s < length], [s for s in self.states if s > length]
-        return [(s, self.states[s]) for s in (max(below, default=None), min(above, default=None)) if s is not None]
+    def neighbours(self, length: float) -> tuple[float, float]:
+        """Lengths of the nearest states on both sides."""
+        return max(s for s in self.states if s < length), min(s for s in self.states if s > length)
 
-    def _guess(self, length: float):
-        """Cubic interpolation between the nearest states on both sides, from their tangents."""
-        (a, left), (b, right) = self.neighbours(length)
-        span, t = b - a, (length - a) / (b - a)
-        weights = ((1 + 2 * t) * (1 - t) ** 2, t * t * (3 - 2 * t), span * t * (1 - t) ** 2, span * t * t * (t - 1))
-        ends = [left, right]
-        values = [(0.0, 0.0) if s is self.before else (s.load_increment, s.increment) for s in ends]
-        slopes = [(s.load_rate, s.load_rate * s.response) for s in ends]
-        return tuple(sum(w * v[n] for w, v in zip(weights, values + slopes, strict=True)) for n in range(2))
+    def pairs(self) -> list[tuple[float, float]]:
+        """Lengths of neighbouring states."""
+        lengths = sorted(self.states)
+        return list(zip(lengths[:-1], lengths[1:], strict=True))
+
+    def _increments(self, length: float) -> tuple[float, np.ndarray]:
+        """Of load factor and unknowns since the step began."""
+        state = self.states[length]
+        return (0.0, np.zeros_like(state.increment)) if state is self.before else state.direction
+
+    def _interpolated(self, left: float, right: float, length: float) -> tuple[float, np.ndarray]:
+        """Increments at a length by Hermite's cubic with the tangents of two states, as fast as their distance asks."""
+        rate = self._distance(left, right) / (right - left)
+        values, slopes = ([np.append(x, load) for load, x in vectors] for vectors in (
+            map(self._increments, (left, right)), (self.states[s].tangent for s in (left, right))))
+        found = CubicHermiteSpline((left, right), values, rate * np.array(slopes))(length)
+        return float(found[-1]), found[:-1]
+
+    def _distance(self, left: float, right: float) -> float:
+        (a, x), (b, y) = self._increments(left), self._increments(right)
+        return self.tracer.distance(b - a, y - x)
+
+    def _compare(self, state: State, guess, left: float, right: float) -> None:
+        off = self.tracer.distance(state.load_increment - guess[0], state.increment - guess[1])
+        if off > STRAY * self._distance(left, right):
+            raise Jump(f"a state within the step is {off / self._distance(left, right):.2g} of it off the path")
+
+    def spectrum(self, length: float, count: int) -> tuple[list[float], list]:
+        """Eigenvalues of the tangent nearest to zero, and modes, at a length."""
+        found = self._spectra.get(length)
+        if found is None or len(found[0]) < count:
+            self.tracer.factor_at(self[length])
+            weights = diagonal(self.tracer.system.weights)
+            found = self._spectra[length] = nearest_to_zero(self.tracer.stepper.linear, weights, count)
+        return found
+
+    def eigenvalue(self, length: float, number: int, count: int) -> float:
+        """The eigenvalue of the tangent with so many below it, or an end of the `count` nearest to zero."""
+        values = self.spectrum(length, count)[0]
+        place = number - self[length].unstable + sum(v < 0 for v in values)
+        return values[min(max(place, 0), len(values) - 1)]
+
+    def root(self, function: Callable[[float], float], left: float, right: float, exact: float) -> dict[float, float]:
+        """Values of a function of the state, at lengths that close in on its root between two others.
+
+        Parameters
+        ----------
+        exact : relative error of the load at which to stop
+        """
+        known = {}
+
+        def stopped(length):
+            value = known[length] = function(length)
+            slopes = [abs((known[s] - value) / (s - length)) for s in known if s not in (length, left, right)]
+            slope = max(slopes, default=0.0)
+            state = self.states[length]
+            size = max(abs(state.factor), abs(self.after.load_increment))
+            return 0.0 if slope and self._load_change(state, value / slope) < exact * size else value
+
+        try:
+            brentq(stopped, left, right, xtol=1e-12 * self.after.length, rtol=1e-14)
+        except _Missed:
+            pass
+        return dict(sorted(known.items(), key=lambda item: abs(item[1])))
+
+    def _load_change(self, state: State, length: float) -> float:
+        """Change of the load factor within a small length, to the second order where the load is stationary."""
+        rate = self._distance(0.0, self.after.length) / self.after.length * length
+        bend = abs(self.after.load_rate - self.before.load_rate) / self._distance(0.0, self.after.length)
+        return abs(state.load_rate * rate) + bend * rate**2
 
 
-def _limit(tracer, before: State, after: State) -> State:
-    """State within a step whose load rate is zero; its load differs by about 1e-12 from the limit."""
-    tries, sign = _Tries(tracer, before, after), 1.0 if before.load_rate > 0 else -1.0
+def locate(tracer, earlier: State | None, before: State, after: State, most: int | None = None) -> tuple[CriticalPoint, ...]:
+    """Critical points that the step from `before` to `after` brings to light; the tracer ends at `after`.
 
-    def rate(length):
-        state = tries[length]
-        slopes = [abs((s.load_rate - state.load_rate) / (other - length)) for other, s in tries.neighbours(length)]
-        close = len(slopes) == 2 and state.load_rate**2 < 2e-12 * min(slopes) * abs(state.factor)
-        return 0.0 if close else state.load_rate
+    A change of sign of the load rate is a limit point, which changes the number of unstable directions
+    by one; any other change in that number means bifurcations. A step with more than `most` of them is too
+    long. A step whose load does not follow from the
+    tangents at its ends, or that turns, is also looked at in its middle.
 
+    As a contact slides over contact points the load rate wavers about that of the smooth path, while
+    the load itself hardly does. With contact a limit point is therefore a step in which the load
+    turns, and is searched there and in the step before it, which starts at `earlier`.
+
+    Raises
+    ------
+    Jump
+        If the states of the step do not lie on one smooth piece of path.
+    """
+    stretch = Stretch(tracer, before, after)
+    if most is not None and _hidden(before, after) > most:
+        raise Jump(f"{_hidden(before, after)} bifurcations lie in one step")
+    if tracer.discretisation.contacts:
+        limits = _turning_loads(stretch, earlier)
+    else:
+        _check(stretch)
+        limits = [(stretch, next(iter(stretch.root(lambda s: stretch[s].load_rate, a, b, 1e-12))))
+                  for a, b in stretch.pairs() if stretch[a].load_rate * stretch[b].load_rate < 0]
+    points = [_limit(*found) for found in limits]
+    crossings = _bifurcations(stretch, [length for s, length in limits if s is stretch])
+    points += [_bifurcation(stretch, cluster) for cluster in _clusters(crossings)]
+    if len(stretch.states) > 2 or points:
+        tracer.back_to(after)
+    return tuple(sorted(points, key=lambda p: (p.step, p.length)))
+
+
+def state_at(tracer, before: State, after: State, point: CriticalPoint) -> State:
+    """The state of a critical point of the step from `before` to `after`, again; the tracer ends there."""
+    stretch = Stretch(tracer, before, after)
+    if abs(point.length - after.length) <= 1e-12 * after.length:
+        tracer.factor_at(after)
+        return after
     try:
-        brentq(rate, 0.0, after.length, xtol=1e-7 * after.length)
+        state = stretch[point.length]
     except _Missed:
-        pass
-    return max(tries.states.values(), key=lambda s: sign * s.factor)
+        raise ArithmeticError(f"the {point.kind} at load {point.load:.6g} in step {point.step} does not converge "
+                              "again; resume the path with a shorter step before it") from None
+    tracer.factor_at(state)
+    return state
 
 
-def _highest(tracer, steps, sign: float) -> State:
-    """State of the highest load (lowest for a negative sign) within steps."""
-    found = []
-    for before, after in steps:
-        tries = _Tries(tracer, before, after)
+def _check(stretch: Stretch) -> None:
+    """Look into the middle of a step that turns, or whose load the tangents at its ends do not explain."""
+    before, after = stretch.before, stretch.after
+    turns = stretch.tracer.turn(before, after) > 0.4
+    distance = stretch.tracer.distance(*after.direction)
+    rates = [before.load_rate, after.load_rate]
+    unexplained = abs(after.load_increment - distance * sum(rates) / 2) > 0.25 * distance * max(map(abs, rates))
+    if turns or unexplained:
+        try:
+            stretch[after.length / 2]
+        except _Missed:
+            raise Jump("the middle of the step does not converge") from None
 
-        def opposite_load(length, tries=tries, before=before):
+
+def _limit(stretch: Stretch, length: float) -> CriticalPoint:
+    state, left = stretch.states[length], max((s for s in stretch.states if s < length), default=0.0)
+    rising = stretch.states[left].factor < state.factor
+    return CriticalPoint("limit", state.load, state.deflection, state.step, length,
+                         name="maximum" if rising else "minimum")
+
+
+def _turning_loads(stretch: Stretch, earlier: State | None) -> list[tuple[Stretch, float]]:
+    """The state of the highest (lowest) load where the load turns from one step to the next."""
+    before, after = stretch.before, stretch.after
+    if not before.load_increment * after.load_increment < 0:
+        return []
+    sign = 1.0 if before.load_increment > 0 else -1.0
+    stretches = [stretch] if earlier is None else [Stretch(stretch.tracer, earlier, before), stretch]
+    for one in stretches:
+
+        def opposite_load(length, one=one):
             try:
-                return -sign * tries[length].factor
+                return -sign * one[length].factor
             except _Missed:
-                return -sign * before.factor
+                return -sign * one.before.factor
 
-        minimize_scalar(opposite_load, bounds=(0.0, after.length), method="bounded",
-                        options={"xatol": 0.02 * after.length})
-        found += tries.states.values()
-    return max(found, key=lambda s: sign * s.factor)
+        minimize_scalar(opposite_load, bounds=(0.0, one.after.length), method="bounded",
+                        options={"xatol": 0.02 * one.after.length})
+    return [max(((one, length) for one in stretches for length in one.states),
+                key=lambda found: sign * found[0].states[found[1]].factor)]
 
 
-def _bifurcation(tracer, before: State, after: State) -> State:
-    """Last state within a step that has not passed a bifurcation."""
-    tries, low, high = _Tries(tracer, before, after), 0.0, after.length
+@dataclass(frozen=True)
+class _Crossing:
+    """Where an eigenvalue of the tangent passes zero: the nearest state's length, and what is interpolated there."""
+
+    length: float
+    load: float
+    deflection: float
+
+
+def _bifurcations(stretch: Stretch, limits: list[float]) -> list[_Crossing]:
+    """Where eigenvalues other than those of limit points pass zero, along the path."""
+    near = 1e-5 * stretch.after.length
+    lengths = [s for s in sorted(stretch.states) if all(abs(s - limit) > near for limit in limits)]
+    found = [c for pair in zip(lengths[:-1], lengths[1:], strict=True) for c in _crossings(stretch, *pair, near)]
+    return sorted(found, key=lambda c: c.length)
+
+
+def _hidden(one: State, other: State) -> int:
+    """Least number of bifurcations between two states: a limit point changes the unstable directions by one."""
+    if one.unstable is None or other.unstable is None:
+        return 0
+    change = abs(one.unstable - other.unstable)
+    return abs(change - 1) if one.load_rate * other.load_rate < 0 else change
+
+
+def _crossings(stretch: Stretch, left: float, right: float, near: float) -> list[_Crossing]:
+    one, other = stretch[left], stretch[right]
+    count = _hidden(one, other)
+    if not count:
+        return []
+    if one.load_rate * other.load_rate < 0:
+        middle = (left + right) / 2
+        if right - left <= 3 * near:
+            return [_Crossing(left, one.load, one.deflection)] * count
+        try:
+            stretch[middle]
+        except _Missed:
+            return []
+        return _crossings(stretch, left, middle, near) + _crossings(stretch, middle, right, near)
+    return [_crossing(stretch, number, count + 2, left, right)
+            for number in range(*sorted((one.unstable, other.unstable)))]
+
+
+def _crossing(stretch: Stretch, number: int, count: int, left: float, right: float) -> _Crossing:
+    """Zero of one eigenvalue, interpolated between states so far from it that rounding does not throw them off."""
+    def value(length):
+        return stretch.eigenvalue(length, number, count)
+
+    values = stretch.root(value, left, right, 1e-3)
+    middle, reach = next(iter(values)), 0.02 * (right - left)
+    for length in (middle - reach, middle + reach):
+        if left < length < right:
+            try:
+                values[length] = value(length)
+            except _Missed:
+                pass
+    nearest = sorted(values, key=lambda s: abs(values[s]))[:5]
+    table = [(s, stretch[s].load, stretch[s].deflection) for s in nearest]
+    found = _Crossing(*map(float, KroghInterpolator([values[s] for s in nearest], table)(0.0)))
     try:
-        while high - low > 1e-7 * after.length:
-            middle = (low + high) / 2
-            if _beyond_limits(tries[middle]) == _beyond_limits(before):
-                low = middle
-            else:
-                high = middle
+        stretch[found.length]
     except _Missed:
-        pass
-    return tries.states[low]
+        return replace(found, length=nearest[0])
+    return found
+
+
+def _clusters(crossings: list[_Crossing]) -> list[list[_Crossing]]:
+    """Crossings at equal loads together."""
+    clusters: list[list[_Crossing]] = []
+    for crossing in crossings:
+        if clusters and abs(crossing.load - clusters[-1][-1].load) <= SAME * abs(crossing.load):
+            clusters[-1].append(crossing)
+        else:
+            clusters.append([crossing])
+    return clusters
+
+
+def _bifurcation(stretch: Stretch, crossings: list[_Crossing]) -> CriticalPoint:
+    """A simple or multiple bifurcation, classified."""
+    first, count, tracer = crossings[0], len(crossings), stretch.tracer
+    state = stretch[first.length]
+    point = CriticalPoint("bifurcation", first.load, first.deflection, stretch.after.step, first.length, count)
+    if tracer.discretisation.contacts or not tracer.system.symmetric:
+        return point
+    values, modes = stretch.spectrum(first.length, count)
+    tracer.factor_at(state)
+    null = [modes[i] for i in np.argsort(np.abs(values))[:count]]
+    return postbuckling(tracer, state, null, point, [stretch.before, stretch.after])

@@ -44,7 +44,9 @@ class DirectSolver:
             pc.getFactorMatrix().setMumpsIcntl(24, 1)
             pc.getFactorMatrix().setMumpsCntl(3, -1e-100)
         self.factorisations += 1
+        pc.setReusePreconditioner(False)
         pc.setUp()
+        pc.setReusePreconditioner(True)  # until `factor` is called again, whatever is assembled meanwhile
         if pc.getFailedReason() != PETSc.PC.FailedReason.NOERROR:
             pc.reset()
             self._set_up()

@@ -29,16 +29,23 @@ def mode_displacement(path, model: Model, mode) -> fem.Function:
 
 def scaled(discretisation: Discretisation, mode: PETSc.Vec) -> np.ndarray:
     """The mode with a largest displacement of 1, its largest component being positive."""
-    vector, sizes, signs = discretisation.system.create_vector(), [], []
-    vector.array[:] = mode.array
-    for model in dict.fromkeys(part.model for part in discretisation.scene.parts):
-        table = _displacement(discretisation, model, vector).reshape(-1, model.dimension)
-        sizes.append(np.linalg.norm(table, axis=1).max(initial=0.0))
-        signs += [table.max(initial=0.0), table.min(initial=0.0)]
-    comm = discretisation.system.comm
-    size, *signs = (comm.allreduce(float(v), op=MPI.MAX) for v in (max(sizes), max(signs), -min(signs)))
-    sign = 1.0 if signs[0] >= signs[1] else -1.0
-    return sign * mode.array / (size or 1.0)
+    comm, tables = discretisation.system.comm, _tables(discretisation, mode)
+    highest, lowest = (comm.allreduce(max(float((sign * t).max(initial=0.0)) for t in tables), op=MPI.MAX)
+                       for sign in (1.0, -1.0))
+    sign = 1.0 if highest >= lowest else -1.0
+    return sign * mode.array / (largest_displacement(discretisation, mode) or 1.0)
+
+
+def largest_displacement(discretisation: Discretisation, mode: PETSc.Vec) -> float:
+    """Length of the largest displacement of any node, on all processes."""
+    largest = max(float(np.linalg.norm(t, axis=1).max(initial=0.0)) for t in _tables(discretisation, mode))
+    return discretisation.system.comm.allreduce(largest, op=MPI.MAX)
+
+
+def _tables(discretisation: Discretisation, mode: PETSc.Vec) -> list[np.ndarray]:
+    """Nodal displacements of all models, one node in each row."""
+    models = dict.fromkeys(part.model for part in discretisation.scene.parts)
+    return [_displacement(discretisation, m, mode).reshape(-1, m.dimension) for m in models]
 
 
 def _displacement(discretisation: Discretisation, model: Model, step: PETSc.Vec) -> np.ndarray:

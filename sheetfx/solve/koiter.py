@@ -1,0 +1,181 @@
+"""What follows a bifurcation, from the variations of the energy there (Koiter 1945).
+
+With a null vector phi of the tangent the energy along the curve s phi + s^2 w, where w makes it stationary, is
+
+    E(s) = A s^3 / 6 + C s^4 / 24 + ...,   w = -K^-1 (third variation phi phi) / 2 off the null vector,
+
+and the tangent loses the stiffness B along phi with the load of the fundamental path. The other path is
+load - critical load = -A s / (2 B) - C s^2 / (6 B) (Koiter 1945, section 3.8; Budiansky 1974, section II). Third and
+fourth variations are differences of the exact gradient and Hessian that the forms give: w is stationary, so that its
+error counts in the second order only, and slender structures lose no digits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from ..state import CriticalPoint, State
+from .modes import largest_displacement
+
+STEP = 1e-4  # of differences of the Hessian, in the scaled norm of increments
+LONGEST, HALVINGS = 0.1, 14  # of differences of the gradient
+NEGLIGIBLE = 1e-3  # share of the slope in the load's change, where that is one per cent, of a symmetric bifurcation
+
+
+class Energy:
+    """Variations of the energy about the tracer's current state, as a function of the increments since then."""
+
+    def __init__(self, tracer):
+        self._tracer, self._system, self._factor = tracer, tracer.system, tracer.system.factor
+
+    def gradient(self, x: PETSc.Vec) -> PETSc.Vec:
+        out = x.duplicate()
+        with self._system.additive_increments():
+            self._system.configure(x)
+            self._system.residual(out)
+        return out
+
+    def hessian(self, x: PETSc.Vec, load: float, mode: PETSc.Vec) -> PETSc.Vec:
+        """Its product with a mode, where the load factor has changed by `load`."""
+        out, system = x.duplicate(), self._system
+        with system.additive_increments():
+            system.factor = self._factor + load
+            system.configure(x)
+            system.extrapolate_stress()
+            system.tangent().mult(mode, out)
+            system.factor = self._factor
+        return out
+
+    def third(self, mode: PETSc.Vec, along: PETSc.Vec, load: float = 0.0) -> PETSc.Vec:
+        """Change of the Hessian's product with a mode along an increment of unknowns and load factor."""
+        step = STEP / max(self._tracer.distance(0.0, along.array), 1e-300)
+        ahead, behind = (self.hessian(sign * step * along, sign * step * load, mode) for sign in (1.0, -1.0))
+        return (ahead - behind) / (2 * step)
+
+    def leave(self) -> None:
+        """Put the fields back to the state."""
+        zero = self._system.create_vector()
+        self._system.configure(zero)
+
+
+def postbuckling(tracer, state: State, modes: Sequence[PETSc.Vec], point: CriticalPoint,
+                 neighbours: Sequence[State]) -> CriticalPoint:
+    """A bifurcation with its name and, where it is simple, Koiter's a and b.
+
+    Parameters
+    ----------
+    tracer : at the state of the bifurcation, with its tangent factored
+    modes : null vectors, of unit length in the scaled inner product
+    neighbours : states on the fundamental path, before and behind
+    """
+    if len(modes) > 1:
+        return replace(point, name="multiple")
+    energy, mode = Energy(tracer), modes[0]
+    solve = _Complement(tracer, mode)
+    third = energy.third(mode, mode)
+    cubic = mode.dot(third)
+    slope = solve(tracer.load_vector())
+    stiffness = mode.dot(energy.third(mode, slope, 1.0))
+    bend = mode.dot(energy.third(slope, slope, 1.0))
+    quartic = 24 * _quartic(energy, mode, solve(-0.5 * third))
+    energy.leave()
+    along = sum(_component(tracer, mode, s.response) for s in neighbours) / len(neighbours)
+    stiffness += cubic * _fundamental(cubic, stiffness, bend, along)
+    size = largest_displacement(tracer.discretisation, mode)
+    first, second = -cubic / (2 * stiffness) / size, -quartic / (6 * stiffness) / size**2
+    critical = state.factor
+    reach = (0.01 * max(abs(critical), abs(neighbours[1].load_increment)) / max(abs(second), 1e-300)) ** 0.5
+    if abs(first) > NEGLIGIBLE * abs(second) * reach:
+        return replace(point, name="asymmetric", slope=first / critical, curvature=None)
+    return replace(point, name="stable symmetric" if quartic > 0 else "unstable symmetric", slope=0.0,
+                   curvature=second / critical)
+
+
+def _component(tracer, mode: PETSc.Vec, array: np.ndarray) -> float:
+    """Share of a mode in an increment."""
+    vector = mode.duplicate()
+    vector.array[:] = array
+    return tracer.tangent.inner(mode, vector)
+
+
+def _fundamental(cubic: float, stiffness: float, bend: float, seen: float) -> float:
+    """Component along the mode of the fundamental path by a unit of load.
+
+    Both paths solve cubic k^2 + 2 stiffness k + bend = 0 (Keller 1977, eq. 5.9); the one closest to what is seen counts.
+    """
+    roots = np.roots([cubic, 2 * stiffness, bend]) if cubic else np.array([-bend / (2 * stiffness)])
+    return float(min(roots.real, key=lambda root: abs(root - seen)))
+
+
+class _Complement:
+    """Solutions of the singular tangent off its null vector."""
+
+    def __init__(self, tracer, mode: PETSc.Vec):
+        self._solver, self._mode = tracer.stepper.linear, mode
+        self._weighted = mode.duplicate()
+        self._weighted.pointwiseMult(tracer.system.weights, mode)
+
+    def __call__(self, right: PETSc.Vec) -> PETSc.Vec:
+        solution = right.duplicate()
+        self._solver.solve(right - right.dot(self._mode) * self._weighted, solution)
+        return solution - solution.dot(self._weighted) * self._mode
+
+
+def _quartic(energy: Energy, mode: PETSc.Vec, bend: PETSc.Vec) -> float:
+    """Coefficient of s^4 in the energy along s mode + s^2 bend.
+
+    The odd part of its derivative is c s + 4 quartic s^3 + d s^5; three neighbours of a sequence of halved s give the
+    quartic. Long ones suffer from higher terms and short ones from rounding: those count that agree best.
+    """
+    lengths = [LONGEST / 2**n for n in range(HALVINGS)]
+    odd = [(_slope(energy, mode, bend, s) - _slope(energy, mode, bend, -s)) / 2 for s in lengths]
+    found = []
+    for n in range(HALVINGS - 2):
+        s = np.array(lengths[n: n + 3])
+        found.append(np.linalg.solve(np.column_stack((s, s**3, s**5)) / s[0] ** np.array([1, 3, 5]),
+                                     odd[n: n + 3])[1] / s[0] ** 3 / 4)
+    changes = np.abs(np.diff(found)) / np.abs(found[1:])
+    return float(found[1 + int(np.argmin(changes))])
+
+
+def _slope(energy: Energy, mode: PETSc.Vec, bend: PETSc.Vec, length: float) -> float:
+    """Derivative of the energy along the curve."""
+    return energy.gradient(length * mode + length**2 * bend).dot(mode + 2 * length * bend)
+
+
+def limit_of_imperfect(point: CriticalPoint, amplitude: float, sensitivity: float = 1.0) -> float:
+    """Load at which the path of a slightly imperfect structure is lost, over that of the perfect one (Koiter 1945).
+
+    The maximum of (1 - r) xi + a xi^2 + b xi^3 = sensitivity r amplitude over xi: asymptotically
+    1 - r = 2 (-a amplitude)^(1/2) or 3 / 2^(2/3) (-b)^(1/3) amplitude^(2/3).
+
+    Parameters
+    ----------
+    point : simple bifurcation with a slope or a negative curvature
+    amplitude : largest deviation in the shape of the mode, in length units; its sign counts where there is a slope
+    sensitivity : 1 for a structure that does not bend before it buckles
+
+    Raises
+    ------
+    ValueError
+        If the structure is not sensitive to this imperfection.
+    """
+    a, b = point.slope or 0.0, point.curvature or 0.0
+    size = abs(sensitivity * amplitude)
+    sign = 1.0 if sensitivity * amplitude > 0 else -1.0
+    if a * sign >= 0 and not (a == 0 and b < 0):
+        raise ValueError(f"limit_of_imperfect: a bifurcation with a = {a:g}, b = {b:g} keeps its load with an "
+                         f"imperfection of {amplitude:g}; give one of the other sign or another point")
+    size = max(size, 1e-300)
+
+    def ratio(xi):
+        return (xi + sign * a * xi**2 + b * xi**3) / (xi + size)
+
+    highest = np.roots(np.polysub(np.polymul([3 * b, 2 * sign * a, 1], [1, size]), [b, sign * a, 1, 0]))
+    real = highest[(abs(highest.imag) < 1e-9 * abs(highest)) & (highest.real > 0)].real
+    return float(ratio(real.min()))
