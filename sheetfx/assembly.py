@@ -210,8 +210,12 @@ class System:
         index_map = block.space.dofmap.index_map
         return (index_map.size_local + index_map.num_ghosts) * block.space.dofmap.index_map_bs
 
-    def create_vector(self) -> PETSc.Vec:
-        return compat.create_vector(self._maps)
+    def create_vector(self, values: np.ndarray | None = None) -> PETSc.Vec:
+        """A vector of increments, zero or with this process's part given."""
+        vector = compat.create_vector(self._maps)
+        if values is not None:
+            vector.array[:] = values
+        return vector
 
     def configure(self, x: PETSc.Vec) -> None:
         """Put all fields to the last converged state followed by the increments x."""

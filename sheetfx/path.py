@@ -132,8 +132,8 @@ class Path:
         self.tracer.state, self._earlier = after, before
         return after
 
-    def _try(self, before: State, length: float, most: int | None) -> tuple[State, tuple[CriticalPoint, ...]] | None:
-        """A step with its critical points; None, and back to its start, if it does not converge or leaves its branch."""
+    def _try(self, before: State, length: float, most: int | None) -> tuple[State, Sequence[CriticalPoint]] | None:
+        """A step with its critical points; None and back to its start if it does not converge or leaves its branch."""
         after = self.tracer.attempt(length)
         if after is None:
             return None

@@ -21,7 +21,7 @@ from petsc4py import PETSc
 from scipy.optimize import brentq, root
 
 from ..state import CriticalPoint, State
-from .critical import _bifurcation
+from .critical import state_at
 from .linear import SingularTangent
 from .spectrum import diagonal, nearest_to_zero
 
@@ -83,8 +83,7 @@ def branches(path, states: Sequence[State], point: CriticalPoint,
     tracer = getattr(path, "tracer", path)
     present = tracer.state
     try:
-        bifurcation = _bifurcation(tracer, before, after)
-        tracer.back_to(bifurcation)
+        state_at(tracer, before, after, point)
         reduction = _Reduction(tracer, point.multiplicity, after)
         return _found(reduction, amplitude)
     finally:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from math import pi
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline, KroghInterpolator
@@ -26,10 +27,14 @@ class _Missed(ArithmeticError):
 
 
 class Stretch:
-    """The piece of path from a state to another one, searched by repeating the step with other lengths."""
+    """The piece of path from a state to another one, searched by repeating the step with other lengths.
+
+    It is guarded against states off the path unless the control allows steps to turn back, or contact wavers.
+    """
 
     def __init__(self, tracer, before: State, after: State):
         self.tracer, self.before, self.after = tracer, before, after
+        self.guarded = tracer.control.turn < pi and not tracer.discretisation.contacts
         self.states = {0.0: before, after.length: after}
         self._spectra: dict[float, tuple[list[float], list]] = {}
 
@@ -47,7 +52,7 @@ class Stretch:
             state = self.tracer.attempt(length, guess) or self.tracer.attempt(length)
             if state is None:
                 raise _Missed
-            if not self.tracer.discretisation.contacts:
+            if self.guarded:
                 self._compare(state, guess, left, right)
             self.states[length] = state
         return self.states[length]
@@ -89,7 +94,8 @@ class Stretch:
         if found is None or len(found[0]) < count:
             self.tracer.factor_at(self[length])
             weights = diagonal(self.tracer.system.weights)
-            found = self._spectra[length] = nearest_to_zero(self.tracer.stepper.linear, weights, count)
+            values, modes = nearest_to_zero(self.tracer.stepper.linear, weights, count)
+            found = self._spectra[length] = values, [self.tracer.system.create_vector(m.array) for m in modes]
         return found
 
     def eigenvalue(self, length: float, number: int, count: int) -> float:
@@ -128,7 +134,8 @@ class Stretch:
         return abs(state.load_rate * rate) + bend * rate**2
 
 
-def locate(tracer, earlier: State | None, before: State, after: State, most: int | None = None) -> tuple[CriticalPoint, ...]:
+def locate(tracer, earlier: State | None, before: State, after: State,
+           most: int | None = None) -> tuple[CriticalPoint, ...]:
     """Critical points that the step from `before` to `after` brings to light; the tracer ends at `after`.
 
     A change of sign of the load rate is a limit point, which changes the number of unstable directions
@@ -146,12 +153,13 @@ def locate(tracer, earlier: State | None, before: State, after: State, most: int
         If the states of the step do not lie on one smooth piece of path.
     """
     stretch = Stretch(tracer, before, after)
-    if most is not None and _hidden(before, after) > most:
+    if stretch.guarded and most is not None and _hidden(before, after) > most:
         raise Jump(f"{_hidden(before, after)} bifurcations lie in one step")
     if tracer.discretisation.contacts:
         limits = _turning_loads(stretch, earlier)
     else:
-        _check(stretch)
+        if stretch.guarded:
+            _check(stretch)
         limits = [(stretch, next(iter(stretch.root(lambda s: stretch[s].load_rate, a, b, 1e-12))))
                   for a, b in stretch.pairs() if stretch[a].load_rate * stretch[b].load_rate < 0]
     points = [_limit(*found) for found in limits]
@@ -194,7 +202,7 @@ def _check(stretch: Stretch) -> None:
 def _limit(stretch: Stretch, length: float) -> CriticalPoint:
     state, left = stretch.states[length], max((s for s in stretch.states if s < length), default=0.0)
     rising = stretch.states[left].factor < state.factor
-    return CriticalPoint("limit", state.load, state.deflection, state.step, length,
+    return CriticalPoint("limit", state.load, state.deflection, state.step, float(length),
                          name="maximum" if rising else "minimum")
 
 
@@ -229,9 +237,13 @@ class _Crossing:
 
 
 def _bifurcations(stretch: Stretch, limits: list[float]) -> list[_Crossing]:
-    """Where eigenvalues other than those of limit points pass zero, along the path."""
+    """Where eigenvalues other than those of limit points pass zero, along the path.
+
+    With contact, where eigenvalues waver, only the ends of the step are compared.
+    """
     near = 1e-5 * stretch.after.length
-    lengths = [s for s in sorted(stretch.states) if all(abs(s - limit) > near for limit in limits)]
+    candidates = [0.0, stretch.after.length] if stretch.tracer.discretisation.contacts else sorted(stretch.states)
+    lengths = [s for s in candidates if all(abs(s - limit) > near for limit in limits)]
     found = [c for pair in zip(lengths[:-1], lengths[1:], strict=True) for c in _crossings(stretch, *pair, near)]
     return sorted(found, key=lambda c: c.length)
 
@@ -278,6 +290,8 @@ def _crossing(stretch: Stretch, number: int, count: int, left: float, right: flo
     nearest = sorted(values, key=lambda s: abs(values[s]))[:5]
     table = [(s, stretch[s].load, stretch[s].deflection) for s in nearest]
     found = _Crossing(*map(float, KroghInterpolator([values[s] for s in nearest], table)(0.0)))
+    if not left < found.length < right:
+        return _Crossing(*table[0])
     try:
         stretch[found.length]
     except _Missed:

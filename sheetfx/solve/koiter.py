@@ -16,7 +16,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from mpi4py import MPI
 from petsc4py import PETSc
 
 from ..state import CriticalPoint, State
@@ -106,7 +105,8 @@ def _component(tracer, mode: PETSc.Vec, array: np.ndarray) -> float:
 def _fundamental(cubic: float, stiffness: float, bend: float, seen: float) -> float:
     """Component along the mode of the fundamental path by a unit of load.
 
-    Both paths solve cubic k^2 + 2 stiffness k + bend = 0 (Keller 1977, eq. 5.9); the one closest to what is seen counts.
+    Both paths solve cubic k^2 + 2 stiffness k + bend = 0 (Keller 1977, algebraic bifurcation equation); the one
+    closest to what is seen counts.
     """
     roots = np.roots([cubic, 2 * stiffness, bend]) if cubic else np.array([-bend / (2 * stiffness)])
     return float(min(roots.real, key=lambda root: abs(root - seen)))

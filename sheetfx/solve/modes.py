@@ -19,8 +19,7 @@ def mode_displacement(path, model: Model, mode) -> fem.Function:
     path : Path or Tracer that the mode belongs to
     mode : BucklingLoad or Vibration
     """
-    vector = path.discretisation.system.create_vector()
-    vector.array[:] = mode.mode
+    vector = path.discretisation.system.create_vector(mode.mode)
     u = path.discretisation.kinematics(model).u
     displacement = fem.Function(u.function_space, name="displacement")
     displacement.x.array[:] = _displacement(path.discretisation, model, vector)
@@ -29,6 +28,7 @@ def mode_displacement(path, model: Model, mode) -> fem.Function:
 
 def scaled(discretisation: Discretisation, mode: PETSc.Vec) -> np.ndarray:
     """The mode with a largest displacement of 1, its largest component being positive."""
+    mode = discretisation.system.create_vector(mode.array)
     comm, tables = discretisation.system.comm, _tables(discretisation, mode)
     highest, lowest = (comm.allreduce(max(float((sign * t).max(initial=0.0)) for t in tables), op=MPI.MAX)
                        for sign in (1.0, -1.0))
