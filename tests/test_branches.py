@@ -1,6 +1,5 @@
 """Branches of bifurcations against closed forms."""
 
-from dataclasses import replace
 from math import pi, radians
 
 import numpy as np
@@ -81,8 +80,8 @@ def test_paths_go_on_from_branches(planar_column):
 def test_column_that_may_bend_in_any_direction():
     """The double bifurcation of a square column has one family of branches, in all directions."""
     record = column(3)
-    point = replace(record.critical_points[0], multiplicity=2)
-    found = branches(record.path, record.states, point)
+    point, found = started(record)
+    assert point.multiplicity == 2
     assert len(found) == 1 and found[0].family
     loads = [started(column(2))[1][0].start.load, found[0].start.load]
     assert loads[0] == pytest.approx(loads[1], rel=1e-5)

@@ -23,6 +23,7 @@ from scipy.optimize import brentq, root
 from ..state import CriticalPoint, State
 from .critical import state_at
 from .linear import SingularTangent
+from .modes import largest_displacement
 from .spectrum import diagonal, nearest_to_zero
 
 ANGLES = 48  # on the circle of directions of a double bifurcation
@@ -48,12 +49,15 @@ class Branch:
     start : state on the branch, from which `Path(scene, control, until, start=[branch.start])` leads away from the
         bifurcation
     direction : of the null vectors' space, a unit vector
-    amplitude : of the mode at the start, in the scaled inner product
+    mode : null vector in this direction, this process's part, the largest displacement being 1 (see
+        `mode_displacement`)
+    amplitude : largest displacement of the mode's share in the start
     family : whether it stands for a continuum of branches, in all directions
     """
 
     start: State
     direction: np.ndarray
+    mode: np.ndarray
     amplitude: float
     family: bool = False
 
@@ -116,7 +120,7 @@ class _Solution:
 
 
 class _Reduction:
-    """Equilibrium in all but the space of null vectors, about the current state of a tracer.
+    """Equilibrium in all but the space of null vectors, about the current state of a tracer, factored there.
 
     Parameters
     ----------
@@ -126,7 +130,6 @@ class _Reduction:
     def __init__(self, tracer, multiplicity: int, after: State):
         self.tracer, self.system, self.bifurcation = tracer, tracer.system, tracer.state
         self.linear = tracer.stepper.linear
-        tracer._respond()
         _, self.modes = nearest_to_zero(self.linear, diagonal(self.system.weights), multiplicity)
         if len(self.modes) < multiplicity:
             raise NoBranch(f"only {len(self.modes)} of {multiplicity} null vectors at load "
@@ -138,8 +141,7 @@ class _Reduction:
         self._residual, self._load = self.system.create_vector(), self.system.create_vector()
 
     def norm(self, array: np.ndarray) -> float:
-        vector = self.system.create_vector()
-        vector.array[:] = array
+        vector = self.system.create_vector(array)
         return vector.dot(self._weighted(vector)) ** 0.5
 
     def _weighted(self, vector: PETSc.Vec) -> PETSc.Vec:
@@ -149,8 +151,7 @@ class _Reduction:
 
     def _measures(self, along: np.ndarray) -> list[PETSc.Vec]:
         """Vectors whose products with increments are the amplitudes of the null vectors, zero along the path."""
-        across = self.system.create_vector()
-        across.array[:] = along
+        across = self.system.create_vector(along)
         shares = [across.dot(weighted) for weighted in self.weighted]
         whole = self.norm(along)
         for share, mode in zip(shares, self.modes, strict=True):
@@ -288,14 +289,16 @@ class _Reduction:
         total = self._combined(self.weighted, solution.forces)
         return total.norm() / (abs(self.bifurcation.factor) * self._load.norm())
 
-    def state(self, solution: _Solution) -> State:
-        """The solution as a state that follows the bifurcation."""
+    def branch(self, direction: np.ndarray, amplitude: float, family: bool) -> Branch:
+        """The half-branch in a direction without forces."""
+        solution, mode = self.solve(direction, amplitude), self._combined(self.modes, direction)
         self.tracer.back_to(self.bifurcation)
         self.tracer.x.array[:] = solution.increment
         self.system.factor = self.bifurcation.factor + solution.load_increment
         state = self.tracer.accept(solution.load_increment, solution.iterations)
         self.tracer.back_to(self.bifurcation)
-        return state
+        size = largest_displacement(self.tracer.discretisation, mode)
+        return Branch(state, direction, mode.array / size, amplitude * size, family)
 
 
 def _found(reduction: _Reduction, amplitude: float) -> list[Branch]:
@@ -305,7 +308,7 @@ def _found(reduction: _Reduction, amplitude: float) -> list[Branch]:
     while amplitude > smallest:
         try:
             directions, family = search(reduction, amplitude)
-            return [Branch(reduction.state(reduction.solve(c, amplitude)), c, amplitude, family) for c in directions]
+            return [reduction.branch(c, amplitude, family) for c in directions]
         except _Missed:
             amplitude /= 2
     raise NoBranch(f"no solution beside the path converges at the bifurcation at load "
