@@ -205,9 +205,9 @@ class Tracer:
         directions = [before.direction] if wavering else [before.tangent]
         if not self.discretisation.contacts:
             directions.append(after.tangent)
-        return max(self._angle(after.direction, d) for d in directions)
+        return max(self.angle(after.direction, d) for d in directions)
 
-    def _angle(self, one: tuple[float, np.ndarray], other: tuple[float, np.ndarray]) -> float:
+    def angle(self, one: tuple[float, np.ndarray], other: tuple[float, np.ndarray]) -> float:
         """Angle between two increments of load factor and unknowns."""
         lengths = self.distance(*one) * self.distance(*other)
         return acos(np.clip(self._inner(one, other) / lengths, -1.0, 1.0)) if lengths else 0.0

@@ -15,6 +15,9 @@ from .koiter import postbuckling
 from .spectrum import diagonal, nearest_to_zero
 
 SAME = 1e-6  # relative difference of loads of one multiple point
+TURNING = 0.4  # radians between chord and tangents of a piece of path, from which its middle is looked at
+UNEXPLAINED = 0.25  # of the load by the steeper tangent, likewise
+SHORTEST = 1 / 64  # of a step, piece that must be explained
 STRAY = 0.3  # of the distance between its neighbours, by which a state may miss their interpolation
 
 
@@ -80,8 +83,19 @@ class Stretch:
         return float(found[-1]), found[:-1]
 
     def _distance(self, left: float, right: float) -> float:
+        return self.tracer.distance(*self._chord(left, right))
+
+    def _chord(self, left: float, right: float) -> tuple[float, np.ndarray]:
         (a, x), (b, y) = self._increments(left), self._increments(right)
-        return self.tracer.distance(b - a, y - x)
+        return b - a, y - x
+
+    def explained(self, left: float, right: float) -> bool:
+        """Whether the tangents at the ends of a piece lead along it, and their mean gives its load."""
+        chord, states = self._chord(left, right), [self.states[s] for s in (left, right)]
+        distance, rates = self._distance(left, right), [s.load_rate for s in states]
+        error = abs(chord[0] - distance * sum(rates) / 2)
+        return (error <= UNEXPLAINED * distance * max(map(abs, rates))
+                and all(self.tracer.angle(chord, s.tangent) <= TURNING for s in states))
 
     def _compare(self, state: State, guess, left: float, right: float) -> None:
         off = self.tracer.distance(state.load_increment - guess[0], state.increment - guess[1])
@@ -186,21 +200,24 @@ def state_at(tracer, before: State, after: State, point: CriticalPoint) -> State
 
 
 def _check(stretch: Stretch) -> None:
-    """Look into the middle of a step that turns, or whose load the tangents at its ends do not explain."""
-    before, after = stretch.before, stretch.after
-    turns = stretch.tracer.turn(before, after) > 0.4
-    distance = stretch.tracer.distance(*after.direction)
-    rates = [before.load_rate, after.load_rate]
-    unexplained = abs(after.load_increment - distance * sum(rates) / 2) > 0.25 * distance * max(map(abs, rates))
-    if turns or unexplained:
-        try:
-            stretch[after.length / 2]
-        except _Missed:
-            raise Jump("the middle of the step does not converge") from None
+    """Look into the middle of pieces that turn, or whose load the tangents at their ends do not explain."""
+    pieces = stretch.pairs()
+    while pieces:
+        left, right = pieces.pop()
+        if not stretch.explained(left, right):
+            if right - left < SHORTEST * stretch.after.length:
+                raise Jump("tangents within the step do not explain its load")
+            middle = (left + right) / 2
+            try:
+                stretch[middle]
+            except _Missed:
+                raise Jump("the middle of the step does not converge") from None
+            pieces += [(left, middle), (middle, right)]
 
 
 def _limit(stretch: Stretch, length: float) -> CriticalPoint:
-    state, left = stretch.states[length], max((s for s in stretch.states if s < length), default=0.0)
+    state = stretch.states[length]
+    left = max(s for s in stretch.states if s < length - 1e-5 * stretch.after.length)
     rising = stretch.states[left].factor < state.factor
     return CriticalPoint("limit", state.load, state.deflection, state.step, float(length),
                          name="maximum" if rising else "minimum")
