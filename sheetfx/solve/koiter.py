@@ -23,7 +23,7 @@ from .modes import largest_displacement
 
 STEP = 1e-4  # of differences of the Hessian, in the scaled norm of increments
 LONGEST, HALVINGS = 0.1, 14  # of differences of the gradient
-NEGLIGIBLE = 1e-3  # share of the slope in the load's change, where that is one per cent, of a symmetric bifurcation
+NEGLIGIBLE = 1e-2  # share of the slope in the load's change, where that is one per cent, of a symmetric bifurcation
 
 
 class Energy:

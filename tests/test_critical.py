@@ -1,0 +1,125 @@
+"""Critical points are found wherever they lie in a step, to 1e-8, and named."""
+
+from dataclasses import replace
+from math import pi, radians, sqrt
+
+import numpy as np
+import pytest
+from helpers import on_two_processes
+
+from sheetfx import meshes
+from sheetfx.case import Case, trace
+from sheetfx.mesh.reader import read
+from sheetfx.path import Until
+from sheetfx.scene import Beam, Monitor, PointForce, Scene, Support, pin
+from sheetfx.section import Elastic, Rectangle
+from sheetfx.solve.control import ArcLength, LoadControl
+from sheetfx.solve.critical import state_at
+
+STEPS = (1 / 16, 1 / 4, 1, 4, 16)
+
+
+def pinned_arch(until=Until(deflection=100.0, steps=12), step=0.01):
+    """The shallow arch of the thesis on hinges, whole: bifurcations before limits, on a path that winds."""
+    half = radians(7.338)
+    model = read(lambda: meshes.arc(3380.6, -half, half, 40, {"crown": 0.0}), 2, 2)
+    beam = Beam(model, Rectangle(25.4, 4.7625), Elastic(72395.0))
+    return Case(Scene([beam], [pin(model, "start"), pin(model, "end")], [PointForce(model, "crown", (0.0, -1.0))],
+                      Monitor(model, "crown", "y", -1.0)), ArcLength(step), until)
+
+
+def column(depth=0.01, target=12.0, step=0.2, elements=40):
+    """Pinned column of length 1 with EI = 1."""
+    nodes, members = {"base": (0, 0), "top": (1, 0)}, {"column": ("base", "top", elements)}
+    model = read(lambda: meshes.frame(nodes, members), 2)
+    beam = Beam(model, Rectangle(1.0, depth), Elastic(12 / depth**3, 0.25))
+    return Case(Scene([beam], [pin(model, "base"), Support(model, "top", "y")],
+                      [PointForce(model, "top", (-1.0, 0.0))], Monitor(model, "top", "x", -1.0)),
+                LoadControl(step, target=target))
+
+
+def critical_column(depth, half_waves=1):
+    """P (1 - P/EA + P/GA) = EI (n pi)^2 of the extensible, shear-flexible column (Reissner 1972, linearised)."""
+    axial, shear = 12 / depth**2, 12 / depth**2 / 2.5 * 5 / 6
+    slope = 1 / shear - 1 / axial
+    return (sqrt(1 + 4 * slope * (half_waves * pi) ** 2) - 1) / (2 * slope)
+
+
+def loads(points):
+    return np.array([p.load for p in points])
+
+
+@pytest.fixture(scope="module")
+def arch():
+    return trace(pinned_arch())
+
+
+@pytest.mark.parametrize("depth", [0.1, 0.03, 0.01])
+def test_column(depth):
+    """Bifurcation off a straight path: the load within the error of the mesh, Koiter's b = pi^2 / 8."""
+    (point,) = trace(column(depth)).critical_points
+    assert (point.kind, point.multiplicity, point.name) == ("bifurcation", 1, "stable symmetric")
+    assert point.load == pytest.approx(critical_column(depth), rel=2e-7)
+    assert point.slope == 0
+    if depth == 0.01:
+        assert point.curvature == pytest.approx(pi**2 / 8, rel=1e-3)
+
+
+def test_several_bifurcations_in_one_step():
+    points = trace(column(target=400.0, step=400.0)).critical_points
+    assert [p.name for p in points] == 6 * ["stable symmetric"]
+    exact = np.array([critical_column(0.01, n) for n in range(1, 7)])
+    assert loads(points) == pytest.approx(exact, rel=2e-4)  # six half waves on 40 elements
+    assert [p.curvature for p in points[:3]] == pytest.approx([(n * pi) ** 2 / 8 for n in (1, 2, 3)], rel=0.02)
+
+
+def test_kinds_names_and_order(arch):
+    """Along the winding path of the hinged arch each extremum of the load is found, and what lies between."""
+    found = [(p.kind, p.name) for p in arch.critical_points]
+    assert found[:4] == [("bifurcation", "unstable symmetric"), ("limit", "maximum"),
+                         ("bifurcation", "unstable symmetric"), ("limit", "minimum")]
+
+
+@pytest.mark.parametrize("times", STEPS)
+def test_points_do_not_depend_on_steps(arch, times):
+    case = pinned_arch(Until(deflection=100.0, steps=int(12 / times) + 12), 0.01 * times)
+    found = trace(case).critical_points
+    count = min(len(found), len(arch.critical_points))
+    assert count >= 4
+    for one, other in zip(found[:count], arch.critical_points, strict=False):
+        assert (one.kind, one.name) == (other.kind, other.name)
+        assert one.load == pytest.approx(other.load, rel=1e-8)
+        assert one.curvature == pytest.approx(other.curvature, rel=1e-3)  # the state may be 1e-6 off the path
+
+
+def test_points_after_a_restart_from_any_step(arch):
+    for kept in range(1, len(arch.states)):
+        record = trace(pinned_arch(), start=arch.states[:kept])
+        assert loads(record.critical_points) == pytest.approx(loads(arch.critical_points), rel=1e-8)
+
+
+def test_points_on_two_processes(arch):
+    lines = on_two_processes("""
+from test_critical import pinned_arch
+from sheetfx.case import trace
+for p in trace(pinned_arch()).critical_points:
+    print(p.kind, p.load)""")
+    found = [line.split() for line in lines]
+    assert [kind for kind, _ in found] == [p.kind for p in arch.critical_points]
+    assert [float(load) for _, load in found] == pytest.approx(list(loads(arch.critical_points)), rel=1e-8)
+
+
+def test_the_state_of_a_point_can_be_had_again(arch):
+    for point in arch.critical_points:
+        before, after = arch.states[point.step - 1: point.step + 1]
+        state = state_at(arch.path.tracer, before, after, point)
+        assert state.load == pytest.approx(point.load, rel=1e-7)
+
+
+def test_a_step_that_jumps_over_limits_is_seen():
+    """One step along the whole path of a snap: the load rises at both its ends, without an unstable direction."""
+    case = pinned_arch()
+    half = replace(case, scene=replace(case.scene, supports=[*case.scene.supports, Support(
+        case.scene.parts[0].model, "crown", "x rz")]), control=ArcLength(0.2), until=Until(deflection=80.0))
+    points = [p for p in trace(half).critical_points if p.kind == "limit"]
+    assert [p.name for p in points][:2] == ["maximum", "minimum"]
