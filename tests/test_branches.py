@@ -9,12 +9,14 @@ from scipy.interpolate import CubicSpline
 from scipy.special import ellipk
 
 from sheetfx import meshes
+from sheetfx.mesh.imperfection import imperfect
 from sheetfx.mesh.reader import read
 from sheetfx.path import Path, Until
 from sheetfx.scene import Beam, Monitor, PointForce, Scene, Support, pin
 from sheetfx.section import Elastic, Rectangle
 from sheetfx.solve.branches import branches
 from sheetfx.solve.control import ArcLength, LoadControl
+from sheetfx.solve.modes import mode_displacement
 
 
 def column(dimension: int, width: float = 0.01, elements: int = 8):
@@ -22,7 +24,7 @@ def column(dimension: int, width: float = 0.01, elements: int = 8):
     nodes = {"base": (0, 0), "middle": (0.5, 0), "tip": (1, 0)}
     members = {"lower": ("base", "middle", elements), "upper": ("middle", "tip", elements)}
     model = read(lambda: meshes.frame(nodes, members), dimension)
-    beam = Beam(model, Rectangle(width, 0.01), Elastic(1e9), shear_rigidity=1e3)
+    beam = Beam(model, Rectangle(width, 0.01), Elastic(1e9))
     supports = [pin(model, "base"), Support(model, "tip", "y")]
     if dimension == 3:
         supports = [Support(model, "base", "x y z rx"), Support(model, "tip", "y z")]
@@ -31,9 +33,24 @@ def column(dimension: int, width: float = 0.01, elements: int = 8):
     return follow(scene, LoadControl(step=3.0, target=10.0))
 
 
+def hinged_arch(model=None):
+    """Shallow arch on hinges under a force at its crown; it sways at 129.8, before its limit load."""
+    angle = radians(7.338)
+    model = model or read(lambda: meshes.arc(3380.6, -angle, angle, 20, {"crown": 0.0}), 2, 2)
+    beam = Beam(model, Rectangle(25.4, 4.7625), Elastic(72395.0))
+    scene = Scene([beam], [pin(model, "start"), pin(model, "end")], [PointForce(model, "crown", (0.0, -1.0))],
+                  Monitor(model, "crown", "y", -1.0))
+    return follow(scene, ArcLength(step=0.003), 8.0)
+
+
 @pytest.fixture(scope="module")
 def planar_column():
     return column(2)
+
+
+@pytest.fixture(scope="module")
+def perfect_arch():
+    return hinged_arch()
 
 
 def started(record, amplitude=0.05, number=0):
@@ -58,6 +75,43 @@ def test_both_halves_of_a_pitchfork(planar_column):
         assert states[0].load == pytest.approx(states[1].load, rel=1e-12)
         quotients.append((states[0].load / point.load - 1) / states[0].deflection**2)
     assert (4 * quotients[1] - quotients[0]) / 3 == pytest.approx(pi**2 / 8, rel=1e-3)
+
+
+def test_halves_of_an_unstable_bifurcation(perfect_arch):
+    """The arch sways to either side with one unstable mode, under a falling load, and equally."""
+    point, found = started(perfect_arch, 0.02)
+    left, right = (branch.start for branch in found)
+    assert left.load == pytest.approx(right.load, rel=1e-5)
+    assert left.unstable == right.unstable == 1
+    assert left.load < point.load and left.load_rate < 0 and right.load_rate < 0
+    assert found[0].mode == pytest.approx(-found[1].mode)
+
+
+@pytest.mark.parametrize("record, amplitude", [("planar_column", 0.05), ("perfect_arch", 0.01)])
+def test_initial_curvature_of_branches(record, amplitude, request):
+    """Koiter's a and b of the critical point, from states on both halves; the extrapolation leaves O(xi^4)."""
+    record, slopes, curvatures = request.getfixturevalue(record), [], []
+    for size in (amplitude, amplitude / 2):
+        point, found = started(record, size)
+        xi = found[0].amplitude
+        ahead, behind = (branch.start.load / point.load - 1 for branch in found)
+        slopes.append((ahead - behind) / (2 * xi))
+        curvatures.append((ahead + behind) / (2 * xi**2))
+    assert (4 * curvatures[1] - curvatures[0]) / 3 == pytest.approx(point.curvature, rel=1e-4)
+    assert slopes[1] == pytest.approx(point.slope, abs=1e-3 * abs(curvatures[1]) * xi)
+
+
+def test_limit_loads_of_imperfect_arches(perfect_arch):
+    """With the mode as imperfection they fall by its power 2/3 (Koiter 1945); the next term is smaller by 2 %."""
+    point, found = started(perfect_arch)
+    model = perfect_arch.case.scene.parts[0].model
+    shape = mode_displacement(perfect_arch.path, model, found[0])
+    losses = []
+    for amplitude in (0.01, 0.08):
+        limit = hinged_arch(imperfect(model, shape, amplitude)).critical_points[0]
+        assert limit.kind == "limit"
+        losses.append(1 - limit.load / point.load)
+    assert np.log(losses[1] / losses[0]) / np.log(8) == pytest.approx(2 / 3, abs=0.01)
 
 
 def test_paths_go_on_from_branches(planar_column):
