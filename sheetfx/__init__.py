@@ -7,7 +7,7 @@ that the command line starts fast.
 from importlib import import_module as _import_module
 
 _HOMES = {
-    "Beam": "scene", "Contact": "scene", "LineForce": "scene", "Moment": "scene",
+    "Bar": "scene", "Beam": "scene", "Contact": "scene", "LineForce": "scene", "Moment": "scene",
     "Monitor": "scene", "Motion": "scene", "PointForce": "scene", "Push": "scene",
     "EdgeForce": "scene", "SurfaceForce": "scene", "Pressure": "scene", "Shell": "shell", "ShellForm": "shell",
     "Plate": "section", "GivenPlate": "section", "ShellStiffness": "section", "RigidCylinder": "scene",

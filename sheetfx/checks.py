@@ -14,3 +14,10 @@ def require_choice(owner, name: str, known) -> None:
     value = getattr(owner, name)
     if value not in known:
         raise ValueError(f"{type(owner).__name__}: {name} is {value!r}; it must be one of {', '.join(known)}")
+
+
+def require_positive_number(owner: str, **numbers: float) -> None:
+    """Refuse options of `owner` that are not positive."""
+    for name, value in numbers.items():
+        if not value > 0:
+            raise ValueError(f"{owner}: {name} is {value}; it must be positive")

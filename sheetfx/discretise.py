@@ -10,17 +10,12 @@ from mpi4py import MPI
 
 from . import forms
 from .assembly import System
-from .compat import JIT
 from .contact.enforcement import Enforcement
 from .contact.fields import ContactFields
 from .kinematics import Kinematics, kinematics_of
-from .elements import Internal, Term
 from .mesh.reader import Model
-from .numbers import as_constants
-from .quadrature import gauss
 from .scene import (
     COMPONENTS,
-    Beam,
     Contact,
     EdgeForce,
     LineForce,
@@ -33,7 +28,6 @@ from .scene import (
     Scene,
     SurfaceForce,
 )
-from .shell import TRIANGLE, Shell
 from .timing import Stopwatch
 from .unknowns import AdditiveField, Block, Unknowns
 
@@ -50,7 +44,7 @@ class Discretisation:
     def __init__(self, scene: Scene, mixed_points: bool = True):
         self.scene = scene
         self.factor = ufl.variable(fem.Constant(scene.parts[0].model.mesh, 0.0))
-        self._kinematics = {p.model: _kinematics(p) for p in scene.parts}
+        self._kinematics = {p.model: kinematics_of(p.model, *p.spaces) for p in scene.parts}
         blocks = [k.block for k in self._kinematics.values()]
         self._turn_supported_nodes()
         self._travels = self._obstacle_travels(blocks)
@@ -63,8 +57,10 @@ class Discretisation:
         fixed = [self._fixed(b) for b in blocks]
         for block, dofs in zip(blocks, fixed, strict=True):
             self._chart_supported_nodes(block, dofs)
+        fields = [(part, self.kinematics(part.model)) for part in scene.parts]
+        internal = [part.internal(k.u, k.total_rotation) for part, k in fields]
         self.system = System(
-            self.unknowns, self.factor, [self._internal(p) for p in scene.parts], self._work(),
+            self.unknowns, self.factor, internal, self._work(),
             nodal=self._nodal_loads(blocks),
             fixed=fixed,
             symmetric=not any(c.friction for c in scene.contacts) and not any(_turning(load) for load in scene.loads),
@@ -130,22 +126,6 @@ class Discretisation:
     def _before(self, expression):
         return self.unknowns.at_rest(self.unknowns.previous(ufl.as_ufl(expression)))
 
-    def _internal(self, part: Beam | Shell) -> Internal:
-        k = self.kinematics(part.model)
-        if isinstance(part, Shell):
-            return part.internal(k.u, k.total_rotation, surface_frame(part.model.mesh))
-        return self._beam_work(part, k)
-
-    def _beam_work(self, beam: Beam, k: Kinematics) -> Internal:
-        stiffness = as_constants(
-            beam.model.mesh, beam.section.stiffness(beam.material, beam.model.dimension, beam.shear_rigidity))
-        term = Term(
-            strains=beam.strains(k.u, k.total_rotation, beam.frame()),
-            law=lambda strains: beam.law(strains, stiffness),
-            rule=gauss(beam.model.mesh.basix_cell(), beam.degree),
-        )
-        return Internal([term], beam.model.mesh, beam.model.group(beam.group))
-
     def _work(self):
         work = [c.work(self.unknowns.vary) for c in self.contacts]
         work += [self._load_work(x) for x in self.scene.loads if not _nodal(x)]
@@ -203,8 +183,8 @@ class Discretisation:
         shell = load.shell
         u = self.kinematics(shell.model).u
         if isinstance(load, Pressure):
-            density = forms.load.pressure(self.factor * load.pressure, u, surface_frame(shell.model.mesh),
-                                          self.unknowns.vary)
+            frame = forms.shell.surface_frame(shell.model.mesh)
+            density = forms.load.pressure(self.factor * load.pressure, u, frame, self.unknowns.vary)
         else:
             density = forms.load.dead_force(self.factor * forms.vector(load.force), u, self.unknowns.vary)
         return density * shell.model.integral({"quadrature_degree": 2 * shell.discrete.displacement[1]}, shell.group)
@@ -312,22 +292,3 @@ def _turning(load) -> bool:
 def _nodal(load) -> bool:
     """Whether a load acts at points."""
     return isinstance(load, PointForce) or isinstance(load, Moment) and load.at in load.model.points
-
-
-def _kinematics(part: Beam | Shell) -> Kinematics:
-    """Fields of a part's model."""
-    if isinstance(part, Shell):
-        return kinematics_of(part.model, part.discrete.displacement, part.discrete.rotation)
-    return kinematics_of(part.model, ("P", part.degree), ("P", part.degree))
-
-
-def surface_frame(mesh) -> forms.shell.SurfaceFrame:
-    """Frame of a surface with its normals interpolated at the nodes of each cell."""
-    degree = mesh.geometry.cmap.degree
-    if mesh.basix_cell() == TRIANGLE and degree == 1:
-        return forms.shell.surface_frame(mesh)
-    family = "DG" if mesh.basix_cell() == TRIANGLE else "DQ"
-    director = fem.Function(fem.functionspace(mesh, (family, degree, (3,))))
-    points = director.function_space.element.interpolation_points()
-    director.interpolate(fem.Expression(forms.shell.unit_normal(mesh), points, jit_options=JIT))
-    return forms.shell.surface_frame(mesh, director)

@@ -20,11 +20,12 @@ class Kinematics:
 
     Attributes
     ----------
-    rotation, total_rotation : with and without the symbol of its increment, for virtual work and strains
+    spin, rotation, total_rotation : rotation with and without the symbol of its increment, for virtual work and
+        strains; None where there is none
     """
 
     u: fem.Function
-    spin: fem.Function
+    spin: fem.Function | None
     rotation: object
     total_rotation: object
     block: Block
@@ -32,6 +33,8 @@ class Kinematics:
     def sub_space(self, component: str):
         dimension = self.block.space.mesh.geometry.dim
         index = COMPONENTS[dimension].index(component)
+        if self.spin is None:
+            return self.block.space.sub(index)
         if index < dimension:
             return self.block.space.sub(0).sub(index)
         rotations = self.block.space.sub(1)
@@ -61,51 +64,44 @@ class Kinematics:
         return np.concatenate(found)[0]
 
 
-def kinematics_of(model: Model, displacement: tuple[str, int], rotation: tuple[str, int]) -> Kinematics:
+def kinematics_of(model: Model, displacement: tuple[str, int], rotation: tuple[str, int] | None) -> Kinematics:
     """Spaces and fields of a model's parts: the angle in the plane, a quaternion in space.
 
     Parameters
     ----------
-    displacement, rotation : family and degree of the spaces
+    displacement, rotation : family and degree of the spaces; rotation None: displacement alone
     """
     mesh, dimension = model.mesh, model.dimension
-    spins = () if dimension == 2 else (3,)
     cell = mesh.basix_cell()
-    family, degree = rotation
-    parts = [basix.ufl.element(displacement[0], cell, displacement[1], shape=(dimension,)),
-             basix.ufl.element(family, cell, degree, shape=spins)]
-    space = fem.functionspace(mesh, basix.ufl.mixed_element(parts))
-    u = fem.Function(fem.functionspace(mesh, parts[0]), name="displacement")
-    displacement = AdditiveField(u, _places(u.function_space, space.sub(0)), model.size)
-    spin = fem.Function(fem.functionspace(mesh, parts[1]), name="rotation")
-    spin_dofs = _places(spin.function_space, space.sub(1))
+    vector = basix.ufl.element(displacement[0], cell, displacement[1], shape=(dimension,))
+    u = fem.Function(fem.functionspace(mesh, vector), name="displacement")
+    if rotation is None:
+        field = AdditiveField(u, np.arange(len(u.x.array)), model.size)
+        return Kinematics(u, None, None, None, Block(u.function_space, (field,)))
+    turns = basix.ufl.element(rotation[0], cell, rotation[1], shape=() if dimension == 2 else (3,))
+    space = fem.functionspace(mesh, basix.ufl.mixed_element([vector, turns]))
+    move = AdditiveField(u, _matching(u.function_space, space.sub(0), dimension), model.size)
+    spin = fem.Function(fem.functionspace(mesh, turns), name="rotation")
+    spin_dofs = _matching(spin.function_space, space.sub(1), spin.function_space.dofmap.bs)
     if dimension == 2:
         turn = AdditiveField(spin, spin_dofs, 1.0)
         spatial = total = forms.rotation.PlanarRotation(spin)
     else:
-        q = fem.Function(fem.functionspace(mesh, (family, degree, (4,))), name="rotation")
-        order = _matching_nodes(q.function_space, spin.function_space)
+        q = fem.Function(fem.functionspace(mesh, (*rotation, (4,))), name="rotation")
+        order = _matching(q.function_space, spin.function_space)
         turn = QuaternionField(q, spin, spin_dofs.reshape(-1, 3)[order].ravel())
         spatial, total = forms.rotation.SpatialRotation(q, spin), forms.rotation.SpatialRotation(q)
-    return Kinematics(u, spin, spatial, total, Block(space, (displacement, turn)))
+    return Kinematics(u, spin, spatial, total, Block(space, (move, turn)))
 
 
-def _places(space, part) -> np.ndarray:
-    """For each dof of `space` the dof of the same element's `part` of a mixed space.
+def _matching(space, other, width: int = 1) -> np.ndarray:
+    """For each node of `space`, or each of `width` dofs at it, the entry of the other dofmap at the same place.
 
-    DOLFINx 0.9 forgets the order of nodes along edges when it collapses the part (degree 3 and above).
+    The other space has the same element, or is that part of a mixed space: DOLFINx 0.9 forgets the order of nodes
+    along edges when it collapses the part (degree 3 and above).
     """
-    size = space.dofmap.bs
     count = space.dofmap.index_map.size_local + space.dofmap.index_map.num_ghosts
-    dofs = np.empty(count * size, dtype=np.int64)
-    own = size * space.dofmap.list[:, :, None] + np.arange(size)
-    dofs[own.reshape(part.dofmap.list.shape)] = part.dofmap.list
-    return dofs
-
-
-def _matching_nodes(space, other) -> np.ndarray:
-    """For each node of `space` the node of `other` at the same place (same element, other shape)."""
-    nodes = np.empty(space.dofmap.index_map.size_local + space.dofmap.index_map.num_ghosts, dtype=np.int64)
-    nodes[space.dofmap.list.ravel()] = other.dofmap.list.ravel()
-    return nodes
-
+    entries = np.empty(width * count, dtype=np.int64)
+    own = width * space.dofmap.list[:, :, None] + np.arange(width)
+    entries[own.ravel()] = other.dofmap.list.ravel()
+    return entries

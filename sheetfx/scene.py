@@ -8,47 +8,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from . import forms
+from .beam import Bar, Beam
 from .checks import require_positive
 from .mesh.reader import Model
-from .section import Elastic, Section
 from .shell import Shell
 
 COMPONENTS = {2: ("x", "y", "rz"), 3: ("x", "y", "z", "rx", "ry", "rz")}
-
-
-@dataclass(frozen=True, eq=False)
-class Beam:
-    """Beams on the curves of a model.
-
-    Attributes
-    ----------
-    model : mesh with named groups
-    section, material : constants of the section law
-    strains : function (u, rotation, frame) -> generalised strains
-    law : function (strains, stiffness) -> stress resultants
-    group : physical group of the curves; None: all
-    degree : of displacement and rotation, 1 or 2; integrated with `degree` Gauss points, which
-        keeps both free of shear and membrane locking
-    up : direction of the section's depth, in space
-    shear_rigidity : factor on the shear stiffness
-    """
-
-    model: Model
-    section: Section
-    material: Elastic
-    strains: Callable = forms.beam.simo_reissner
-    law: Callable = forms.section.linear_elastic
-    group: str | None = None
-    degree: int = 2
-    up: tuple[float, float, float] = (0.0, 0.0, 1.0)
-    shear_rigidity: float = 1.0
-
-    def __post_init__(self):
-        if self.degree not in (1, 2):
-            raise ValueError(f"Beam: degree is {self.degree}; it must be 1 or 2")
-
-    def frame(self):
-        return forms.beam.curve_frame(self.model.mesh, self.up)
 
 
 @dataclass(frozen=True)
@@ -212,6 +177,12 @@ class Contact:
                 raise ValueError(f"Contact: {name} is {value}; it must not be negative")
 
 
+def _require_components(what: str, given: Sequence[float], count: int) -> None:
+    """Refuse a vector of another length than the structure's space demands."""
+    if len(given) != count:
+        raise ValueError(f"{what} {tuple(map(float, given))} has {len(given)} components; give {count}")
+
+
 @dataclass(frozen=True)
 class PointForce:
     """Force of fixed direction at each vertex of a named point, for a load factor of 1."""
@@ -219,6 +190,10 @@ class PointForce:
     model: Model
     at: str
     force: tuple[float, ...]
+
+    def __post_init__(self):
+        self.model.at(self.at)
+        _require_components(f"PointForce at {self.at!r}: force", self.force, self.model.dimension)
 
 
 @dataclass(frozen=True)
@@ -232,6 +207,9 @@ class Moment:
     at: str
     moment: float | tuple[float, float, float]
 
+    def __post_init__(self):
+        _require_components(f"Moment at {self.at!r}: moment", np.ravel(self.moment), 2 * self.model.dimension - 3)
+
 
 @dataclass(frozen=True, eq=False)
 class LineForce:
@@ -241,9 +219,14 @@ class LineForce:
     an iteration, not accuracy.
     """
 
-    beam: Beam
+    beam: Beam | Bar
     force: tuple[float, ...]
     follower: bool = False
+
+    def __post_init__(self):
+        _require_components("LineForce: force", self.force, self.beam.model.dimension)
+        if self.follower and isinstance(self.beam, Bar):
+            raise ValueError("LineForce: follower is True, but bars have no cross-section that turns; make it False")
 
 
 @dataclass(frozen=True)
@@ -305,12 +288,12 @@ class Scene:
 
     Attributes
     ----------
-    parts : beams and shells
+    parts : beams, bars and shells
     copies : how many times the modelled part stands in the whole structure (2 for a half);
         loads are reported for the whole
     """
 
-    parts: Sequence[Beam | Shell]
+    parts: Sequence[Beam | Bar | Shell]
     supports: Sequence[Support]
     loads: Sequence[object]
     monitor: Monitor
@@ -319,8 +302,37 @@ class Scene:
 
     def __post_init__(self):
         if not self.parts:
-            raise ValueError("Scene: no structure; give at least one beam or shell")
+            raise ValueError("Scene: no structure; give at least one beam, bar or shell")
         if not self.loads:
             raise ValueError("Scene: no load; give at least one")
         if not self.supports:
             raise ValueError("Scene: the structure has no support and can move freely; add a support")
+        for model in self.models:
+            self._check_spaces([part for part in self.parts if part.model is model])
+
+    @property
+    def models(self) -> list[Model]:
+        """The models of the parts, each once, in order."""
+        return list(dict.fromkeys(part.model for part in self.parts))
+
+    def _check_spaces(self, parts) -> None:
+        """Refuse parts of one model that cannot share its unknowns, and rotations where there are none."""
+        model, spaces = parts[0].model, parts[0].spaces
+        for part in parts[1:]:
+            if part.spaces != spaces:
+                raise ValueError(f"Scene: {type(parts[0]).__name__} and {type(part).__name__} of one model have "
+                                 f"unknowns {spaces} and {part.spaces}; give them the same, or each its own model")
+        if spaces[1] is not None:
+            return
+        for support in self.supports:
+            turns = [c for c in support.fixed.split() if c.startswith("r")]
+            if support.model is model and turns:
+                raise ValueError(f"Support at {support.at!r}: fixes {' '.join(turns)}, but bars have no rotations; "
+                                 "fix displacements only, for example with pin")
+        for load in self.loads:
+            if isinstance(load, Moment) and load.model is model:
+                raise ValueError(f"Moment at {load.at!r}: bars have no rotations; give them forces")
+        component = self.monitor.component or ""
+        if self.monitor.on is model and component.startswith("r"):
+            raise ValueError(f"Monitor at {self.monitor.at!r}: component is {component}, but bars have no rotations; "
+                             "choose a displacement")

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 
 import basix
 import ufl
+from dolfinx import fem
 
 from . import forms
+from .compat import JIT
 from .elements import Internal, Term
 from .mesh.reader import Model
 from .numbers import as_constants
@@ -107,6 +109,9 @@ class Shell:
     offset: float = 0.0
 
     def __post_init__(self):
+        if self.material is None and isinstance(self.section, Plate):
+            raise ValueError(f"Shell: material is None, but {self.section} needs one; give an Elastic, or the "
+                             "stiffness by a GivenPlate")
         cell = self.model.mesh.basix_cell()
         if self.discrete.cell != cell:
             raise ValueError(f"Shell: form {self.form!r} needs a mesh of {self.discrete.cell.name} cells, "
@@ -116,9 +121,15 @@ class Shell:
     def discrete(self) -> ShellForm:
         return named_form(self.form) if isinstance(self.form, str) else self.form
 
-    def internal(self, u, rotation, frame) -> Internal:
+    @property
+    def spaces(self) -> tuple[tuple[str, int], tuple[str, int]]:
+        """Family and degree of displacement and rotation."""
+        return self.discrete.displacement, self.discrete.rotation
+
+    def internal(self, u, rotation) -> Internal:
         """Internal virtual work: each energy, and their coupling where there is one, with its rule."""
         form, mesh = self.discrete, self.model.mesh
+        frame = surface_frame(mesh)
         stiffness, thickness, offset = as_constants(
             mesh, (self.section.stiffness(self.material), self.section.thickness, self.offset))
         measure = self.strains or (lambda u, rotation, frame: forms.shell.naghdi(u, rotation, frame, offset))
@@ -142,6 +153,18 @@ class Shell:
         low_places = everything if self.section.coupled else [*MEMBRANE, *SHEAR_AND_DRILLING]
         return Internal([_term(strains, low, low_places, form.low), _term(strains, full, everything, form.full)],
                         mesh, self.model.group(self.group))
+
+
+def surface_frame(mesh) -> forms.shell.SurfaceFrame:
+    """Frame of a surface with its normals interpolated at the nodes of each cell."""
+    degree = mesh.geometry.cmap.degree
+    if mesh.basix_cell() == TRIANGLE and degree == 1:
+        return forms.shell.surface_frame(mesh)
+    family = "DG" if mesh.basix_cell() == TRIANGLE else "DQ"
+    director = fem.Function(fem.functionspace(mesh, (family, degree, (3,))))
+    points = director.function_space.element.interpolation_points()
+    director.interpolate(fem.Expression(forms.shell.unit_normal(mesh), points, jit_options=JIT))
+    return forms.shell.surface_frame(mesh, director)
 
 
 def _term(strains, law, places, rule) -> Term:

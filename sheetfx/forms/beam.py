@@ -32,6 +32,13 @@ class CurveFrame:
         return ufl.dot(ufl.grad(f), self.tangent)
 
 
+def unit_tangent(domain):
+    """Unit tangent of a curve from the Jacobian of its mesh."""
+    jacobian = ufl.Jacobian(domain)
+    column = ufl.as_vector([jacobian[i, 0] for i in range(jacobian.ufl_shape[0])])
+    return column / ufl.sqrt(ufl.dot(column, column))
+
+
 def curve_frame(domain, up=None) -> CurveFrame:
     """Frame of a curve from the Jacobian of its mesh.
 
@@ -42,11 +49,8 @@ def curve_frame(domain, up=None) -> CurveFrame:
         In space: a vector that, made perpendicular to the tangent, is the normal (first
         principal axis of the section). Must not be parallel to the tangent.
     """
-    jacobian = ufl.Jacobian(domain)
-    dimension = jacobian.ufl_shape[0]
-    column = ufl.as_vector([jacobian[i, 0] for i in range(dimension)])
-    tangent = column / ufl.sqrt(ufl.dot(column, column))
-    if dimension == 2:
+    tangent = unit_tangent(domain)
+    if tangent.ufl_shape == (2,):
         return CurveFrame((tangent, ufl.as_vector([-tangent[1], tangent[0]])))
     if not isinstance(up, ufl.core.expr.Expr):
         up = ufl.as_vector([float(c) for c in up])

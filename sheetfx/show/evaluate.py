@@ -69,8 +69,7 @@ class Curves:
         discretisation = record.path.discretisation
         self._comm = communicator(record)
         self._parts = []
-        models = dict.fromkeys(part.model for part in record.case.scene.parts)
-        for model in (m for m in models if m.mesh.topology.dim == 1):
+        for model in (m for m in record.case.scene.models if m.mesh.topology.dim == 1):
             x = ufl.SpatialCoordinate(model.mesh)
             u = displacements[model] if displacements else discretisation.kinematics(model).u
             both = [*x, *(x + u)]

@@ -17,15 +17,14 @@ from .evaluate import last_state_kept
 
 
 def paraview(record: Record, folder: Folder) -> None:
-    """Write path.pvd: displacement and rotation of all states, with the step as time.
+    """Write path.pvd: displacement and, but for bars, rotation of all states, with the step as time.
 
     Both have three components: a planar rotation is an angle about z, a spatial one the rotation
     vector (radians, below a full turn), averaged where cells disagree. A scene of several models gets
     path.pvd, path1.pvd and so on.
     """
-    models = list(dict.fromkeys(part.model for part in record.case.scene.parts))
     with last_state_kept(record):
-        for i, model in enumerate(models):
+        for i, model in enumerate(record.case.scene.models):
             _write(record, model, Folder(folder) / "paraview" / f"path{i or ''}.pvd")
 
 
@@ -33,7 +32,9 @@ def _write(record: Record, model: Model, file: Folder) -> None:
     kinematics = record.path.discretisation.kinematics(model)
     degree = min(kinematics.u.function_space.element.basix_element.degree, 2)
     space = fem.functionspace(model.mesh, ("P", degree, (3,)))
-    values = {"displacement": _padded(kinematics.u), "rotation": _rotation_vector(model, kinematics)}
+    values = {"displacement": _padded(kinematics.u)}
+    if kinematics.rotation is not None:
+        values["rotation"] = _rotation_vector(model, kinematics)
     points = space.element.interpolation_points()
     expressions = [fem.Expression(v, points, jit_options=JIT) for v in values.values()]
     share = fem.Function(space)

@@ -45,17 +45,13 @@ def mode_files(record: Record, folder: Folder) -> None:
             writer = csv.writer(stream)
             writer.writerow(COLUMNS_OF_TABLE)
             writer.writerows([getattr(load, c) for c in COLUMNS_OF_TABLE] for load in record.buckling)
-    for i, model in enumerate(_models(record)):
+    for i, model in enumerate(record.case.scene.models):
         degree = min(record.path.discretisation.kinematics(model).u.function_space.element.basix_element.degree, 2)
         function = fem.Function(fem.functionspace(model.mesh, ("P", degree, (model.dimension,))), name="mode")
         with VTKFile(model.mesh.comm, Folder(folder) / "paraview" / f"modes{i or ''}.pvd", "w") as stream:
             for number, load in enumerate(record.buckling):
                 function.interpolate(mode_displacement(record.path, model, load))
                 stream.write_function(function, float(number))
-
-
-def _models(record: Record) -> list:
-    return list(dict.fromkeys(part.model for part in record.case.scene.parts))
 
 
 @dataclass
@@ -80,7 +76,7 @@ class _Shape:
 
 def _shape(record: Record, load: BucklingLoad) -> _Shape | None:
     """A mode on process 0, None elsewhere."""
-    displacements = {model: mode_displacement(record.path, model, load) for model in _models(record)}
+    displacements = {model: mode_displacement(record.path, model, load) for model in record.case.scene.models}
     group = f", cluster of {load.multiplicity}" if load.multiplicity > 1 else ""
     found, curves = surfaces(record, displacements), Curves(record, displacements).evaluate()
     return None if found is None else _Shape(f"load factor {load.factor:.5g}{group}", found, curves)

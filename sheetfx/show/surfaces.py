@@ -78,8 +78,7 @@ def has_surfaces(record: Record) -> bool:
 
 
 def _surface_models(record: Record) -> list[Model]:
-    models = dict.fromkeys(part.model for part in record.case.scene.parts)
-    return [m for m in models if m.mesh.topology.dim == 2]
+    return [m for m in record.case.scene.models if m.mesh.topology.dim == 2]
 
 
 def _lattice(triangle: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

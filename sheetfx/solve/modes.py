@@ -44,8 +44,7 @@ def largest_displacement(discretisation: Discretisation, mode: PETSc.Vec) -> flo
 
 def _tables(discretisation: Discretisation, mode: PETSc.Vec) -> list[np.ndarray]:
     """Nodal displacements of all models, one node in each row."""
-    models = dict.fromkeys(part.model for part in discretisation.scene.parts)
-    return [_displacement(discretisation, m, mode).reshape(-1, m.dimension) for m in models]
+    return [_displacement(discretisation, m, mode).reshape(-1, m.dimension) for m in discretisation.scene.models]
 
 
 def _displacement(discretisation: Discretisation, model: Model, step: PETSc.Vec) -> np.ndarray:

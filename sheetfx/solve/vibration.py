@@ -15,9 +15,9 @@ import ufl
 from petsc4py import PETSc
 
 from .. import forms
-from ..discretise import Discretisation, surface_frame
+from ..discretise import Discretisation
 from ..numbers import as_constants
-from ..shell import Shell
+from ..shell import Shell, surface_frame
 from ..state import State
 from .linear import DirectSolver
 from .modes import scaled

@@ -1,0 +1,41 @@
+"""Von Mises truss: two bars under a force at their apex (von Mises 1923).
+
+A truss that is more than 2.4 times as high as half its span sways sideways before it snaps through: bifurcations lie on
+the path that every symmetric solution follows. Loads are in units of the axial stiffness EA.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from typer import Option
+
+from .. import meshes
+from ..beam import Bar
+from ..case import Case
+from ..checks import require_positive_number
+from ..mesh.reader import read
+from ..path import Until
+from ..scene import Monitor, PointForce, Scene, pin
+from ..section import Elastic, Rectangle
+from ..show.curves import path_curve
+from ..show.files import paraview
+from ..show.pictures import shapes
+from ..solve.control import ArcLength
+from .lee_frame import quantities
+
+
+def scene(
+    rise: Annotated[float, Option(help="height of the apex over half the span")] = 3.0,
+    step: Annotated[float, Option(help="first arc length")] = 0.02,
+) -> Case:
+    """Two bars: bifurcations and limit points in turn, while the apex is pressed down to its mirror image."""
+    require_positive_number("von-mises-truss", rise=rise)
+    nodes = {"left": (-1.0, 0.0), "apex": (0.0, rise), "right": (1.0, 0.0)}
+    model = read(lambda: meshes.frame(nodes, {"one": ("left", "apex", 1), "other": ("apex", "right", 1)}), 2)
+    return Case(
+        scene=Scene(
+            parts=[Bar(model, Rectangle(1.0, 1.0), Elastic(1.0))], supports=[pin(model, "left"), pin(model, "right")],
+            loads=[PointForce(model, "apex", (0.0, -1.0))], monitor=Monitor(model, "apex", "y", -1.0)),
+        control=ArcLength(step=step), until=Until(deflection=2.2 * rise), quantities=quantities,
+        pictures=[path_curve, shapes, paraview], axes=("deflection of the apex over half the span", "load / EA"))
