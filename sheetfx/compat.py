@@ -7,6 +7,7 @@ import ctypes
 import dolfinx.cpp.fem.petsc as cpp_petsc
 import dolfinx.fem.petsc as petsc_fem
 import numpy as np
+from dolfinx.graph import adjacencylist
 from petsc4py import PETSc
 
 try:
@@ -17,9 +18,15 @@ except ImportError:
 JIT = {"timeout": 600, "cffi_extra_compile_args": ["-O2"]}
 
 
-def model_to_mesh(model, comm, dimension):
+def adjacency_list(rows):
+    """DOLFINx's list of rows of numbers, as its partitioners give it."""
+    rows = adjacencylist(rows)
+    return getattr(rows, "_cpp_object", rows)
+
+
+def model_to_mesh(model, comm, dimension, partitioner):
     """Mesh, cell tags and point (or facet) tags of the current gmsh model of process 0."""
-    result = _gmshio.model_to_mesh(model, comm, 0, gdim=dimension)
+    result = _gmshio.model_to_mesh(model, comm, 0, gdim=dimension, partitioner=partitioner)
     if isinstance(result, tuple):
         return result[:3]
     return result.mesh, result.cell_tags, result.facet_tags

@@ -190,3 +190,24 @@ def test_failed_path_says_where_and_keeps_its_states():
         for name in settings:
             options.delValue(name)
     assert len(failure.value.record.states) == 1
+
+
+def test_junctions_stay_whole_on_two_processes(tmp_path):
+    """Three panels at an edge, and a dome of bars at whose nodes four and more meet."""
+    script = """
+import sheetfx as fx
+nodes = {n: (x, y, z) for n, x, y, z in zip("abcdefgh", (0, 1, 1, 0, 0, 0, -1, -1), (0, 0, 1, 1, 0, 1, 0, 1),
+                                            (0, 0, 0, 0, 1, 1, 0, 0))}
+model = fx.read(lambda: fx.meshes.panels(nodes, {"one": "abcd", "two": "adfe", "three": "adhg"}, 4), 3)
+print(model.mesh.topology.index_map(0).size_global)
+"""
+    result = subprocess.run(["mpirun", "-n", "2", sys.executable, "-c", script], capture_output=True, text=True,
+                            timeout=100)
+    assert result.stdout.split() == ["65", "65"], result.stderr
+    loads = []
+    for processes in (1, 2):
+        folder = tmp_path / str(processes)
+        result = sheetfx("run", "star-dome", "--to", 3.5, "-o", folder, processes=processes)
+        assert result.returncode == 0, result.stderr
+        loads.append([p["load"] for p in json.loads((folder / "summary.json").read_text())["critical_points"]])
+    assert loads[1] == pytest.approx(loads[0], rel=1e-9)

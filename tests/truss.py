@@ -31,20 +31,14 @@ class Truss:
         count, d = self.places.shape
         x = self.places.astype(float).copy()
         x[self.free] += moves.reshape(-1, d)
-        gradient, hessian = np.zeros((count, d)), np.zeros((count, d, count, d))
-        for a, b in self.bars:
-            whole = np.linalg.norm(self.places[b] - self.places[a])
-            length = np.linalg.norm(x[b] - x[a])
-            along = (x[b] - x[a]) / length
-            force = (length - whole) / whole
-            block = np.outer(along, along) / whole + force / length * (np.eye(d) - np.outer(along, along))
-            for i, j, sign in ((a, a, 1), (b, b, 1), (a, b, -1), (b, a, -1)):
-                hessian[i, :, j, :] += sign * block
-            gradient[b] += force * along
-            gradient[a] -= force * along
-        size = d * len(self.free)
-        hessian = hessian[self.free][:, :, self.free].reshape(size, size)
-        return gradient[self.free].ravel(), hessian
+        ends = np.eye(count)[self.bars[:, 1]] - np.eye(count)[self.bars[:, 0]]
+        whole, length = (np.linalg.norm(ends @ places, axis=1) for places in (self.places, x))
+        along = ends @ x / length[:, None]
+        force, outer = (length - whole) / whole, np.einsum("ki,kj->kij", along, along)
+        blocks = outer / whole[:, None, None] + (force / length)[:, None, None] * (np.eye(d) - outer)
+        free = ends[:, self.free]
+        hessian = np.einsum("kn,km,kij->nimj", free, free, blocks, optimize=True).reshape((d * len(self.free),) * 2)
+        return (free.T @ (force[:, None] * along)).ravel(), hessian
 
     def equilibrium(self, load: np.ndarray) -> np.ndarray:
         """Displacements of the free nodes under a small load, by Newton's method, shape (free nodes, d)."""

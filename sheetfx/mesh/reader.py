@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+import basix
 import numpy as np
 import ufl
 from dolfinx import fem
@@ -12,6 +13,7 @@ from dolfinx.mesh import Mesh
 from mpi4py import MPI
 
 from ..compat import model_to_mesh
+from .partition import keep_junctions_whole
 
 RULES = 8
 
@@ -159,7 +161,8 @@ def read(build: Callable[[], None], dimension: int, order: int = 1, place: Calla
             nodes = _nodes_of_points(gmsh.model)
             groups = _group_by_entity(gmsh.model, top)
         groups, nodes = comm.bcast((groups, nodes), root=0)
-        mesh, cell_tags, edge_tags = model_to_mesh(gmsh.model, comm, dimension)
+        mesh, cell_tags, edge_tags = model_to_mesh(
+            gmsh.model, comm, dimension, keep_junctions_whole if comm.size > 1 else None)
     finally:
         gmsh.finalize()
     top = mesh.topology.dim
@@ -188,7 +191,7 @@ def _vertices_of_nodes(mesh: Mesh) -> dict[int, int]:
     top = mesh.topology.dim
     corners = mesh.topology.connectivity(top, 0)
     cells = corners.num_nodes
-    vertices = corners.array.reshape(cells, -1)
+    vertices = corners.array.reshape(cells, len(basix.topology(mesh.basix_cell())[0]))
     nodes = mesh.geometry.dofmap[:cells, : vertices.shape[1]]
     numbers = mesh.geometry.input_global_indices[nodes]
     return dict(zip(numbers.ravel().tolist(), vertices.ravel().tolist(), strict=True))
