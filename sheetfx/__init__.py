@@ -18,6 +18,7 @@ _HOMES = {
     "LoadControl": "solve.control", "buckling": "solve.buckling", "BucklingLoad": "solve.buckling",
     "mode_displacement": "solve.modes", "imperfect": "mesh.imperfection", "branches": "solve.branches",
     "Branch": "solve.branches", "frequencies": "solve.vibration", "Vibration": "solve.vibration",
+    "snap": "solve.snap", "Snap": "solve.snap", "SnapFailure": "solve.snap",
     "measured": "mesh.imperfection", "random_field": "mesh.imperfection",
 }
 _MODULES = ("forms", "meshes", "show")

@@ -209,8 +209,8 @@ class _Fall:
         last = self.history[-1]
         raise SnapFailure(
             f"snap: no stable state after {MOST} steps from load {self.before.load:.6g}, deflection "
-            f"{self.before.deflection:.6g}; the fall is at deflection {last.deflection:.6g} with a relative residual of "
-            f"{last.residual:.1e}; see `history` by a listener, and start from a state nearer to the critical point")
+            f"{self.before.deflection:.6g}; the fall is at deflection {last.deflection:.6g} with a relative residual "
+            f"of {last.residual:.1e}; follow it by a listener, and start from a state nearer to the critical point")
 
     def state(self) -> State:
         """The current configuration as a state of the path."""

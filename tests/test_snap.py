@@ -1,0 +1,195 @@
+"""Snaps land on the stable state that the traced path or branch has at the same load or displacement."""
+
+from dataclasses import replace
+from itertools import pairwise
+from math import pi
+
+import numpy as np
+import pytest
+from helpers import cantilever, energy_and_residual, follow, on_two_processes, straight
+
+from sheetfx import meshes
+from sheetfx.mesh.reader import read
+from sheetfx.path import Path, Until
+from sheetfx.scene import Beam, LineForce, Monitor, PointForce, Scene, Support, pin
+from sheetfx.scenes import lee_frame, roof
+from sheetfx.section import Elastic, Rectangle
+from sheetfx.solve.branches import branches
+from sheetfx.solve.control import DisplacementControl, LoadControl
+from sheetfx.solve.snap import snap
+
+
+def beyond_limit(record):
+    """The first state beyond the first critical point."""
+    return next(state for state in record.states if state.unstable)
+
+
+def reached(record, near, control, length):
+    """The state of the path four steps, together of a length, from another."""
+    tracer = Path(record.case.scene, control, start=[near]).tracer
+    return [tracer.attempt(length / 4) for _ in range(4)][-1]
+
+
+def falls(fall):
+    """Whether the energy falls in every step, to rounding in the last ones."""
+    changes = np.diff([step.energy for step in fall.history])
+    return bool(np.all(changes <= 0) and np.all(changes[:-4] < 0))
+
+
+def distance(one, other):
+    """Largest difference of the fields of two states over the size of the other's displacement."""
+    size = np.abs(next(iter(other.fields.values()))).max()
+    return max(np.abs(values - other.fields[name]).max() for name, values in one.fields.items()) / size
+
+
+@pytest.fixture(scope="module")
+def thick_roof():
+    case = roof.scene(cells=2, to=26.0)
+    return follow(case.scene, replace(case.control, largest=2.0), 26.0)
+
+
+@pytest.fixture(scope="module")
+def frame():
+    case = lee_frame.scene(elements=10, to=85.0)
+    return follow(case.scene, case.control, 85.0)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_roof_under_held_load(thick_roof, side):
+    """Forward to the branch behind the lower limit, backward to that before the upper one; energy by itself."""
+    before = beyond_limit(thick_roof)
+    fall = snap(thick_roof.path, before, side=side)
+    near = thick_roof.states[-1] if side > 0 else thick_roof.states[1]
+    expected = reached(thick_roof, near, LoadControl(), before.factor - near.factor)
+    assert fall.after.unstable == expected.unstable == 0
+    assert fall.after.factor == before.factor
+    assert fall.after.deflection == pytest.approx(expected.deflection, rel=1e-6)
+    assert distance(fall.after, expected) < 1e-6
+    assert falls(fall)
+    stored = []
+    for state in (before, fall.after):
+        thick_roof.show(state)
+        stored.append(4 * energy_and_residual(thick_roof.path.discretisation)[0])
+    work = before.load * (fall.after.deflection - before.deflection)
+    assert fall.energy_released == pytest.approx(stored[0] - stored[1] + work, rel=1e-6)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_frame_under_held_displacement(frame, side):
+    """Behind the snap-back the load falls (rises) at the same deflection, to a state that only that holds."""
+    turned = next(b for a, b in pairwise(frame.states) if b.deflection < a.deflection)
+    fall = snap(frame.path, turned, "displacement", side)
+    assert fall.after.deflection == pytest.approx(turned.deflection, abs=1e-9)
+    assert np.sign(fall.after.factor - turned.factor) == -side
+    beyond = [s for s in frame.states if side * (s.step - turned.step) > 0 and s.deflection < turned.deflection]
+    near = min(beyond, key=lambda s: abs(s.load - fall.after.load))
+    expected = reached(frame, near, DisplacementControl(), turned.deflection - near.deflection)
+    assert fall.after.load == pytest.approx(expected.load, rel=1e-6)
+    assert distance(fall.after, expected) < 1e-6
+    assert falls(fall)
+
+
+def test_path_goes_on_as_a_test_would(frame):
+    """Load held at the first limit, displacement held behind the snap-back: the test goes on to larger ones."""
+    unstable = beyond_limit(frame)
+    forward = snap(frame.path, unstable)
+    assert forward.after.deflection > frame.critical_points[-1].deflection
+    more = Path(frame.case.scene, frame.case.control, Until(steps=forward.after.step + 3), start=[forward.after])
+    loads = [state.load for state in more]
+    assert loads[0] > unstable.load and loads == sorted(loads)
+    turned = next(b for a, b in pairwise(frame.states) if b.deflection < a.deflection)
+    down = snap(frame.path, turned, "displacement")
+    more = Path(frame.case.scene, frame.case.control, Until(steps=down.after.step + 3), start=[down.after])
+    deflections = [down.after.deflection, *(state.deflection for state in more)]
+    assert deflections == sorted(deflections)
+
+
+def test_path_stays_at_its_state(frame):
+    """A snap in the middle of a path leaves the path as it is."""
+    path, loads = Path(frame.case.scene, frame.case.control, Until(steps=13)), []
+    for state in path:
+        if state.unstable:
+            snap(path, state)
+        loads.append(state.load)
+    assert loads == pytest.approx([s.load for s in frame.states[:14]], rel=1e-10)
+
+
+def column(share=1.1):
+    """Perfect column on two hinges with its bifurcation, traced up to a share of Euler's load."""
+    nodes = {"base": (0, 0), "middle": (0.5, 0), "tip": (1, 0)}
+    members = {"lower": ("base", "middle", 5), "upper": ("middle", "tip", 5)}
+    model = read(lambda: meshes.frame(nodes, members), 2)
+    bar, euler = Beam(model, Rectangle(0.01, 0.01), Elastic(1e9)), pi**2 * 1e9 * 0.01**4 / 12
+    scene = Scene([bar], [pin(model, "base"), Support(model, "tip", "y")], [PointForce(model, "tip", (-1.0, 0.0))],
+                  Monitor(model, "middle", "y"))
+    return follow(scene, LoadControl(step=share * euler / 4, largest=1.0, target=share * euler))
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_column_falls_into_its_branch(side):
+    """Above its bifurcation the straight column falls to one of the two bent states."""
+    record = column()
+    before = record.states[-1]
+    assert before.unstable == 1
+    fall = snap(record.path, before, side=side)
+    assert np.sign(fall.after.deflection) == side and falls(fall)
+    point = next(p for p in record.critical_points if p.kind == "bifurcation")
+    starts = [branch.start for branch in branches(record.path, record.states, point)]
+    near = next(start for start in starts if start.deflection * side > 0)
+    *_, expected = Path(record.case.scene, LoadControl(step=(before.factor - near.factor) / 4, target=before.factor),
+                        start=[near])
+    assert fall.after.unstable == 0
+    assert fall.after.deflection == pytest.approx(expected.deflection, rel=1e-6)
+    assert distance(fall.after, expected) < 1e-6
+
+
+def test_higher_modes_are_left_behind():
+    """A cantilever above its second bifurcation falls to its first bent shape, which has no inflection."""
+    record = follow(cantilever(straight(20), lambda beam: [PointForce(beam.model, "tip", (-1.0, 0.0))]),
+                    LoadControl(step=7.0, target=28.0))
+    before = record.states[-1]
+    assert before.unstable == 2
+    falling = [snap(record.path, before, side=side) for side in (1, -1)]
+    assert [fall.after.unstable for fall in falling] == [0, 0] and all(map(falls, falling))
+    assert falling[0].energy_released == pytest.approx(falling[1].energy_released, rel=1e-9)
+    shapes = []
+    for fall in falling:
+        record.show(fall.after)
+        u = record.path.discretisation.unknowns.fields[0].value
+        order = np.argsort(u.function_space.tabulate_dof_coordinates()[:, 0])
+        shapes.append(u.x.array.reshape(-1, 2)[order, 1])
+    np.testing.assert_allclose(shapes[0], -shapes[1], atol=1e-8)
+    assert np.all(np.diff(shapes[0]) > 0)
+
+
+def test_stable_states_do_not_snap(thick_roof):
+    with pytest.raises(ValueError, match="stable while the load is held"):
+        snap(thick_roof.path, thick_roof.states[1])
+    with pytest.raises(ValueError, match="stable while the displacement is held"):
+        snap(thick_roof.path, beyond_limit(thick_roof), "displacement")
+
+
+def test_bad_input(thick_roof):
+    before = beyond_limit(thick_roof)
+    with pytest.raises(ValueError, match="hold is 'force'; it must be one of load, displacement"):
+        snap(thick_roof.path, before, "force")
+    with pytest.raises(ValueError, match="side is 0"):
+        snap(thick_roof.path, before, side=0)
+    scene = column().case.scene
+    follower = replace(scene, loads=[LineForce(scene.parts[0], (0.0, -1.0), follower=True)])
+    path = Path(follower)
+    with pytest.raises(ValueError, match="no energy that could fall"):
+        snap(path, path.tracer.state)
+
+
+def test_two_processes(thick_roof):
+    """The same state and energy to solver tolerance."""
+    fall = snap(thick_roof.path, beyond_limit(thick_roof))
+    (line,) = on_two_processes("""
+from test_snap import beyond_limit, follow, roof, snap, replace
+case = roof.scene(cells=2, to=26.0)
+record = follow(case.scene, replace(case.control, largest=2.0), 26.0)
+fall = snap(record.path, beyond_limit(record))
+print(fall.after.load, fall.after.deflection, fall.energy_released)""")
+    assert [float(v) for v in line.split()] == pytest.approx(
+        [fall.after.load, fall.after.deflection, fall.energy_released], rel=1e-6)
