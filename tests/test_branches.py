@@ -1,10 +1,10 @@
 """Branches of bifurcations against closed forms."""
 
-from math import pi, radians
+from math import comb, pi, radians
 
 import numpy as np
 import pytest
-from helpers import follow
+from helpers import follow, on_two_processes
 from scipy.interpolate import CubicSpline
 from scipy.special import ellipk
 
@@ -139,6 +139,57 @@ def test_column_that_may_bend_in_any_direction():
     assert len(found) == 1 and found[0].family
     loads = [started(column(2))[1][0].start.load, found[0].start.load]
     assert loads[0] == pytest.approx(loads[1], rel=1e-5)
+
+
+def test_two_bifurcations_close_together():
+    """A column whose section is deeper by 1e-4 than it is wide bends in one plane, then in the other."""
+    record = column(3, 0.010001)
+    points = [p for p in record.critical_points if p.kind == "bifurcation"]
+    assert points[1].load / points[0].load == pytest.approx(1.0001**2, rel=1e-6)
+    for number, (share, unstable) in enumerate([(0, 0), (1, 1)]):
+        point, found = started(record, number=number)
+        assert [b.start.unstable for b in found] == [unstable, unstable]
+        for branch in found:
+            assert abs(branch.start.deflection) == pytest.approx(share * branch.amplitude, rel=1e-3, abs=1e-9)
+            assert (branch.start.load / point.load - 1) / branch.amplitude**2 == pytest.approx(pi**2 / 8, rel=2e-3)
+
+
+def columns(count: int):
+    """Equal pinned columns side by side, all with the same load."""
+    nodes, members = {}, {}
+    for i in range(count):
+        base, middle, tip = f"base{i}", f"middle{i}", f"tip{i}"
+        nodes |= {base: (0, i), middle: (0.5, i), tip: (1, i)}
+        members |= {f"lower{i}": (base, middle, 4), f"upper{i}": (middle, tip, 4)}
+    model = read(lambda: meshes.frame(nodes, members), 2)
+    beam = Beam(model, Rectangle(0.01, 0.01), Elastic(1e9))
+    supports = [s for i in range(count) for s in (pin(model, f"base{i}"), Support(model, f"tip{i}", "y"))]
+    loads = [PointForce(model, f"tip{i}", (-1.0, 0.0)) for i in range(count)]
+    return follow(Scene([beam], supports, loads, Monitor(model, "middle0", "y")), LoadControl(step=3.0, target=10.0))
+
+
+@pytest.mark.parametrize("count", [2, 3])
+def test_every_branch_of_a_multiple_bifurcation(count):
+    """Each column stays straight or bends to either side, those that bend equally: 3^n - 1 half-branches.
+
+    With k columns bent at amplitude 1, each has 1 / sqrt(k), and the load has risen by 1 / k of that with one bent.
+    """
+    point, found = started(columns(count))
+    assert point.multiplicity == count
+    assert len(found) == 3**count - 1
+    rises = np.sort([branch.start.load / point.load - 1 for branch in found])[::-1]
+    expected = [1 / k for k in range(1, count + 1) for _ in range(2**k * comb(count, k))]
+    assert rises / rises[0] == pytest.approx(expected, rel=2e-3)
+
+
+def test_branches_on_two_processes(planar_column):
+    lines = on_two_processes("""
+from test_branches import column, started
+for branch in started(column(2))[1]:
+    print(branch.start.load, abs(branch.start.deflection), branch.start.unstable)""")
+    _, found = started(planar_column)
+    expected = [[b.start.load, abs(b.start.deflection), b.start.unstable] for b in found]
+    assert [[float(c) for c in line.split()] for line in lines] == [pytest.approx(row, rel=1e-8) for row in expected]
 
 
 def test_limit_points_have_no_branches(planar_column):

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from petsc4py import PETSc
+from scipy.interpolate import RBFInterpolator
 from scipy.optimize import brentq, root
 
 from ..state import CriticalPoint, State
@@ -27,7 +28,7 @@ from .modes import largest_displacement
 from .spectrum import diagonal, nearest_to_zero
 
 ANGLES = 48  # on the circle of directions of a double bifurcation
-STARTS = 16  # for each null vector of a higher one
+SAMPLES, STARTS = 100, 200  # on the sphere of a higher one, for each null vector
 ITERATIONS = 12
 CONVERGED = 1e-7  # last correction over the amplitude; with Newton's method the next one is its square
 NEAR = 0.02  # change of load between bifurcation and start, over the load
@@ -66,8 +67,8 @@ def branches(path, states: Sequence[State], point: CriticalPoint,
              amplitude: float = 0.05) -> list[Branch]:
     """A start on every half-branch of a bifurcation but those of the path itself.
 
-    A simple bifurcation has two. Those of a double one are complete but for pairs closer than 7 degrees; those of
-    higher ones are sought from many directions.
+    A simple bifurcation has two. Those of a double one are complete but for pairs closer than 8 degrees; those of
+    higher ones are sought from many directions, and some may be missed.
 
     Parameters
     ----------
@@ -340,27 +341,35 @@ def _around_circle(reduction: _Reduction, amplitude: float) -> tuple[list[np.nda
 
 
 def _over_sphere(reduction: _Reduction, amplitude: float) -> tuple[list[np.ndarray], bool]:
-    """Zeros of the forces on a sphere of any dimension, from many starts."""
+    """Zeros of the forces on a sphere of any dimension, near those of an interpolation between samples."""
     multiplicity = len(reduction.modes)
-    starts = np.random.default_rng(0).standard_normal((STARTS * multiplicity, multiplicity))
-    starts /= np.linalg.norm(starts, axis=1, keepdims=True)
-    if max(reduction.relative_forces(reduction.solve(c, amplitude)) for c in starts) < NO_FORCE:
-        return [starts[0]], True
-    found: list[np.ndarray] = []
-    for start in starts:
-        c = _zero_from(start, lambda c: reduction.solve(c, amplitude).forces)
-        if c is not None and all(np.linalg.norm(c - other) > SAME for other in found):
-            found.append(c)
-    return found, False
+    samples = _scattered(SAMPLES * multiplicity, multiplicity)
+    solutions = [reduction.solve(c, amplitude) for c in samples]
+    if max(map(reduction.relative_forces, solutions)) < NO_FORCE:
+        return [samples[0]], True
+    forces = np.array([solution.forces for solution in solutions])
+    size = np.abs(forces).max()
+    estimate = RBFInterpolator(samples, forces / size, kernel="cubic")
+    guesses = _zeros(lambda c: estimate(c[None, :])[0], _scattered(STARTS * multiplicity, multiplicity))
+    return _zeros(lambda c: reduction.solve(c, amplitude).forces / size, guesses), False
 
 
-def _zero_from(start: np.ndarray, force: Callable[[np.ndarray], np.ndarray]) -> np.ndarray | None:
-    """Direction without forces near a start, if one is found."""
-    scale = np.linalg.norm(force(start)) or 1.0
+def _scattered(count: int, dimension: int) -> np.ndarray:
+    """Unit vectors in rows."""
+    vectors = np.random.default_rng(count).standard_normal((count, dimension))
+    return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
 
+
+def _zeros(force: Callable[[np.ndarray], np.ndarray], starts: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """Different directions without forces that are found from some starts."""
     def equations(z):
         length = np.linalg.norm(z)
-        return force(z / length) / scale + (length**2 - 1) * z
+        return force(z / length) + (length**2 - 1) * z
 
-    solution = root(equations, start, tol=1e-10)
-    return solution.x / np.linalg.norm(solution.x) if solution.success else None
+    found: list[np.ndarray] = []
+    for start in starts:
+        solution = root(equations, start, tol=1e-10)
+        c = solution.x / np.linalg.norm(solution.x)
+        if solution.success and all(np.linalg.norm(c - other) > SAME for other in found):
+            found.append(c)
+    return found
