@@ -159,6 +159,38 @@ def chart(
     console.print(f"results in {folder}", soft_wrap=True)
 
 
+@app.command(name="map")
+def failure_map(
+    traps: Annotated[str | None, typer.Option(help="Names of traps, separated by commas; default all.")] = None,
+    methods: Annotated[str | None, typer.Option(help="Names of methods, separated by commas; default all.")] = None,
+    output: Annotated[Path, typer.Option("-o", "--output", help="Folder of the results.")] = Path("results/map"),
+    limit: Annotated[float, typer.Option(min=1, help="Seconds that a path may take.")] = 60.0,
+) -> None:
+    """Draw which method of path following passes which trap, and how the others fail."""
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    from .failure_map import choose, failure_map, write_map
+    from .methods import METHODS
+    from .show.failure_map import draw_map
+    from .traps import TRAPS
+
+    rows, columns = choose("trap", traps, TRAPS), choose("method", methods, METHODS)
+    layout = TextColumn("paths"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+    with Progress(*layout, transient=True) as progress:
+        task = progress.add_task("", total=len(rows) * (len(columns) + 1))
+
+        def say(line: str) -> None:
+            progress.console.print(line, soft_wrap=True, markup=False, highlight=False)
+            progress.advance(task)
+
+        cells = failure_map(rows, columns, output, limit, say)
+        if not cells:
+            raise ValueError("map: no method applies to these traps; the lines above say why")
+    write_map(cells, output / "map.csv")
+    draw_map(cells).savefig(output / "map.png", dpi=110)
+    typer.echo(f"results in {output}")
+
+
 def main() -> None:
     """Entry point: errors of input are one line that names object, value and remedy."""
     try:

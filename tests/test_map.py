@@ -1,0 +1,147 @@
+"""The failure map reproduces the classical failures, and judges paths without asking the method."""
+
+import csv
+import os
+import subprocess
+import sys
+from dataclasses import replace
+from functools import partial
+
+import pytest
+from mpi4py import MPI
+
+from sheetfx.archive import Archive
+from sheetfx.failure_map import REFERENCE, choose, trace
+from sheetfx.judgement import BACK, JUMPED, PASSED, STALLED, WRONG, Judge, Trail
+from sheetfx.methods import METHODS
+from sheetfx.path import Path
+from sheetfx.scenes import arch
+from sheetfx.state import CriticalPoint
+from sheetfx.traps import TRAPS, Expected, Trap
+
+TILTING = Trap(
+    "tilting-arch", "The determinant is positive again behind the bifurcation.",
+    partial(arch.scene, no_punch=True, elements=10, full=True, half_angle=12.0, to=45.0),
+    (Expected("limit", 101.95), Expected("bifurcation", 93.67)), "its own states with small steps")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("map")
+
+
+@pytest.fixture(scope="module")
+def cell(folder):
+    """Function (trap, method) -> cell, with one reference path for each trap."""
+    traced = set()
+
+    def trace_with_reference(trap, method):
+        if trap.name not in traced:
+            assert trace(trap, REFERENCE, folder, 60.0).outcome == PASSED
+            traced.add(trap.name)
+        return trace(trap, method, folder, 30.0)
+    return trace_with_reference
+
+
+@pytest.mark.parametrize(("trap", "method", "outcome", "words"), [
+    (TRAPS["lee-frame"], "default", PASSED, ""),
+    (TRAPS["lee-frame"], "load", STALLED, "load 18557"),  # the first limit
+    (TRAPS["lee-frame"], "displacement", STALLED, "deflection 61"),  # its first extreme
+    (TRAPS["lee-frame"], "determinant", PASSED, ""),
+    (TRAPS["lee-frame"], "current-stiffness", BACK, "deflection 6"),  # the same extreme
+    (TRAPS["lee-frame"], "displacement-extremes", PASSED, ""),
+    (TRAPS["roof-6.35"], "displacement", JUMPED, "-383.75"),  # where the crown moves back
+    (TRAPS["punch-arch"], "load", JUMPED, "205.6"),  # over the limit, to the stable state behind it
+    (TRAPS["punch-arch"], "penalty-small", WRONG, "drifts"),  # by its penetration
+    (TRAPS["punch-arch"], "penalty", PASSED, ""),
+    (TRAPS["punch-arch"], "penalty-large", JUMPED, "unstable"),  # contact points take turns
+    (TILTING, "cylindrical", PASSED, ""),
+    (TILTING, "determinant", BACK, "returns"),  # behind the bifurcation
+], ids=lambda value: value.name if isinstance(value, Trap) else None)
+def test_classical_failures(cell, trap, method, outcome, words):
+    found = cell(trap, method)
+    assert (found.outcome, found.trap, found.method) == (outcome, trap.name, method), found.reason
+    assert words in found.reason
+    assert bool(found.reason) == (outcome != PASSED)
+    assert found.factorisations > 0
+
+
+def test_first_steps_of_all_controls_load_the_structure_alike():
+    """The load increments of their predictors on the unloaded frame are equal."""
+    case = TRAPS["lee-frame"].case()
+    first = {}
+    for name in ("default", "load", "displacement", "spherical"):
+        changed = METHODS[name](case)
+        path = Path(changed.scene, changed.control)
+        first[name] = changed.control.predict(changed.control.first, 1.0, path.tracer.tangent)
+    assert list(first.values()) == pytest.approx([first["default"]] * 4, rel=1e-12)
+
+
+def test_methods_of_contact_apply_to_contact_only():
+    assert METHODS["uzawa"](TRAPS["lee-frame"].case()) is None
+
+
+@pytest.fixture(scope="module")
+def trail(cell, folder):
+    cell(TRAPS["lee-frame"], "default")
+    return Trail(Archive(folder / "lee-frame" / REFERENCE, MPI.COMM_SELF).states())
+
+
+@pytest.mark.parametrize(("loads", "outcome", "words"), [
+    ((18556.7, -9414.4), PASSED, ""),
+    ((18556.7,), JUMPED, "-9414.4"),
+    ((18556.7, -9314.4), WRONG, "-9314.4 instead of -9414.4"),
+    ((18556.7, 12000.0, -9414.4), WRONG, "12000 that is not there"),
+])
+def test_conclusions(trail, loads, outcome, words):
+    points = [CriticalPoint("limit", load, 0.0, 1) for load in loads]
+    verdict, reason = Judge(TRAPS["lee-frame"].points, trail).conclude(points)
+    assert verdict == outcome and words in reason
+
+
+def test_states_are_watched_on_their_way(trail):
+    """Long steps and limits that are found are right; a limit that is not found and states visited before are not."""
+    highest = next(n for n, s in enumerate(trail.states) if s.critical)
+    before, behind = trail.states[1:highest - 1:10], trail.states[highest:highest + 12:3]
+    judge = Judge((), trail)
+    assert not any(judge.watch(state) for state in [*before, *behind])
+    assert judge.watch(before[-1])[0] == BACK
+    careless = Judge((), trail)
+    found = [careless.watch(replace(state, critical=())) for state in behind]
+    assert found[0] is None and found[-1] == (JUMPED, "passes the limit point at load 18557 without finding it")
+
+
+def test_states_off_the_path(trail):
+    """One with other fields at once, one that creeps away by and by."""
+    def moved(state, by):
+        fields = {k: v + by * abs(v).max() * ("displacement" in k) for k, v in state.fields.items()}
+        return replace(state, fields=fields)
+
+    assert Judge((), trail).watch(moved(trail.states[2], 3.0))[0] == JUMPED
+    creeping = Judge((), trail)
+    found = [creeping.watch(moved(state, 0.002 * n)) for n, state in enumerate(trail.states[:40])]
+    assert next(filter(None, found))[0] == WRONG
+
+
+def test_unknown_names_are_refused():
+    with pytest.raises(ValueError, match="no trap 'lee'; choose from lee-frame"):
+        choose("trap", "lee", TRAPS)
+    with pytest.raises(ValueError, match="no method 'newton'; choose from default, load"):
+        choose("method", "load,newton", METHODS)
+
+
+def test_map_of_the_command_line(tmp_path):
+    command = [sys.executable, "-m", "sheetfx", "map", "--traps", "lee-frame", "--methods", "default,load,uzawa"]
+    result = subprocess.run([*command, "-o", tmp_path], capture_output=True, text=True, timeout=120)
+    assert result.returncode == 0, result.stderr
+    with (tmp_path / "map.csv").open() as stream:
+        rows = list(csv.DictReader(stream))
+    assert list(rows[0]) == ["trap", "method", "outcome", "reason", "cpu_seconds", "factorisations"]
+    assert [(r["method"], r["outcome"]) for r in rows] == [("default", PASSED), ("load", STALLED)]
+    assert (tmp_path / "map.png").stat().st_size > 5000
+
+
+def test_map_is_not_for_mpi(tmp_path):
+    command = ["mpirun", "-n", "2", sys.executable, "-m", "sheetfx", "map", "-o", str(tmp_path)]
+    result = subprocess.run(command, capture_output=True, text=True, timeout=60, env=os.environ)
+    assert result.returncode and "leave mpirun out" in result.stderr
