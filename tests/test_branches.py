@@ -7,12 +7,15 @@ import pytest
 from helpers import follow, on_two_processes
 from scipy.interpolate import CubicSpline
 from scipy.special import ellipk
+from truss import Truss
 
 from sheetfx import meshes
+from sheetfx.case import trace
 from sheetfx.mesh.imperfection import imperfect
 from sheetfx.mesh.reader import read
 from sheetfx.path import Path, Until
 from sheetfx.scene import Beam, Monitor, PointForce, Scene, Support, pin
+from sheetfx.scenes import star_dome
 from sheetfx.section import Elastic, Rectangle
 from sheetfx.solve.branches import branches
 from sheetfx.solve.control import ArcLength, LoadControl
@@ -198,3 +201,68 @@ def test_limit_points_have_no_branches(planar_column):
         branches(planar_column.path, planar_column.states, type(point)("limit", 1.0, 0.0, 1))
     with pytest.raises(ValueError, match="give the states of the whole path"):
         branches(planar_column.path, planar_column.states[:1], point)
+
+
+@pytest.fixture(scope="module")
+def dome():
+    """The star dome up to its first bifurcation and a little further, and the same truss for numpy."""
+    case = star_dome.scene(to=11.0)
+    nodes, members = star_dome.dome()
+    names = list(nodes)
+    free = [i for i, name in enumerate(names) if not name.startswith("outer")]
+    bars = np.array([[names.index(end) for end in ends] for ends in members.values()])
+    load = np.array([[0.0, 0.0, -(names[i] == "apex")] for i in free])
+    truss = Truss(np.array(list(nodes.values())), bars, free, load)
+    return trace(case), truss, [names[i] for i in free]
+
+
+def displacements(record, state, names):
+    """Displacements of named nodes one after the other."""
+    record.show(state)
+    model = record.case.scene.parts[0].model
+    kinematics = record.path.discretisation.kinematics(model)
+    return np.concatenate([kinematics.displacement(model, name) for name in names])
+
+
+def equilibrium_near(truss, moves, load):
+    """Displacements by Newton's method, None if it leads far away."""
+    for _ in range(30):
+        gradient, hessian = truss.derivatives(moves)
+        change = np.linalg.solve(hessian, load * truss.load.ravel() - gradient)
+        moves = moves + change
+        if np.linalg.norm(change) < 1e-11:
+            return moves
+        if np.linalg.norm(change) > 3:
+            return None
+    return None
+
+
+def test_branches_of_the_star_dome(dome):
+    """Twelve half-branches, 30 degrees apart and of two kinds; their starts are equilibria of the truss in numpy."""
+    record, truss, names = dome
+    point, found = started(record)
+    assert point.multiplicity == 2
+    angles = np.sort([np.degrees(np.arctan2(*branch.direction)) for branch in found])
+    assert np.diff(angles) == pytest.approx(30.0, abs=1e-3)
+    assert sorted(branch.start.unstable for branch in found) == [1] * 6 + [2] * 6
+    for branch in found:
+        moves = displacements(record, branch.start, names)
+        assert equilibrium_near(truss, moves, branch.start.factor) == pytest.approx(moves, abs=1e-9)
+
+
+def test_no_branch_of_the_star_dome_is_missed(dome):
+    """At 0.99 of the load of the bifurcation there are as many equilibria beside the path, found by numpy alone."""
+    record, truss, names = dome
+    point, found = started(record)
+    load = 0.99 * point.load
+    path = equilibrium_near(truss, displacements(record, record.nearest(load), names), load)
+    modes = np.linalg.eigh(truss.derivatives(path)[1])[1][:, :2]
+    others = []
+    for size in (0.3, 0.5, 0.7):
+        for angle in np.radians(np.arange(0, 360, 5)):
+            other = equilibrium_near(truss, path + size * modes @ (np.cos(angle), np.sin(angle)), load)
+            if other is not None and all(np.linalg.norm(other - known) > 1e-6 for known in [path, *others]):
+                others.append(other)
+    assert len(others) == len(found)
+    unstable = [int((np.linalg.eigvalsh(truss.derivatives(other)[1]) < 0).sum()) for other in others]
+    assert sorted(unstable) == sorted(branch.start.unstable for branch in found)
