@@ -7,15 +7,16 @@ from math import pi
 import numpy as np
 import pytest
 from helpers import cantilever, energy_and_residual, follow, on_two_processes, straight
+from scipy.optimize import brentq
 
 from sheetfx import meshes
 from sheetfx.mesh.reader import read
 from sheetfx.path import Path, Until
-from sheetfx.scene import Beam, LineForce, Monitor, PointForce, Scene, Support, pin
-from sheetfx.scenes import lee_frame, roof
+from sheetfx.scene import Beam, LineForce, Monitor, Motion, PointForce, Scene, Support, pin
+from sheetfx.scenes import arch, lee_frame, roof, von_mises_truss
 from sheetfx.section import Elastic, Rectangle
 from sheetfx.solve.branches import branches
-from sheetfx.solve.control import DisplacementControl, LoadControl
+from sheetfx.solve.control import ArcLength, DisplacementControl, LoadControl
 from sheetfx.solve.snap import snap
 
 
@@ -89,6 +90,37 @@ def test_frame_under_held_displacement(frame, side):
     assert falls(fall)
 
 
+def test_prescribed_motion_holds_the_displacement(frame):
+    """The frame moved by a prescribed displacement, whose reaction is a multiplier, falls as under a held one."""
+    scene = frame.case.scene
+    motion = replace(scene, loads=[Motion(scene.parts[0].model, "load", "y", -1.0)])
+    path = Path(motion, frame.case.control, Until(steps=12))
+    *_, before = path
+    assert before.unstable == 1
+    turned = frame.states[before.step]
+    assert turned.deflection == pytest.approx(before.deflection, rel=1e-8)
+    held, fall = snap(frame.path, turned, "displacement"), snap(path, before)
+    assert -fall.after.load == pytest.approx(held.after.load, rel=1e-6)
+    assert fall.energy_released == pytest.approx(held.energy_released, rel=1e-6)
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_arch_under_a_punch(side):
+    """Contact layers store energy too: back to the path before the limit, forward until the arch is thrown over."""
+    case = arch.scene(elements=20, ratio=0.8, to=20.0)
+    record = follow(case.scene, case.control, 20.0)
+    before = record.states[-1]
+    fall = snap(record.path, before, side=side)
+    assert fall.after.unstable == 0 and fall.after.contact_points > 0 and falls(fall)
+    if side > 0:
+        assert fall.after.deflection > 2 * before.deflection
+        return
+    near = [s for s in record.states[:before.step] if s.load < before.load][-1]
+    expected = reached(record, near, LoadControl(), before.factor - near.factor)
+    assert fall.after.deflection == pytest.approx(expected.deflection, rel=1e-6)
+    assert distance(fall.after, expected) < 1e-6
+
+
 def test_path_goes_on_as_a_test_would(frame):
     """Load held at the first limit, displacement held behind the snap-back: the test goes on to larger ones."""
     unstable = beyond_limit(frame)
@@ -160,6 +192,25 @@ def test_higher_modes_are_left_behind():
         shapes.append(u.x.array.reshape(-1, 2)[order, 1])
     np.testing.assert_allclose(shapes[0], -shapes[1], atol=1e-8)
     assert np.all(np.diff(shapes[0]) > 0)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_von_mises_truss(side):
+    """Two bars under a force below their limit: forward to the hanging truss, backward to the standing one."""
+    rise = 0.3
+    record = follow(von_mises_truss.scene(rise).scene, ArcLength(step=0.01, largest=1.0), 0.6 * rise)
+    before = record.states[-1]
+    assert before.unstable == 1
+    fall = snap(record.path, before, side=side)
+
+    def out_of_balance(height):
+        length, short = np.hypot(1.0, rise), np.hypot(1.0, height)
+        return 2 * (1 - short / length) * height / short - before.load
+
+    height = rise - fall.after.deflection
+    bracket = (-2 * rise, -rise) if side > 0 else (0.7 * rise, rise)
+    assert height == pytest.approx(brentq(out_of_balance, *bracket, xtol=1e-14), rel=1e-6)
+    assert fall.after.unstable == 0 and falls(fall)
 
 
 def test_stable_states_do_not_snap(thick_roof):

@@ -11,7 +11,7 @@ from sheetfx import meshes
 from sheetfx.mesh.reader import read
 from sheetfx.path import Path
 from sheetfx.scene import Beam, EdgeForce, LineForce, Monitor, PointForce, Scene, Support, clamp, pin
-from sheetfx.scenes import plate_buckling
+from sheetfx.scenes import plate_buckling, von_mises_truss
 from sheetfx.section import Elastic, Plate, Rectangle
 from sheetfx.shell import Shell
 from sheetfx.solve.control import LoadControl
@@ -140,6 +140,16 @@ def strip_frequencies(offset):
 def test_mass_of_a_shell_with_offset():
     """That of the mid-surface: the clamped strip swings as one whose mesh lies there."""
     assert strip_frequencies(0.2) == pytest.approx(strip_frequencies(0.0), rel=1e-6)
+
+
+def test_truss():
+    """One free node of two bars: 2 EA sin^2 / L upwards, 2 EA cos^2 / L sideways, on two thirds of a bar's mass."""
+    case = von_mises_truss.scene(0.5)
+    bars = replace(case.scene.parts[0], material=Elastic(1.0, density=3.0))
+    length = 1.25**0.5
+    mass = 2 / 3 * 3.0 * length
+    _, found = unloaded(replace(case.scene, parts=[bars]), 2)
+    assert [v.squared for v in found] == pytest.approx([2 * s / 1.25 / length / mass for s in (0.25, 1.0)], rel=1e-12)
 
 
 def test_no_density():
