@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import pi
+from math import copysign, pi
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline, KroghInterpolator
@@ -113,10 +113,10 @@ class Stretch:
         return found
 
     def eigenvalue(self, length: float, number: int, count: int) -> float:
-        """The eigenvalue of the tangent with so many below it, or an end of the `count` nearest to zero."""
+        """The eigenvalue of the tangent with so many below it; its sign and a bound if `count` are nearer to zero."""
         values = self.spectrum(length, count)[0]
         place = number - self[length].unstable + sum(v < 0 for v in values)
-        return values[min(max(place, 0), len(values) - 1)]
+        return values[place] if 0 <= place < len(values) else copysign(max(map(abs, values)), place)
 
     def root(self, function: Callable[[float], float], left: float, right: float, exact: float) -> dict[float, float]:
         """Values of a function of the state, at lengths that close in on its root between two others.
