@@ -19,7 +19,8 @@ _HOMES = {
     "mode_displacement": "solve.modes", "imperfect": "mesh.imperfection", "branches": "solve.branches",
     "Branch": "solve.branches", "frequencies": "solve.vibration", "Vibration": "solve.vibration",
     "snap": "solve.snap", "Snap": "solve.snap", "SnapFailure": "solve.snap",
-    "measured": "mesh.imperfection", "random_field": "mesh.imperfection",
+    "limit_of_imperfect": "solve.sensitivity", "imperfection_sensitivity": "solve.sensitivity",
+    "state_at": "solve.critical", "measured": "mesh.imperfection", "random_field": "mesh.imperfection",
 }
 _MODULES = ("forms", "meshes", "show")
 

@@ -38,6 +38,12 @@ class CriticalPoint:
     slope: float | None = None
     curvature: float | None = None
 
+    @property
+    def title(self) -> str:
+        """Kind and name in words, for example "limit point (maximum)"."""
+        name = f"{self.multiplicity}-fold" if self.multiplicity > 1 else self.name
+        return f"{self.kind} point" + (f" ({name})" if name else "")
+
 
 @dataclass(frozen=True)
 class State:

@@ -210,12 +210,13 @@ class Tracer:
     def angle(self, one: tuple[float, np.ndarray], other: tuple[float, np.ndarray]) -> float:
         """Angle between two increments of load factor and unknowns."""
         lengths = self.distance(*one) * self.distance(*other)
-        return acos(np.clip(self._inner(one, other) / lengths, -1.0, 1.0)) if lengths else 0.0
+        return acos(np.clip(self.inner(one, other) / lengths, -1.0, 1.0)) if lengths else 0.0
 
     def distance(self, load: float, increment: np.ndarray) -> float:
         """Length of an increment of load factor and unknowns (this process's part) in the control's measure."""
-        return self._inner((load, increment), (load, increment)) ** 0.5
+        return self.inner((load, increment), (load, increment)) ** 0.5
 
-    def _inner(self, one: tuple[float, np.ndarray], other: tuple[float, np.ndarray]) -> float:
+    def inner(self, one: tuple[float, np.ndarray], other: tuple[float, np.ndarray]) -> float:
+        """Inner product of increments of load factor and unknowns in the control's measure."""
         (a, left), (b, right) = one, other
         return self.system.comm.allreduce(float(left * self.system.weights.array @ right)) + self._load_weight() * a * b

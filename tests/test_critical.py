@@ -19,13 +19,13 @@ from sheetfx.solve.critical import state_at
 STEPS = (1 / 16, 1 / 4, 1, 4, 16)
 
 
-def pinned_arch(until=Until(deflection=100.0, steps=12), step=0.01):
+def pinned_arch(steps=12, step=0.01):
     """The shallow arch of the thesis on hinges, whole: bifurcations before limits, on a path that winds."""
     half = radians(7.338)
     model = read(lambda: meshes.arc(3380.6, -half, half, 40, {"crown": 0.0}), 2, 2)
     beam = Beam(model, Rectangle(25.4, 4.7625), Elastic(72395.0))
     return Case(Scene([beam], [pin(model, "start"), pin(model, "end")], [PointForce(model, "crown", (0.0, -1.0))],
-                      Monitor(model, "crown", "y", -1.0)), ArcLength(step), until)
+                      Monitor(model, "crown", "y", -1.0)), ArcLength(step), Until(deflection=100.0, steps=steps))
 
 
 def column(depth=0.01, target=12.0, step=0.2, elements=40):
@@ -82,7 +82,7 @@ def test_kinds_names_and_order(arch):
 
 @pytest.mark.parametrize("times", STEPS)
 def test_points_do_not_depend_on_steps(arch, times):
-    case = pinned_arch(Until(deflection=100.0, steps=int(12 / times) + 12), 0.01 * times)
+    case = pinned_arch(int(12 / times) + 12, 0.01 * times)
     found = trace(case).critical_points
     count = min(len(found), len(arch.critical_points))
     assert count >= 4

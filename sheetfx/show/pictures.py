@@ -118,7 +118,7 @@ def _choose(record: Record, most: int = len(COLOURS)) -> list[tuple[State, str, 
         drawn = states[point.step].deflection
         behind = f" (drawn at {with_unit(drawn, length)})" if abs(drawn - point.deflection) > 0.005 * reach else ""
         labels.setdefault(point.step, []).append(
-            f"{point.kind} point{left_out if i == 0 else ''}: {place(point)}{behind}")
+            f"{point.title}{left_out if i == 0 else ''}: {place(point)}{behind}")
     critical = [(states[step], "; ".join(lines), colour, True)
                 for (step, lines), colour in zip(labels.items(), COLOURS, strict=False)]
     if last.step in labels:

@@ -42,8 +42,10 @@ class Progress:
 
     def __call__(self, state: State) -> None:
         for point in state.critical:
-            self.console.print(f"{point.kind} point: load {point.load:.6g} at deflection {point.deflection:.6g} "
-                               f"(step {point.step})", soft_wrap=True)
+            coefficients = "" if point.slope is None else f", a = {point.slope:.4g}"
+            coefficients += "" if point.curvature is None else f", b = {point.curvature:.4g}"
+            self.console.print(f"{point.title}: load {point.load:.6g} at deflection {point.deflection:.6g} "
+                               f"(step {point.step}){coefficients}", soft_wrap=True)
         if self.console.is_terminal:
             self._live.update(Text(self._line(state)))
         elif state.step % 10 == 0:

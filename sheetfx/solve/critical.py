@@ -18,6 +18,7 @@ SAME = 1e-6  # relative difference of loads of one multiple point
 TURNING = 0.4  # radians between chord and tangents of a piece of path, from which its middle is looked at
 UNEXPLAINED = 0.25  # of the load by the steeper tangent, likewise
 SHORTEST = 1 / 64  # of a step, piece that must be explained
+NOISE = 1e-6  # of the length of a piece of path, motion along a mode that does not count
 STRAY = 0.3  # of the distance between its neighbours, by which a state may miss their interpolation
 
 
@@ -76,31 +77,39 @@ class Stretch:
 
     def _interpolated(self, left: float, right: float, length: float) -> tuple[float, np.ndarray]:
         """Increments at a length by Hermite's cubic with the tangents of two states, as fast as their distance asks."""
-        rate = self._distance(left, right) / (right - left)
+        rate = self.distance(left, right) / (right - left)
         values, slopes = ([np.append(x, load) for load, x in vectors] for vectors in (
             map(self._increments, (left, right)), (self.states[s].tangent for s in (left, right))))
         found = CubicHermiteSpline((left, right), values, rate * np.array(slopes))(length)
         return float(found[-1]), found[:-1]
 
-    def _distance(self, left: float, right: float) -> float:
+    def distance(self, left: float, right: float) -> float:
         return self.tracer.distance(*self._chord(left, right))
 
     def _chord(self, left: float, right: float) -> tuple[float, np.ndarray]:
         (a, x), (b, y) = self._increments(left), self._increments(right)
         return b - a, y - x
 
+    def along(self, mode: np.ndarray, left: float, right: float) -> tuple[float, float]:
+        """Component along a mode of a piece, and of what its tangents make of it."""
+        def component(increment):
+            return self.tracer.inner((0.0, mode), (0.0, increment))
+
+        rates = [component(self.states[s].tangent[1]) for s in (left, right)]
+        return component(self._chord(left, right)[1]), self.distance(left, right) * sum(rates) / 2
+
     def explained(self, left: float, right: float) -> bool:
         """Whether the tangents at the ends of a piece lead along it, and their mean gives its load."""
         chord, states = self._chord(left, right), [self.states[s] for s in (left, right)]
-        distance, rates = self._distance(left, right), [s.load_rate for s in states]
+        distance, rates = self.distance(left, right), [s.load_rate for s in states]
         error = abs(chord[0] - distance * sum(rates) / 2)
         return (error <= UNEXPLAINED * distance * max(map(abs, rates))
                 and all(self.tracer.angle(chord, s.tangent) <= TURNING for s in states))
 
     def _compare(self, state: State, guess, left: float, right: float) -> None:
         off = self.tracer.distance(state.load_increment - guess[0], state.increment - guess[1])
-        if off > STRAY * self._distance(left, right):
-            raise Jump(f"a state within the step is {off / self._distance(left, right):.2g} of it off the path")
+        if off > STRAY * self.distance(left, right):
+            raise Jump(f"a state within the step is {off / self.distance(left, right):.2g} of it off the path")
 
     def spectrum(self, length: float, count: int) -> tuple[list[float], list]:
         """Eigenvalues of the tangent nearest to zero, and modes, at a length."""
@@ -143,8 +152,8 @@ class Stretch:
 
     def _load_change(self, state: State, length: float) -> float:
         """Change of the load factor within a small length, to the second order where the load is stationary."""
-        rate = self._distance(0.0, self.after.length) / self.after.length * length
-        bend = abs(self.after.load_rate - self.before.load_rate) / self._distance(0.0, self.after.length)
+        rate = self.distance(0.0, self.after.length) / self.after.length * length
+        bend = abs(self.after.load_rate - self.before.load_rate) / self.distance(0.0, self.after.length)
         return abs(state.load_rate * rate) + bend * rate**2
 
 
@@ -308,12 +317,34 @@ def _crossing(stretch: Stretch, number: int, count: int, left: float, right: flo
     table = [(s, stretch[s].load, stretch[s].deflection) for s in nearest]
     found = _Crossing(*map(float, KroghInterpolator([values[s] for s in nearest], table)(0.0)))
     if not left < found.length < right:
+        if stretch.guarded:
+            raise Jump("an eigenvalue passes zero unsteadily")
         return _Crossing(*table[0])
     try:
         stretch[found.length]
     except _Missed:
-        return replace(found, length=nearest[0])
+        found = replace(found, length=nearest[0])
+    if stretch.guarded:
+        _compare_sides(stretch, found.length, reach, count)
     return found
+
+
+def _compare_sides(stretch: Stretch, length: float, reach: float, count: int) -> None:
+    """Refuse states on both sides of a bifurcation that the path does not lead through.
+
+    Near the bifurcation of a slightly imperfect structure the path bends away along the mode; a step that goes
+    straight on has jumped to another path, from which the mode deviates to the other side.
+    """
+    left = max((s for s in stretch.states if s <= length - reach / 2), default=None)
+    right = min((s for s in stretch.states if s >= length + reach / 2), default=None)
+    if left is None or right is None:
+        return
+    values, modes = stretch.spectrum(length, count)
+    mode = modes[int(np.argmin(np.abs(values)))].array
+    moved, led = stretch.along(mode, left, right)
+    size = max(abs(moved), abs(led))
+    if abs(moved - led) > size / 2 and size > NOISE * stretch.distance(left, right):
+        raise Jump("the path bends away from a bifurcation that the step passes")
 
 
 def _clusters(crossings: list[_Crossing]) -> list[list[_Crossing]]:

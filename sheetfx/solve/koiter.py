@@ -5,7 +5,7 @@ With a null vector phi of the tangent the energy along the curve s phi + s^2 w, 
     E(s) = A s^3 / 6 + C s^4 / 24 + ...,   w = -K^-1 (third variation phi phi) / 2 off the null vector,
 
 and the tangent loses the stiffness B along phi with the load of the fundamental path. The other path is
-load - critical load = -A s / (2 B) - C s^2 / (6 B) (Koiter 1945, section 3.8; Budiansky 1974, section II). Third and
+load - critical load = -A s / (2 B) - C s^2 / (6 B) (Koiter 1945; Budiansky 1974). Third and
 fourth variations are differences of the exact gradient and Hessian that the forms give: w is stationary, so that its
 error counts in the second order only, and slender structures lose no digits.
 """
@@ -13,13 +13,13 @@ error counts in the second order only, and slender structures lose no digits.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from petsc4py import PETSc
 
 from ..state import CriticalPoint, State
-from .modes import largest_displacement
+from .modes import scaled
 
 STEP = 1e-4  # of differences of the Hessian, in the scaled norm of increments
 LONGEST, HALVINGS = 0.1, 14  # of differences of the gradient
@@ -62,6 +62,47 @@ class Energy:
         self._system.configure(zero)
 
 
+@dataclass(frozen=True)
+class Expansion:
+    """Energy about a simple bifurcation, off the fundamental path: B load s^2 / 2 + A s^3 / 6 + C s^4 / 24.
+
+    Attributes
+    ----------
+    mode : null vector, of unit length in the scaled inner product, its largest displacement being positive
+    size : largest displacement of the mode
+    cubic, stiffness, quartic : A, B and C
+    """
+
+    mode: PETSc.Vec
+    size: float
+    cubic: float
+    stiffness: float
+    quartic: float
+
+
+def expansion(tracer, mode: PETSc.Vec, neighbours: Sequence[State]) -> Expansion:
+    """Energy about the tracer's current state, a simple bifurcation whose tangent is factored.
+
+    Parameters
+    ----------
+    mode : null vector, of unit length in the scaled inner product
+    neighbours : states on the fundamental path, before and behind
+    """
+    unit = tracer.system.create_vector(scaled(tracer.discretisation, mode))
+    size = 1 / tracer.distance(0.0, unit.array)
+    mode = size * unit
+    energy, solve = Energy(tracer), _Complement(tracer, mode)
+    third = energy.third(mode, mode)
+    cubic = mode.dot(third)
+    slope = solve(tracer.load_vector())
+    stiffness = mode.dot(energy.third(mode, slope, 1.0))
+    bend = mode.dot(energy.third(slope, slope, 1.0))
+    quartic = 24 * _quartic(energy, mode, solve(-0.5 * third))
+    energy.leave()
+    along = sum(_component(tracer, mode, s.response) for s in neighbours) / len(neighbours)
+    return Expansion(mode, size, cubic, stiffness + cubic * _fundamental(cubic, stiffness, bend, along), quartic)
+
+
 def postbuckling(tracer, state: State, modes: Sequence[PETSc.Vec], point: CriticalPoint,
                  neighbours: Sequence[State]) -> CriticalPoint:
     """A bifurcation with its name and, where it is simple, Koiter's a and b.
@@ -74,25 +115,13 @@ def postbuckling(tracer, state: State, modes: Sequence[PETSc.Vec], point: Critic
     """
     if len(modes) > 1:
         return replace(point, name="multiple")
-    energy, mode = Energy(tracer), modes[0]
-    solve = _Complement(tracer, mode)
-    third = energy.third(mode, mode)
-    cubic = mode.dot(third)
-    slope = solve(tracer.load_vector())
-    stiffness = mode.dot(energy.third(mode, slope, 1.0))
-    bend = mode.dot(energy.third(slope, slope, 1.0))
-    quartic = 24 * _quartic(energy, mode, solve(-0.5 * third))
-    energy.leave()
-    along = sum(_component(tracer, mode, s.response) for s in neighbours) / len(neighbours)
-    stiffness += cubic * _fundamental(cubic, stiffness, bend, along)
-    size = largest_displacement(tracer.discretisation, mode)
-    first, second = -cubic / (2 * stiffness) / size, -quartic / (6 * stiffness) / size**2
-    critical = state.factor
-    reach = (0.01 * max(abs(critical), abs(neighbours[1].load_increment)) / max(abs(second), 1e-300)) ** 0.5
+    e = expansion(tracer, modes[0], neighbours)
+    first, second = -e.cubic / (2 * e.stiffness) / e.size, -e.quartic / (6 * e.stiffness) / e.size**2
+    reach = (0.01 * max(abs(state.factor), abs(neighbours[1].load_increment)) / max(abs(second), 1e-300)) ** 0.5
     if abs(first) > NEGLIGIBLE * abs(second) * reach:
-        return replace(point, name="asymmetric", slope=first / critical, curvature=None)
-    return replace(point, name="stable symmetric" if quartic > 0 else "unstable symmetric", slope=0.0,
-                   curvature=second / critical)
+        return replace(point, name="asymmetric", slope=first / state.factor)
+    name = "stable symmetric" if e.quartic > 0 else "unstable symmetric"
+    return replace(point, name=name, slope=0.0, curvature=second / state.factor)
 
 
 def _component(tracer, mode: PETSc.Vec, array: np.ndarray) -> float:
@@ -146,36 +175,3 @@ def _quartic(energy: Energy, mode: PETSc.Vec, bend: PETSc.Vec) -> float:
 def _slope(energy: Energy, mode: PETSc.Vec, bend: PETSc.Vec, length: float) -> float:
     """Derivative of the energy along the curve."""
     return energy.gradient(length * mode + length**2 * bend).dot(mode + 2 * length * bend)
-
-
-def limit_of_imperfect(point: CriticalPoint, amplitude: float, sensitivity: float = 1.0) -> float:
-    """Load at which the path of a slightly imperfect structure is lost, over that of the perfect one (Koiter 1945).
-
-    The maximum of (1 - r) xi + a xi^2 + b xi^3 = sensitivity r amplitude over xi: asymptotically
-    1 - r = 2 (-a amplitude)^(1/2) or 3 / 2^(2/3) (-b)^(1/3) amplitude^(2/3).
-
-    Parameters
-    ----------
-    point : simple bifurcation with a slope or a negative curvature
-    amplitude : largest deviation in the shape of the mode, in length units; its sign counts where there is a slope
-    sensitivity : 1 for a structure that does not bend before it buckles
-
-    Raises
-    ------
-    ValueError
-        If the structure is not sensitive to this imperfection.
-    """
-    a, b = point.slope or 0.0, point.curvature or 0.0
-    size = abs(sensitivity * amplitude)
-    sign = 1.0 if sensitivity * amplitude > 0 else -1.0
-    if a * sign >= 0 and not (a == 0 and b < 0):
-        raise ValueError(f"limit_of_imperfect: a bifurcation with a = {a:g}, b = {b:g} keeps its load with an "
-                         f"imperfection of {amplitude:g}; give one of the other sign or another point")
-    size = max(size, 1e-300)
-
-    def ratio(xi):
-        return (xi + sign * a * xi**2 + b * xi**3) / (xi + size)
-
-    highest = np.roots(np.polysub(np.polymul([3 * b, 2 * sign * a, 1], [1, size]), [b, sign * a, 1, 0]))
-    real = highest[(abs(highest.imag) < 1e-9 * abs(highest)) & (highest.real > 0)].real
-    return float(ratio(real.min()))
