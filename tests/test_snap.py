@@ -17,7 +17,8 @@ from sheetfx.scenes import arch, lee_frame, roof, von_mises_truss
 from sheetfx.section import Elastic, Rectangle
 from sheetfx.solve.branches import branches
 from sheetfx.solve.control import ArcLength, DisplacementControl, LoadControl
-from sheetfx.solve.snap import snap
+from sheetfx.solve.critical import state_at
+from sheetfx.solve.snap import SnapFailure, snap
 
 
 def beyond_limit(record):
@@ -73,6 +74,20 @@ def test_roof_under_held_load(thick_roof, side):
         stored.append(4 * energy_and_residual(thick_roof.path.discretisation)[0])
     work = before.load * (fall.after.deflection - before.deflection)
     assert fall.energy_released == pytest.approx(stored[0] - stored[1] + work, rel=1e-6)
+
+
+def test_fall_from_the_limit_point_itself(thick_roof):
+    """At the pinpointed limit the structure can only fall forward: more energy than beyond it, by a cubic valley."""
+    number, after = next((n, s) for n, s in enumerate(thick_roof.states) if s.critical)
+    tracer = thick_roof.path.tracer
+    limit = state_at(tracer, thick_roof.states[number - 1], after, after.critical[0])
+    fall = snap(tracer, limit)
+    near = thick_roof.states[-1]
+    expected = reached(thick_roof, near, LoadControl(), limit.factor - near.factor)
+    assert fall.after.deflection == pytest.approx(expected.deflection, rel=1e-6) and falls(fall)
+    assert fall.energy_released > snap(tracer, beyond_limit(thick_roof)).energy_released
+    with pytest.raises(SnapFailure, match="try the other side"):
+        snap(tracer, limit, side=-1)
 
 
 @pytest.mark.parametrize("side", [1, -1])

@@ -12,9 +12,11 @@ loads and contact layers included.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from math import copysign
+from pathlib import Path as Folder
 
 import numpy as np
 from petsc4py import PETSc
@@ -83,6 +85,19 @@ class Snap:
     @property
     def iterations(self) -> int:
         return len(self.history) - 1
+
+    def save(self, folder: Folder, comm) -> None:
+        """Write `snap.json` with the jump and its history, and both states of each process."""
+        folder = Folder(folder)
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, state in (("before", self.before), ("after", self.after)):
+            state.save(folder / f"{name}.{comm.rank}.npz")
+        if comm.rank == 0:
+            ends = {name: {"load": state.load, "deflection": state.deflection, "unstable": state.unstable}
+                    for name, state in (("before", self.before), ("after", self.after))}
+            content = ends | {"hold": self.hold, "energy_released": self.energy_released,
+                              "history": [asdict(step) for step in self.history]}
+            (folder / "snap.json").write_text(json.dumps(content, indent=2) + "\n")
 
 
 def snap(path, state: State, hold: str = "load", side: int = 1,
