@@ -17,7 +17,7 @@ from sheetfx.path import Path, Until
 from sheetfx.scene import Beam, Monitor, PointForce, Scene, Support, pin
 from sheetfx.scenes import star_dome
 from sheetfx.section import Elastic, Rectangle
-from sheetfx.solve.branches import branches
+from sheetfx.solve.branches import _zeros_around, branches
 from sheetfx.solve.control import ArcLength, LoadControl
 from sheetfx.solve.modes import mode_displacement
 
@@ -169,6 +169,16 @@ def columns(count: int):
     supports = [s for i in range(count) for s in (pin(model, f"base{i}"), Support(model, f"tip{i}", "y"))]
     loads = [PointForce(model, f"tip{i}", (-1.0, 0.0)) for i in range(count)]
     return follow(Scene([beam], supports, loads, Monitor(model, "middle0", "y")), LoadControl(step=3.0, target=10.0))
+
+
+@pytest.mark.parametrize("force, zeros", [
+    (lambda a: np.sin(6 * a), np.arange(12) * pi / 6), (lambda a: np.cos(a) - 0.999, [0.04473, 2 * pi - 0.04473]),
+    (lambda a: 1 - np.cos(a - 2.0), [2.0]), (lambda a: 1 + np.cos(a) / 2, [])])
+def test_zeros_around_a_circle(force, zeros):
+    """Simple ones, two between neighbouring samples, a double one, and none."""
+    angles = 0.1 + 2 * pi * np.arange(48) / 48
+    found = np.mod(_zeros_around(force, angles, force(angles)), 2 * pi)
+    assert np.exp(1j * np.sort(found)) == pytest.approx(np.exp(1j * np.array(zeros)), abs=1e-4)
 
 
 @pytest.mark.parametrize("count", [2, 3])
