@@ -13,7 +13,7 @@ from sheetfx import meshes
 from sheetfx.mesh.reader import read
 from sheetfx.path import Path, Until
 from sheetfx.scene import Beam, LineForce, Monitor, Motion, PointForce, Scene, Support, pin
-from sheetfx.scenes import arch, lee_frame, roof, von_mises_truss
+from sheetfx.scenes import arch, cylinder_buckling, lee_frame, roof, star_dome, von_mises_truss
 from sheetfx.section import Elastic, Rectangle
 from sheetfx.solve.branches import branches
 from sheetfx.solve.control import ArcLength, DisplacementControl, LoadControl
@@ -44,6 +44,15 @@ def distance(one, other):
     return max(np.abs(values - other.fields[name]).max() for name, values in one.fields.items()) / size
 
 
+def lost(record, fall):
+    """Stored energy and potential of the monitored force that is less after a fall under this force than before."""
+    stored = []
+    for state in (fall.before, fall.after):
+        record.show(state)
+        stored.append(record.case.scene.copies * energy_and_residual(record.path.discretisation)[0])
+    return stored[0] - stored[1] + fall.before.load * (fall.after.deflection - fall.before.deflection)
+
+
 @pytest.fixture(scope="module")
 def thick_roof():
     case = roof.scene(cells=2, to=26.0)
@@ -68,12 +77,7 @@ def test_roof_under_held_load(thick_roof, side):
     assert fall.after.deflection == pytest.approx(expected.deflection, rel=1e-6)
     assert distance(fall.after, expected) < 1e-6
     assert falls(fall)
-    stored = []
-    for state in (before, fall.after):
-        thick_roof.show(state)
-        stored.append(4 * energy_and_residual(thick_roof.path.discretisation)[0])
-    work = before.load * (fall.after.deflection - before.deflection)
-    assert fall.energy_released == pytest.approx(stored[0] - stored[1] + work, rel=1e-6)
+    assert fall.energy_released == pytest.approx(lost(thick_roof, fall), rel=1e-6)
 
 
 def test_fall_from_the_limit_point_itself(thick_roof):
@@ -226,6 +230,39 @@ def test_von_mises_truss(side):
     bracket = (-2 * rise, -rise) if side > 0 else (0.7 * rise, rise)
     assert height == pytest.approx(brentq(out_of_balance, *bracket, xtol=1e-14), rel=1e-6)
     assert fall.after.unstable == 0 and falls(fall)
+
+
+@pytest.mark.parametrize("hold", ["load", "displacement"])
+def test_star_dome_with_six_unstable_directions(hold):
+    """Down to a stable dome, whichever of the directions it leaves along; the energy by itself."""
+    case = star_dome.scene()
+    record = follow(case.scene, case.control, 12.0)
+    before = max(record.states, key=lambda state: state.unstable)
+    assert before.unstable == 6
+    fall = snap(record.path, before, hold)
+    assert fall.after.unstable == (0 if hold == "load" else 1) and falls(fall)
+    if hold == "load":
+        assert fall.energy_released == pytest.approx(lost(record, fall), rel=1e-6)
+    with pytest.raises(ValueError, match=f"stable while the {hold} is held"):
+        snap(record.path, fall.after, hold)
+
+
+@pytest.mark.slow
+def test_cylinder_with_a_cluster_of_unstable_directions():
+    """Axially compressed far beyond its first of many bifurcations: less than half the load is left when it has fallen.
+
+    Under the load itself a cylinder has no stable state near it.
+    """
+    scene = cylinder_buckling.scene(ratio=100.0, halves=4.0, cells=(12, 5)).scene
+    model = scene.parts[0].model
+    held = replace(scene, supports=[*scene.supports, *(Support(model, end, "x y rz") for end in ("south", "north"))])
+    path = Path(held, LoadControl(step=0.25, largest=1.0, target=1.0))
+    *_, before = path
+    assert before.unstable >= 8
+    fall = snap(path, before, "displacement")
+    assert fall.after.load < before.load / 2 and fall.iterations < 100 and falls(fall)
+    with pytest.raises(ValueError, match="stable while the displacement is held"):
+        snap(path, fall.after, "displacement")
 
 
 def test_stable_states_do_not_snap(thick_roof):
