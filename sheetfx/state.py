@@ -55,7 +55,8 @@ class State:
     factor : load factor
     load : total load on the whole structure
     deflection : monitored displacement
-    unstable : negative eigenvalues of the tangent beyond those of multipliers; None: not known
+    unstable : negative eigenvalues of the tangent beyond those of multipliers; None: not symmetric, not known
+    determinant : sign of the tangent's determinant, where multipliers do not count; None: not known
     load_rate : load component of the unit tangent along the path
     iterations, factorisations : of the step that led here, failed tries included
     hardest : most iterations of one Newton solution in its last try
@@ -75,6 +76,7 @@ class State:
     load: float
     deflection: float
     unstable: int | None
+    determinant: int | None
     load_rate: float
     iterations: int
     hardest: int

@@ -150,7 +150,7 @@ class Tracer:
         extremes = start.displacement_extremes + self._passes_extreme(start) if start else 0
         along = tangent.inner(self.x, self._response) + weight * load_increment
         sign = -1.0 if start and along < 0 else 1.0
-        pivots = self.stepper.linear.negative_pivots()
+        pivots, determinant = self.stepper.linear.negative_pivots(), self.stepper.linear.determinant_sign()
         touching, penetration = self.discretisation.enforcement.summary()
         increment, deflection = self.x.array.copy(), self._monitor.dot(self.x)
         self.discretisation.commit()
@@ -159,6 +159,7 @@ class Tracer:
             step=start.step + 1 if start else 0, factor=system.factor, load=self.discretisation.total_load(),
             deflection=start.deflection + deflection if start else 0.0,
             unstable=None if pivots is None else pivots - system.multipliers,
+            determinant=determinant and determinant * (-1) ** system.multipliers,
             load_rate=sign / sqrt(tangent.norm2 + weight),
             iterations=iterations, hardest=self._most, factorisations=self.total_factorisations - factorisations,
             length=length, next_length=length or self.control.first, load_increment=load_increment,

@@ -138,9 +138,3 @@ def test_control_of_another_displacement():
 def test_bad_rules_are_refused(make, words):
     with pytest.raises(ValueError, match=words):
         make()
-
-
-def test_determinant_needs_a_symmetric_tangent():
-    case = arch.scene(friction=0.3, elements=10, degree=1, contact="nodes")
-    with pytest.raises(ValueError, match="'determinant' needs a symmetric tangent.*'projection'"):
-        trace(replace(case, control=ArcLength(sign="determinant")))

@@ -11,7 +11,7 @@ from sheetfx import meshes
 from sheetfx.case import Case, trace
 from sheetfx.mesh.reader import read
 from sheetfx.path import Until
-from sheetfx.scene import Beam, Monitor, PointForce, Scene, Support, pin
+from sheetfx.scene import Beam, LineForce, Monitor, PointForce, Scene, Support, pin, symmetry
 from sheetfx.section import Elastic, Rectangle
 from sheetfx.solve.control import ArcLength, LoadControl
 from sheetfx.solve.critical import state_at
@@ -123,3 +123,14 @@ def test_a_step_that_jumps_over_limits_is_seen():
         case.scene.parts[0].model, "crown", "x rz")]), control=ArcLength(0.2), until=Until(deflection=80.0))
     points = [p for p in trace(half).critical_points if p.kind == "limit"]
     assert [p.name for p in points][:2] == ["maximum", "minimum"]
+
+
+def test_ring_under_pressure_that_follows_it():
+    """Unsymmetric tangent: by the sign of its determinant. p = 3 EI / R^3 (Levy 1884), but for (depth / R)^2."""
+    model = read(lambda: meshes.arc(1.0, 0.0, pi / 2, 24), 2, 2)
+    beam = Beam(model, Rectangle(1.0, 0.01), Elastic(12e6))
+    scene = Scene([beam], [symmetry(model, "start"), symmetry(model, "end", "y")],
+                  [LineForce(beam, (0.0, -1.0), follower=True)], Monitor(model, "start", "y", -1.0))
+    (point,) = trace(Case(scene, LoadControl(1.7, target=5.0))).critical_points
+    assert (point.kind, point.multiplicity) == ("bifurcation", 1)
+    assert point.load / (pi / 2) == pytest.approx(3.0, rel=1e-4)

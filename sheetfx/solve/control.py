@@ -17,7 +17,7 @@ from ..state import State
 
 SIGNS: dict[str, Callable[[State], float]] = {
     "projection": lambda state: state.load_rate,
-    "determinant": lambda state: (-1.0) ** state.unstable,
+    "determinant": lambda state: state.determinant,
     "current stiffness": lambda state: state.current_stiffness,
     "current stiffness with displacement extremes":
         lambda state: (-1.0) ** state.displacement_extremes * state.current_stiffness,
@@ -111,9 +111,9 @@ class TwoWayRule(StepRule):
         require_choice(self, "sign", SIGNS)
 
     def direction(self, state):
-        if self.sign == "determinant" and state.unstable is None:
-            raise ValueError(f"{type(self).__name__}: sign 'determinant' needs a symmetric tangent, and friction or "
-                             "follower loads make this one unsymmetric; choose 'projection'")
+        if self.sign == "determinant" and state.determinant is None:
+            raise ValueError(f"{type(self).__name__}: sign 'determinant' needs a factor by MUMPS, which tells it; "
+                             "choose 'projection'")
         return copysign(1.0, SIGNS[self.sign](state))
 
 

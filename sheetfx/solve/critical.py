@@ -121,9 +121,14 @@ class Stretch:
             found = self._spectra[length] = values, [self.tracer.system.create_vector(m.array) for m in modes]
         return found
 
-    def eigenvalue(self, length: float, number: int, count: int) -> float:
-        """The eigenvalue of the tangent with so many below it; its sign and a bound if `count` are nearer to zero."""
+    def eigenvalue(self, length: float, number: int | None, count: int) -> float:
+        """The eigenvalue of the tangent with so many below it, or an end of the `count` nearest to zero.
+
+        Where they are not counted (None), the one nearest to zero with the sign of the determinant.
+        """
         values = self.spectrum(length, count)[0]
+        if number is None:
+            return self[length].determinant * min(map(abs, values))
         place = number - self[length].unstable + sum(v < 0 for v in values)
         return values[place] if 0 <= place < len(values) else copysign(max(map(abs, values)), place)
 
@@ -265,20 +270,26 @@ class _Crossing:
 def _bifurcations(stretch: Stretch, limits: list[float]) -> list[_Crossing]:
     """Where eigenvalues other than those of limit points pass zero, along the path.
 
-    With contact, where eigenvalues waver, only the ends of the step are compared.
+    With contact, where eigenvalues waver, only the ends of the step are compared; with friction nothing is.
     """
-    near = 1e-5 * stretch.after.length
-    candidates = [0.0, stretch.after.length] if stretch.tracer.discretisation.contacts else sorted(stretch.states)
+    near, contacts = 1e-5 * stretch.after.length, stretch.tracer.discretisation.contacts
+    if contacts and not stretch.tracer.system.symmetric:
+        return []
+    candidates = [0.0, stretch.after.length] if contacts else sorted(stretch.states)
     lengths = [s for s in candidates if all(abs(s - limit) > near for limit in limits)]
     found = [c for pair in zip(lengths[:-1], lengths[1:], strict=True) for c in _crossings(stretch, *pair, near)]
     return sorted(found, key=lambda c: c.length)
 
 
 def _hidden(one: State, other: State) -> int:
-    """Least number of bifurcations between two states: a limit point changes the unstable directions by one."""
-    if one.unstable is None or other.unstable is None:
-        return 0
-    change = abs(one.unstable - other.unstable)
+    """Least number of bifurcations between two states: a limit point changes the unstable directions by one.
+
+    Of unsymmetric tangents only the determinant is known, which simple bifurcations change.
+    """
+    if one.unstable is None:
+        change = one.determinant != other.determinant
+    else:
+        change = abs(one.unstable - other.unstable)
     return abs(change - 1) if one.load_rate * other.load_rate < 0 else change
 
 
@@ -296,11 +307,11 @@ def _crossings(stretch: Stretch, left: float, right: float, near: float) -> list
         except _Missed:
             return []
         return _crossings(stretch, left, middle, near) + _crossings(stretch, middle, right, near)
-    return [_crossing(stretch, number, count + 2, left, right)
-            for number in range(*sorted((one.unstable, other.unstable)))]
+    numbers = [None] if one.unstable is None else range(*sorted((one.unstable, other.unstable)))
+    return [_crossing(stretch, number, count + 2, left, right) for number in numbers]
 
 
-def _crossing(stretch: Stretch, number: int, count: int, left: float, right: float) -> _Crossing:
+def _crossing(stretch: Stretch, number: int | None, count: int, left: float, right: float) -> _Crossing:
     """Zero of one eigenvalue, interpolated between states so far from it that rounding does not throw them off."""
     def value(length):
         return stretch.eigenvalue(length, number, count)

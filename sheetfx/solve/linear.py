@@ -43,6 +43,8 @@ class DirectSolver:
             # Inertia needs null pivot detection (ICNTL 24); the threshold keeps it from replacing any.
             pc.getFactorMatrix().setMumpsIcntl(24, 1)
             pc.getFactorMatrix().setMumpsCntl(3, -1e-100)
+            if pc.getType() == PETSc.PC.Type.LU:
+                pc.getFactorMatrix().setMumpsIcntl(33, 1)  # the determinant, in place of the inertia
         self.factorisations += 1
         pc.setReusePreconditioner(False)
         pc.setUp()
@@ -77,3 +79,12 @@ class DirectSolver:
         if pc.getType() != PETSc.PC.Type.CHOLESKY:
             return None
         return pc.getFactorMatrix().getInertia()[0]
+
+    def determinant_sign(self) -> int | None:
+        """Sign of the determinant of the factored matrix; None where the factor's package does not tell."""
+        negative, pc = self.negative_pivots(), self.ksp.getPC()
+        if negative is not None:
+            return (-1) ** negative
+        if pc.getFactorSolverType() != PETSc.Mat.SolverType.MUMPS:
+            return None
+        return 1 if pc.getFactorMatrix().getMumpsRinfog(12) > 0 else -1

@@ -21,7 +21,8 @@ def nearest_to_zero(solver: DirectSolver, mass: PETSc.Mat, count: int,
     ----------
     solver : with the factor of the tangent K, which is not factored again
     mass : symmetric and semidefinite, on the rows of K
-    count : number of eigenvalues; fewer where the mass has a lower rank
+    count : number of eigenvalues; fewer where the mass has a lower rank or, of an unsymmetric tangent, some are not
+        real
 
     Raises
     ------
@@ -48,8 +49,9 @@ def nearest_to_zero(solver: DirectSolver, mass: PETSc.Mat, count: int,
     found = []
     for i in range(min(count, eps.getConverged())):
         mode = mass.createVecRight()
-        value = eps.getEigenpair(i, mode).real
-        found.append((value, _normed(mode, mass)))
+        value = eps.getEigenpair(i, mode)
+        if abs(value.imag) <= 1e-8 * abs(value):
+            found.append((value.real, _normed(mode, mass)))
     if not found:
         raise ArithmeticError(f"no eigenvalue of the tangent converges; try PETSC_OPTIONS='-{PREFIX}eps_tol 1e-8'")
     found.sort(key=lambda pair: pair[0])
