@@ -179,13 +179,15 @@ def failure_map(
     with Progress(*layout, transient=True) as progress:
         task = progress.add_task("", total=len(rows) * (len(columns) + 1))
 
-        def say(line: str) -> None:
+        def say(cell) -> None:
+            line = f"{cell.trap}, {cell.method}: {cell.outcome}{'; ' if cell.reason else ''}{cell.reason}"
             progress.console.print(line, soft_wrap=True, markup=False, highlight=False)
             progress.advance(task)
 
         cells = failure_map(rows, columns, output, limit, say)
         if not cells:
-            raise ValueError("map: no method applies to these traps; the lines above say why")
+            raise ValueError("map: no cell to draw; methods of contact need traps with contact, and lines above say "
+                             "which reference paths end early")
     write_map(cells, output / "map.csv")
     draw_map(cells).savefig(output / "map.png", dpi=110)
     typer.echo(f"results in {output}")

@@ -16,12 +16,12 @@ from mpi4py import MPI
 
 from .archive import Archive
 from .judgement import CRASHED, PASSED, STALLED, Judge, Trail, place
-from .methods import METHODS, reference
+from .methods import METHODS, applies, reference
 from .path import Path, PathFailure
 from .study import ONE_THREAD
 from .traps import TRAPS, Trap
 
-REFERENCE, DOES_NOT_APPLY = "reference", "does not apply"
+REFERENCE = "reference"
 
 
 @dataclass(frozen=True)
@@ -60,31 +60,30 @@ def choose(kind: str, names: str | None, known: Iterable[str]) -> list[str]:
 
 
 def failure_map(traps: Sequence[str], methods: Sequence[str], folder: Folder, limit: float,
-                say: Callable[[str], None] = lambda line: None) -> list[Cell]:
+                say: Callable[[Cell], None] = lambda cell: None) -> list[Cell]:
     """Trace every trap with every method that applies to it.
 
     Parameters
     ----------
     folder : gets a folder for each path with its states and path.csv
     limit : seconds that a path may take
-    say : called with a line for each path that has ended
+    say : called with each cell, and with those of the reference paths, without which a trap is left out
     """
     if MPI.COMM_WORLD.size > 1:
         raise ValueError(f"map: {MPI.COMM_WORLD.size} MPI processes, but the map starts processes of its own; "
                          "leave mpirun out")
     with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
         references = _ended(pool, [(trap, REFERENCE, folder, 10 * limit) for trap in traps], say)
-        usable = [cell.trap for cell in references if cell.outcome == PASSED]
-        cells = list(_ended(pool, [(trap, method, folder, limit) for trap in usable for method in methods], say))
-    return sorted((c for c in cells if c.outcome != DOES_NOT_APPLY),
-                  key=lambda cell: (traps.index(cell.trap), methods.index(cell.method)))
+        cases = {cell.trap: TRAPS[cell.trap].case() for cell in references if cell.outcome == PASSED}
+        cells = list(_ended(pool, [(trap, method, folder, limit) for trap, case in cases.items()
+                                   for method in methods if applies(method, case)], say))
+    return sorted(cells, key=lambda cell: (traps.index(cell.trap), methods.index(cell.method)))
 
 
 def _ended(pool: ThreadPoolExecutor, tasks: Sequence[tuple], say) -> Iterator[Cell]:
     """Cells as they come."""
     for future in as_completed([pool.submit(_process, *task) for task in tasks]):
-        cell = future.result()
-        say(f"{cell.trap}, {cell.method}: {cell.outcome}{'; ' if cell.reason else ''}{cell.reason}")
+        say(cell := future.result())
         yield cell
 
 
@@ -105,8 +104,6 @@ def _process(trap: str, method: str, folder: Folder, limit: float) -> Cell:
 def trace(trap: Trap, method: str, folder: Folder, limit: float) -> Cell:
     """Trace a trap with a method in this process and judge its path, beside the reference path in the folder."""
     case = reference(trap.case()) if method == REFERENCE else METHODS[method](trap.case())
-    if case is None:
-        return Cell(trap.name, method, DOES_NOT_APPLY, "", 0.0, 0)
     archive = Archive(Folder(folder) / trap.name / method, MPI.COMM_SELF)
     archive.clear({})
     path = Path(case.scene, case.control, case.until, mixed_points=case.mixed_points)
@@ -132,6 +129,8 @@ def _follow(path: Path, limit: float, watch, conclude) -> tuple[str, str]:
     except PathFailure as failure:
         cause = str(failure).partition("does not converge")[2].partition(" (")[0]
         return STALLED, f"stops at {place(state)}, does not converge{cause}"
+    if path.message.endswith("steps taken"):
+        return STALLED, f"is still at {place(state)} after {path.message.replace(' taken', '')}"
     return conclude(points)
 
 

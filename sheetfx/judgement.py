@@ -117,6 +117,8 @@ class Judge:
             if point.multiplicity != wanted.multiplicity:
                 return WRONG, (f"finds {point.multiplicity} null vectors at load {point.load:.5g}, where there are "
                                f"{wanted.multiplicity}")
+            if wanted.name not in (None, point.name):
+                return WRONG, f"names the point at load {point.load:.5g} {point.name!r} instead of {wanted.name!r}"
         return PASSED, ""
 
 

@@ -33,25 +33,28 @@ def _follow(rule: type[StepRule], **options) -> Callable[[Case], Case]:
     return change
 
 
-def _iterate(**options) -> Callable[[Case], Case]:
+def _iterate(mixed_points: bool = True, **options) -> Callable[[Case], Case]:
     """A method with another tangent in the iteration."""
-    newton = options.pop("newton", "full")
-    return lambda case: replace(case, control=replace(case.control, turn=pi, newton=newton), **options)
+    return lambda case: replace(case, mixed_points=mixed_points, control=replace(case.control, turn=pi, **options))
 
 
-def _enforce(enforcement: str, times: float = 1.0) -> Callable[[Case], Case | None]:
+def _enforce(enforcement: str, times: float = 1.0) -> Callable[[Case], Case]:
     """A method that enforces exact contact at integration points with a multiple of the usual augmentation."""
-    def change(case: Case) -> Case | None:
-        scene = case.scene
-        if not scene.contacts:
-            return None
+    def change(case: Case) -> Case:
         contacts = [replace(c, enforcement=enforcement, layer=0.0, scale=times * ContactFields(c, "trial").scale)
-                    for c in scene.contacts]
-        return replace(case, scene=replace(scene, contacts=contacts), control=replace(case.control, turn=pi))
+                    for c in case.scene.contacts]
+        return replace(case, scene=replace(case.scene, contacts=contacts), control=replace(case.control, turn=pi))
     return change
 
 
-METHODS: dict[str, Callable[[Case], Case | None]] = {
+ENFORCEMENTS: dict[str, Callable[[Case], Case]] = {
+    "penalty-small": _enforce("penalty", SOFT),
+    "penalty": _enforce("penalty"),
+    "penalty-large": _enforce("penalty", STIFF),
+    "uzawa": _enforce("uzawa"),
+    "semismooth": _enforce("semismooth"),
+}
+METHODS: dict[str, Callable[[Case], Case]] = {
     "default": lambda case: case,
     "load": _follow(LoadControl, target=inf),
     "displacement": _follow(DisplacementControl),
@@ -62,13 +65,14 @@ METHODS: dict[str, Callable[[Case], Case | None]] = {
     "current-stiffness": _follow(ArcLength, sign="current stiffness"),
     "displacement-extremes": _follow(ArcLength, sign="current stiffness with displacement extremes"),
     "plain-newton": _iterate(mixed_points=False),
-    "modified-newton": _iterate(newton="modified"),
-    "penalty-small": _enforce("penalty", SOFT),
-    "penalty": _enforce("penalty"),
-    "penalty-large": _enforce("penalty", STIFF),
-    "uzawa": _enforce("uzawa"),
-    "semismooth": _enforce("semismooth"),
+    "modified-newton": _iterate(newton="modified", iterations=25),
+    **ENFORCEMENTS,
 }
+
+
+def applies(name: str, case: Case) -> bool:
+    """Whether a method changes what a case has: without contact there is none to enforce."""
+    return name not in ENFORCEMENTS or bool(case.scene.contacts)
 
 
 def reference(case: Case) -> Case:

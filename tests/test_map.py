@@ -77,10 +77,6 @@ def test_first_steps_of_all_controls_load_the_structure_alike():
     assert list(first.values()) == pytest.approx([first["default"]] * 4, rel=1e-12)
 
 
-def test_methods_of_contact_apply_to_contact_only():
-    assert METHODS["uzawa"](TRAPS["lee-frame"].case()) is None
-
-
 @pytest.fixture(scope="module")
 def trail(cell, folder):
     cell(TRAPS["lee-frame"], "default")
@@ -94,9 +90,18 @@ def trail(cell, folder):
     ((18556.7, 12000.0, -9414.4), WRONG, "12000 that is not there"),
 ])
 def test_conclusions(trail, loads, outcome, words):
-    points = [CriticalPoint("limit", load, 0.0, 1) for load in loads]
+    points = [CriticalPoint("limit", load, 0.0, 1, name="maximum" if load > 0 else "minimum") for load in loads]
     verdict, reason = Judge(TRAPS["lee-frame"].points, trail).conclude(points)
     assert verdict == outcome and words in reason
+
+
+def test_names_and_null_vectors_are_compared(trail):
+    """A bifurcation with another name, and a double one taken for a simple one."""
+    point = CriticalPoint("bifurcation", 1.0, 0.0, 1, name="asymmetric")
+    for expected, words in ((Expected("bifurcation", 1.0, name="stable symmetric"), "instead of 'stable symmetric'"),
+                            (Expected("bifurcation", 1.0, multiplicity=2), "where there are 2")):
+        verdict, reason = Judge((expected,), trail).conclude([point])
+        assert verdict == WRONG and words in reason
 
 
 def test_states_are_watched_on_their_way(trail):

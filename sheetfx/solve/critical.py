@@ -231,8 +231,8 @@ def _check(stretch: Stretch) -> None:
 
 def _limit(stretch: Stretch, length: float) -> CriticalPoint:
     state = stretch.states[length]
-    left = max(s for s in stretch.states if s < length - 1e-5 * stretch.after.length)
-    rising = stretch.states[left].factor < state.factor
+    left = [s for s in stretch.states if s < length - 1e-5 * stretch.after.length]
+    rising = stretch.states[max(left)].factor < state.factor if left else stretch.before.load_rate > 0
     return CriticalPoint("limit", state.load, state.deflection, state.step, float(length),
                          name="maximum" if rising else "minimum")
 
