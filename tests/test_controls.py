@@ -12,7 +12,7 @@ import pytest
 from sheetfx.case import trace
 from sheetfx.path import Path, PathFailure
 from sheetfx.scene import Monitor
-from sheetfx.scenes import arch, lee_frame
+from sheetfx.scenes import arch, lee_frame, roll_up
 from sheetfx.solve.control import SIGNS, ArcLength, DisplacementControl, LoadControl
 
 COUNTING = "current stiffness with displacement extremes"
@@ -138,3 +138,10 @@ def test_control_of_another_displacement():
 def test_bad_rules_are_refused(make, words):
     with pytest.raises(ValueError, match=words):
         make()
+
+
+def test_controlled_displacement_must_respond():
+    """Along a straight cantilever nothing moves under an end moment, to the first order."""
+    case = roll_up.scene(turns=1)
+    with pytest.raises(ValueError, match="does not respond to the load.*monitor"):
+        trace(replace(case, control=DisplacementControl(monitor=Monitor(case.scene.parts[0].model, "tip", "x"))))

@@ -130,7 +130,11 @@ class DisplacementControl(TwoWayRule):
     default = 1.0
 
     def predict(self, length, sign, tangent):
-        return sign * length / abs(tangent.controlled(tangent.solution))
+        rate = abs(tangent.controlled(tangent.solution))
+        if not rate:
+            raise ValueError("DisplacementControl: the controlled displacement does not respond to the load; give the "
+                             "control a `monitor` that does")
+        return sign * length / rate
 
     def correct(self, length, tangent, increment, load_increment, residual_part):
         target = copysign(length, tangent.controlled(increment))
