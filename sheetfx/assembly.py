@@ -35,6 +35,11 @@ class System:
     symmetric : whether the tangent is symmetric (no friction, conservative loads)
     mixed_points : use the mixed integration point tangent (Magisano, Leonetti and Garcea 2017)
         instead of the plain derivative of the residual
+
+    Attributes
+    ----------
+    size : number of free unknowns
+    multipliers : number of Lagrange multipliers among them; each gives the tangent one negative pivot
     """
 
     def __init__(self, unknowns: Unknowns, factor, internal: Sequence[Internal], work, *,
@@ -64,14 +69,6 @@ class System:
     @factor.setter
     def factor(self, value: float) -> None:
         self._factor.ufl_operands[0].value = value
-
-    @property
-    def multipliers(self) -> int:
-        """Number of Lagrange multipliers; each gives the tangent one negative pivot."""
-        return sum(
-            b.space.dofmap.index_map.size_global * b.space.dofmap.index_map_bs
-            for b in self.unknowns.blocks if b.fields[0].multiplier
-        )
 
     def _compile(self, work) -> None:
         self._residual = self._load = self._tangent = None
@@ -106,6 +103,8 @@ class System:
                 for block, dofs, offset in zip(self.unknowns.blocks, fixed, self._offsets, strict=False)]
         self._fixed = np.concatenate(rows).astype(np.int32)
         self.size = self.comm.allreduce(int(self._offsets[-1]) - len(self._fixed))
+        self.multipliers = self.comm.allreduce(sum(
+            self._owned(b) - len(r) for b, r in zip(self.unknowns.blocks, rows, strict=True) if b.fields[0].multiplier))
 
     def _create_matrix(self) -> None:
         """A matrix for the entries of internal work, of other work and of fixed unknowns, in this order."""

@@ -10,6 +10,7 @@ from mpi4py import MPI
 
 from . import forms
 from .assembly import System
+from .compat import JIT
 from .contact.enforcement import Enforcement
 from .contact.fields import ContactFields
 from .kinematics import Kinematics, kinematics_of
@@ -66,6 +67,8 @@ class Discretisation:
             symmetric=not any(c.friction for c in scene.contacts) and not any(_turning(load) for load in scene.loads),
             mixed_points=mixed_points, clock=self.clock,
         )
+        self._reaction_forms = [fem.form(r * load.model.facet_measure(load.at), jit_options=JIT)
+                                for load, r in self._reactions.items()]
         self._unit_load = sum(self._magnitude(load) for load in scene.loads)
         self.enforcement = Enforcement(self.contacts, self.clock)
 
@@ -84,18 +87,28 @@ class Discretisation:
             obstacle = contact.obstacle
             if obstacle.travel is not None and obstacle not in travels:
                 model = contact.beam.model
-                travels[obstacle] = self._real(model, f"travel{len(travels)}", model.size, False, blocks)
+                travels[obstacle] = self._real(model, f"travel{len(travels)}", model.size, blocks)
         return travels
 
     def _motion_reactions(self, blocks) -> dict:
-        motions = [load for load in self.scene.loads if isinstance(load, Motion)]
-        return {m: self._real(m.model, f"reaction{i}", np.inf, True, blocks) for i, m in enumerate(motions)}
+        """For each prescribed motion its reaction: a force at the point, or forces per length of the edge."""
+        reactions = {}
+        for load in (load for load in self.scene.loads if isinstance(load, Motion)):
+            element = self.kinematics(load.model).u.function_space.ufl_element().sub_elements[0]
+            space = fem.functionspace(load.model.mesh, element)
+            reactions[load] = self._unknown(space, f"reaction{len(reactions)}", np.inf, True, blocks)
+        return reactions
 
-    def _real(self, model, name, scale, multiplier, blocks) -> fem.Function:
+    def _real(self, model, name, scale, blocks) -> fem.Function:
         """A single number as an unknown."""
-        value = fem.Function(scifem.create_real_functionspace(model.mesh), name=name)
+        return self._unknown(scifem.create_real_functionspace(model.mesh), name, scale, False, blocks)
+
+    @staticmethod
+    def _unknown(space, name, scale, multiplier, blocks) -> fem.Function:
+        """A field with a block of its own."""
+        value = fem.Function(space, name=name)
         dofs = np.arange(len(value.x.array))
-        blocks.append(Block(value.function_space, (AdditiveField(value, dofs, scale, multiplier),)))
+        blocks.append(Block(space, (AdditiveField(value, dofs, scale, multiplier),)))
         return value
 
     def position(self, contact: Contact):
@@ -224,7 +237,18 @@ class Discretisation:
                     if support.model is model:
                         dofs += [fem.locate_dofs_topological(k.sub_space(c), *model.at(support.at))
                                  for c in support.fixed.split()]
+        for load, reaction in self._reactions.items():
+            if block.space is reaction.function_space:
+                dofs.append(self._without_reaction(load, block.space))
         return np.unique(np.concatenate(dofs))
+
+    def _without_reaction(self, load: Motion, space) -> np.ndarray:
+        """Nodes off the point or edge of a prescribed motion, and those that a support holds."""
+        held = [fem.locate_dofs_topological(space, *load.model.at(support.at)) for support in self.scene.supports
+                if support.model is load.model and support.axes is None and load.component in support.fixed.split()]
+        count = space.dofmap.index_map.size_local + space.dofmap.index_map.num_ghosts
+        moved = np.setdiff1d(fem.locate_dofs_topological(space, *load.model.at(load.at)), np.concatenate([[], *held]))
+        return np.setdiff1d(np.arange(count, dtype=np.int32), moved)
 
     def monitored(self, monitor: Monitor):
         """The monitored field, and its local place (owned by one process, empty elsewhere)."""
@@ -258,9 +282,8 @@ class Discretisation:
         """Load on the whole structure: the sum of the magnitudes of all loads, or the reaction."""
         copies = self.scene.copies
         if self._reactions:
-            mesh = self.scene.parts[0].model.mesh
-            local = [float(r.x.array[0]) if len(r.x.array) else 0.0 for r in self._reactions.values()]
-            return -copies * sum(mesh.comm.allreduce(v, op=MPI.SUM) / mesh.comm.size for v in local)
+            work = [fem.assemble_scalar(form) for form in self._reaction_forms]
+            return -copies * self.system.comm.allreduce(sum(work))
         return copies * self.system.factor * self._unit_load
 
     def commit(self) -> None:

@@ -264,12 +264,21 @@ class Push:
 
 @dataclass(frozen=True)
 class Motion:
-    """Prescribed displacement component of a named point; its reaction is an unknown."""
+    """Prescribed displacement component of a named point, or of all of a named edge; its reaction is an unknown.
+
+    Nodes of the edge where a support fixes the component stay there.
+    """
 
     model: Model
     at: str
     component: str
     distance: float
+
+    def __post_init__(self):
+        known = COMPONENTS[self.model.dimension][:self.model.dimension]
+        self.model.at(self.at)
+        if self.component not in known:
+            raise ValueError(f"Motion of {self.at!r}: no component {self.component!r}; choose from {' '.join(known)}")
 
 
 @dataclass(frozen=True)

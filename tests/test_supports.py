@@ -68,3 +68,20 @@ def test_bad_axes_are_named():
     scene = fx.Scene([shell], [skew], [fx.SurfaceForce(shell, (0.0, 0.0, 1.0))], fx.Monitor(model, "north-east", "z"))
     with pytest.raises(ValueError, match="west.*orthonormal"):
         fx.Path(scene)
+
+
+def test_motion_of_an_edge_moves_all_of_it():
+    """A plate that is shortened uniformly and held sideways: force E / (1 - nu^2) times strain, but for its square."""
+    model = fx.read(lambda: fx.meshes.rectangle((3, 2)), 3, 2)
+    shell = fx.Shell(model, fx.Plate(0.01), fx.Elastic(1e4, 0.3), form="naghdi-q2")
+    supports = [fx.Support(model, "west", "x y z rx ry rz"), fx.Support(model, "north", "y"), fx.Support(model, "south", "y"),
+                fx.Support(model, "east", "y z rx ry rz")]
+    scene = fx.Scene([shell], supports, [fx.Motion(model, "east", "x", 1e-4)], fx.Monitor(model, "south-east", "x"))
+    path = fx.Path(scene, LoadControl(1.0))
+    *_, state = path
+    assert state.load == pytest.approx(1e4 / 0.91 * 0.01 * 1e-4, rel=2e-4)
+    assert state.unstable == 0
+    x = path.discretisation.kinematics(model).u
+    places = x.function_space.tabulate_dof_coordinates()
+    edge = x.x.array.reshape(-1, 3)[places[:, 0] > 1 - 1e-9]
+    assert edge[:, 0] == pytest.approx(1e-4, rel=1e-9)
