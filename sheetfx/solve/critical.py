@@ -317,14 +317,14 @@ def _crossing(stretch: Stretch, number: int | None, count: int, left: float, rig
         return stretch.eigenvalue(length, number, count)
 
     values = stretch.root(value, left, right, 1e-3)
-    middle, reach = next(iter(values)), 0.02 * (right - left)
-    for length in (middle - reach, middle + reach):
+    middle, reach = next(iter(values)), 0.05 * (right - left)
+    for length in (middle - reach, middle - reach / 2, middle + reach / 2, middle + reach):
         if left < length < right:
             try:
                 values[length] = value(length)
             except _Missed:
                 pass
-    nearest = sorted(values, key=lambda s: abs(values[s]))[:5]
+    nearest = sorted((s for s in values if abs(s - middle) <= 1.01 * reach), key=lambda s: abs(values[s]))[:5]
     table = [(s, stretch[s].load, stretch[s].deflection) for s in nearest]
     found = _Crossing(*map(float, KroghInterpolator([values[s] for s in nearest], table)(0.0)))
     if not left < found.length < right:
