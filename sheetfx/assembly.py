@@ -9,7 +9,6 @@ from itertools import repeat
 import numpy as np
 import ufl
 from dolfinx import fem
-from dolfinx.cpp.la.petsc import get_local_vectors, scatter_local_vectors
 from mpi4py import MPI
 from petsc4py import PETSc
 from ufl.algorithms.map_integrands import map_integrands
@@ -17,6 +16,7 @@ from ufl.algorithms.map_integrands import map_integrands
 from . import compat
 from .compat import JIT
 from .elements import ElementWork, Internal
+from .layout import Layout
 from .timing import Stopwatch
 from .unknowns import Unknowns
 
@@ -48,19 +48,20 @@ class System:
         self.unknowns, self.symmetric = unknowns, symmetric
         self.clock = clock or Stopwatch()
         self._factor, self._nodal = factor, nodal
-        self._maps = [(b.space.dofmap.index_map, b.space.dofmap.index_map_bs) for b in unknowns.blocks]
-        self._offsets = np.concatenate(([0], np.cumsum([m.size_local * bs for m, bs in self._maps])))
+        self._layout = Layout(unknowns.blocks)
         self._changes = [fem.Function(f.value.function_space) for f in unknowns.fields] if mixed_points else None
         with self.clock("compile"):
             self.internal = [ElementWork(t, unknowns.fields, self._changes) for t in internal]
             self._compile(work)
-        self._fix(fixed)
+        self._fixed = self._layout.rows(fixed)
+        self.size = self.comm.allreduce(self._layout.size - len(self._fixed))
+        self.multipliers = self._count_multipliers()
         self._create_matrix()
         self.weights = self._inner_product_weights()
 
     @property
     def comm(self):
-        return self.unknowns.blocks[0].space.mesh.comm
+        return self._layout.comm
 
     @property
     def factor(self) -> float:
@@ -98,18 +99,17 @@ class System:
                 forms[n][n] = fem.form(zero * ufl.inner(u, v) * ufl.dx, jit_options=JIT)
         return forms
 
-    def _fix(self, fixed) -> None:
-        rows = [offset + dofs[dofs < self._owned(block)]
-                for block, dofs, offset in zip(self.unknowns.blocks, fixed, self._offsets, strict=False)]
-        self._fixed = np.concatenate(rows).astype(np.int32)
-        self.size = self.comm.allreduce(int(self._offsets[-1]) - len(self._fixed))
-        self.multipliers = self.comm.allreduce(sum(
-            self._owned(b) - len(r) for b, r in zip(self.unknowns.blocks, rows, strict=True) if b.fields[0].multiplier))
+    def _count_multipliers(self) -> int:
+        marks, vector = self._layout.zeros(), self.create_vector()
+        for f, array in self._layout.fields(marks):
+            array[f.dofs] = f.multiplier
+        self._layout.put(marks, vector)
+        vector.array[self._fixed] = 0
+        return round(vector.sum())
 
     def _create_matrix(self) -> None:
         """A matrix for the entries of internal work, of other work and of fixed unknowns, in this order."""
-        places = self._places()
-        rows, columns = [], []
+        places, rows, columns = self._layout.places, [], []
         for work in self.internal:
             for coupling in work.couplings:
                 shape = coupling.values.shape
@@ -122,59 +122,24 @@ class System:
                     shape = (*places[number].shape, self.unknowns.fields[number].width)
                     rows.append(np.broadcast_to(places[number][:, :, None], shape).ravel())
                     columns.append(np.broadcast_to(places[number][:, None, :], shape).ravel())
-        self._other = None
-        self._turn = self._turning_matrix(places)
+        self._other = self._turned = None
+        self._turn = self._layout.turning_matrix()
         if self._tangent is not None:
             self._other = compat.create_matrix(self._tangent)
-            self._turned = None
             pointer, column, _ = self._other_tangent()
             first = self._other.getOwnershipRange()[0]
             rows.append(first + np.repeat(np.arange(len(pointer) - 1), np.diff(pointer)))
             columns.append(column)
         rows, columns = np.concatenate(rows), np.concatenate(columns)
-        fixed = self._fixed + self._start
+        fixed = self._fixed + self._layout.start
         all_fixed = np.concatenate(self.comm.allgather(fixed))
         lost = np.isin(rows, all_fixed) | np.isin(columns, all_fixed)
         rows[lost], columns[lost] = -1, -1
         rows, columns = np.concatenate((rows, fixed)), np.concatenate((columns, fixed))
-        self.matrix = compat.create_coo_matrix(self.comm, int(self._offsets[-1]), rows, columns)
+        self.matrix = compat.create_coo_matrix(self.comm, self._layout.size, rows, columns)
         if self.symmetric:
             self.matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
             self.matrix.setOption(PETSc.Mat.Option.SYMMETRY_ETERNAL, True)
-
-    @property
-    def _start(self) -> int:
-        """Global number of the first row of this process."""
-        return self.comm.scan(int(self._offsets[-1])) - int(self._offsets[-1])
-
-    def _places(self) -> list[np.ndarray]:
-        """For each field the global numbers of its nodes' increments, shape (nodes, width)."""
-        places, start = [], self._start
-        for block, offset in zip(self.unknowns.blocks, self._offsets, strict=False):
-            number = fem.Function(block.space)
-            owned = self._owned(block)
-            number.x.array[:owned] = start + offset + np.arange(owned)
-            number.x.scatter_forward()
-            places += [np.rint(number.x.array[f.dofs]).astype(np.int64).reshape(-1, f.width) for f in block.fields]
-        return places
-
-    def _turning_matrix(self, places) -> PETSc.Mat | None:
-        """Matrix from components along the axes of the nodes to those along the directions of space."""
-        if not self.comm.allreduce(any(f.axes is not None for f in self.unknowns.fields), op=MPI.LOR):
-            return None
-        rows, columns, values = [], [], []
-        for field, place in zip(self.unknowns.fields, places, strict=True):
-            own = place[(place[:, 0] >= self._start) & (place[:, 0] < self._start + self._offsets[-1])]
-            axes = np.broadcast_to(np.eye(field.width) if field.axes is None else field.axes,
-                                   (*place.shape, field.width))
-            shape = (*own.shape, field.width)
-            rows.append(np.broadcast_to(own[:, :, None], shape).ravel())
-            columns.append(np.broadcast_to(own[:, None, :], shape).ravel())
-            values.append(axes[: len(own)].ravel())
-        matrix = compat.create_coo_matrix(self.comm, int(self._offsets[-1]), np.concatenate(rows),
-                                          np.concatenate(columns))
-        compat.set_coo_values(matrix, np.concatenate(values))
-        return matrix
 
     def _other_tangent(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Row pointers, columns and values of the tangent of work other than internal."""
@@ -188,50 +153,28 @@ class System:
 
         Each field counts with the mean square of its nodal increments over its scale; fixed increments do not.
         """
-        weights = self.create_vector()
-        local = []
-        for block in self.unknowns.blocks:
-            array = np.zeros(self._local_size(block))
-            for f in block.fields:
-                space = f.value.function_space
-                array[f.dofs] = 1 / (f.scale**2 * space.dofmap.index_map.size_global)
-            local.append(array)
-        scatter_local_vectors(weights, local, self._maps)
+        weights, arrays = self.create_vector(), self._layout.zeros()
+        for f, array in self._layout.fields(arrays):
+            array[f.dofs] = 1 / (f.scale**2 * f.value.function_space.dofmap.index_map.size_global)
+        self._layout.put(arrays, weights)
         weights.array[self._fixed] = 0
         return weights
 
-    @staticmethod
-    def _owned(block) -> int:
-        return block.space.dofmap.index_map.size_local * block.space.dofmap.index_map_bs
-
-    @staticmethod
-    def _local_size(block) -> int:
-        index_map = block.space.dofmap.index_map
-        return (index_map.size_local + index_map.num_ghosts) * block.space.dofmap.index_map_bs
-
     def create_vector(self, values: np.ndarray | None = None) -> PETSc.Vec:
         """A vector of increments, zero or with this process's part given."""
-        vector = compat.create_vector(self._maps)
-        if values is not None:
-            vector.array[:] = values
-        return vector
+        return self._layout.create_vector(values)
 
     def configure(self, x: PETSc.Vec) -> None:
         """Put all fields to the last converged state followed by the increments x."""
-        x.ghostUpdate(addv=PETSc.InsertMode.INSERT, mode=PETSc.ScatterMode.FORWARD)
-        for block, array in zip(self.unknowns.blocks, get_local_vectors(x, self._maps), strict=True):
-            for f in block.fields:
-                f.advance(array)
+        for f, array in self._layout.fields(self._layout.arrays(x)):
+            f.advance(array)
 
     def retract(self, x: PETSc.Vec, step: PETSc.Vec) -> None:
         """Follow the increments x (changed in place) by a further step."""
-        for v in (x, step):
-            v.ghostUpdate(addv=PETSc.InsertMode.INSERT, mode=PETSc.ScatterMode.FORWARD)
-        totals, further = get_local_vectors(x, self._maps), get_local_vectors(step, self._maps)
-        for block, total, more in zip(self.unknowns.blocks, totals, further, strict=True):
-            for f in block.fields:
-                f.combine(total, more)
-        scatter_local_vectors(x, totals, self._maps)
+        totals = self._layout.arrays(x)
+        for f, total, further in self._layout.fields(totals, self._layout.arrays(step)):
+            f.combine(total, further)
+        self._layout.put(totals, x)
         x.ghostUpdate(addv=PETSc.InsertMode.INSERT, mode=PETSc.ScatterMode.FORWARD)
 
     def residual(self, out: PETSc.Vec) -> None:
@@ -245,7 +188,7 @@ class System:
         matrix = compat.assemble_matrix(compat.create_matrix(forms), forms)
         if self._turn is not None:
             matrix = matrix.ptap(self._turn)
-        matrix.zeroRowsColumns(self._fixed + self._start, 0.0)
+        matrix.zeroRowsColumns(self._fixed + self._layout.start, 0.0)
         return matrix
 
     def load(self, out: PETSc.Vec) -> None:
@@ -277,7 +220,7 @@ class System:
             arrays = self._along_space(forms, nodal)
             self._turn_inward(arrays)
             further(arrays)
-            scatter_local_vectors(out, arrays, self._maps)
+            self._layout.put(arrays, out)
             out.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
             self._support = out.array[self._fixed]
             out.array[self._fixed] = 0
@@ -294,47 +237,38 @@ class System:
         """For each field of rotations the change of moments with its increments, in unsymmetric problems."""
         if self.symmetric:
             return {}
-        arrays, slopes, number = self._along_space(self._residual, -self.factor), {}, 0
-        for block, array in zip(self.unknowns.blocks, arrays, strict=True):
-            for f in block.fields:
-                if f.curved:
-                    slopes[number] = f.moment_slopes(array[f.dofs].reshape(-1, f.width))
-                number += 1
-        return slopes
+        arrays = self._along_space(self._residual, -self.factor)
+        return {number: f.moment_slopes(array[f.dofs].reshape(-1, f.width))
+                for number, (f, array) in enumerate(self._layout.fields(arrays)) if f.curved}
 
     def _turn_inward(self, arrays) -> None:
         """Take nodal vectors of the blocks to forces on increments along the axes of their nodes."""
-        for block, array in zip(self.unknowns.blocks, arrays, strict=True):
-            for f in block.fields:
-                if f.curved:
-                    array[f.dofs] = f.pull_moments(array[f.dofs].reshape(-1, f.width)).ravel()
-                if f.axes is not None:
-                    array[f.dofs] = f.inward(array[f.dofs])
+        for f, array in self._layout.fields(arrays):
+            if f.curved:
+                array[f.dofs] = f.pull_moments(array[f.dofs].reshape(-1, f.width)).ravel()
+            if f.axes is not None:
+                array[f.dofs] = f.inward(array[f.dofs])
 
     def functional(self, block, dofs: np.ndarray, value: float) -> PETSc.Vec:
         """Vector whose product with increments is `value` times the sum of some owned dofs, along space."""
-        arrays = [np.zeros(self._local_size(b)) for b in self.unknowns.blocks]
+        arrays, vector = self._layout.zeros(), self.create_vector()
         arrays[self.unknowns.blocks.index(block)][dofs] = value
         self._turn_inward(arrays)
-        vector = self.create_vector()
-        scatter_local_vectors(vector, arrays, self._maps)
+        self._layout.put(arrays, vector)
         return vector
 
     def _internal_forces(self, arrays) -> None:
         """Add internal forces to the local arrays of the blocks."""
-        fields = self.unknowns.fields
         forces = [np.zeros((len(f.value.x.array) // f.value.function_space.dofmap.bs,
-                            f.value.function_space.dofmap.bs)) for f in fields]
+                            f.value.function_space.dofmap.bs)) for f in self.unknowns.fields]
         for work in self.internal:
             work.residual(forces)
         touched = {number for work in self.internal for number in work.places}
-        force_of = {id(f): forces[n] for n, f in enumerate(fields) if n in touched}
-        for block, array in zip(self.unknowns.blocks, arrays, strict=True):
-            for f in block.fields:
-                if id(f) in force_of:
-                    force = force_of[id(f)]
-                    basis = np.broadcast_to(f.variations(), (len(force), force.shape[1], f.width))
-                    array[f.dofs] += np.einsum("na,nai->ni", force, basis).ravel()
+        for number, (f, array) in enumerate(self._layout.fields(arrays)):
+            if number in touched:
+                force = forces[number]
+                basis = np.broadcast_to(f.variations(), (*force.shape, f.width))
+                array[f.dofs] += np.einsum("na,nai->ni", force, basis).ravel()
 
     @contextmanager
     def additive_increments(self) -> Iterator[None]:
@@ -364,12 +298,7 @@ class System:
 
     def changes(self, step: PETSc.Vec) -> list[np.ndarray]:
         """First-order change of the values of each field by a further step."""
-        step.ghostUpdate(addv=PETSc.InsertMode.INSERT, mode=PETSc.ScatterMode.FORWARD)
-        return [f.change(array) for f, array in self._each(get_local_vectors(step, self._maps))]
-
-    def _each(self, arrays):
-        """Each field and the array of its block, from arrays for each block."""
-        return [(f, array) for block, array in zip(self.unknowns.blocks, arrays, strict=True) for f in block.fields]
+        return [f.change(array) for f, array in self._layout.fields(self._layout.arrays(step))]
 
     def commit(self) -> None:
         """Accept the current configuration as converged; increments count from here."""
