@@ -175,13 +175,13 @@ class _TermWork:
             self._prepare_stress(term, values, increments)
             held = ufl.as_vector(self._stress[i] * slopes[i, j], j)
             stiffness = ufl.as_matrix(ufl.diff(resultants, jet)[i, j] * slopes[i, k], (j, k)) + ufl.diff(held, jet)
-        self._force = self._expression(force)
+        size = ufl.JacobianDeterminant(mesh)
+        self._force = self._expression(size * force)
         self._entries = [_entries(one, other) for one, other in combinations_with_replacement(self._parts, 2)]
         self._products = [_products(one, other, term.rule.weights)
                           for one, other in combinations_with_replacement(self._tables, 2)]
         entries = [stiffness[e] for pairs in self._entries for e in pairs]
-        self._stiffness = self._expression(
-            ufl.as_vector(entries + [held[e] for e in range(jet.ufl_shape[0])]))
+        self._stiffness = self._expression(size * ufl.as_vector(entries + [held[e] for e in range(jet.ufl_shape[0])]))
 
     def _prepare_stress(self, term, values, increments) -> None:
         shape = term.strains.ufl_shape
@@ -190,11 +190,10 @@ class _TermWork:
         self._stress = fem.Function(fem.functionspace(self._mesh, element))
         self._stress_rows = self._stress.function_space.dofmap.list[self._cells]
         resultants = term.law(term.strains)
-        self._extrapolated = self._expression(resultants + ufl.derivative(resultants, values, increments), None)
+        self._extrapolated = self._expression(resultants + ufl.derivative(resultants, values, increments))
 
-    def _expression(self, expression, scale=ufl.JacobianDeterminant) -> fem.Expression:
-        if scale is not None:
-            expression = scale(self._mesh) * expression
+    def _expression(self, expression) -> fem.Expression:
+        """Values at the points of the rule."""
         return fem.Expression(lift_numbers(ufl.algorithms.expand_derivatives(expression), self._mesh),
                               self._rule.points, jit_options=JIT)
 
@@ -229,11 +228,11 @@ class _TermWork:
             density = density.reshape(*values.shape[:2], -1, orders).transpose(0, 2, 1, 3)
             shape = (*density.shape[:2], *products.shape[1:])
             flat = np.ascontiguousarray(density).reshape(-1, products.shape[0])
-            product = (flat @ products.reshape(products.shape[0], -1)).reshape(shape)
+            found = (flat @ products.reshape(products.shape[0], -1)).reshape(shape)
             if place in matrices:
-                matrices[place] += product
+                matrices[place] += found
             else:
-                matrices[place] = product
+                matrices[place] = found
             start += len(entries)
         return self._integrated(values[:, :, start:])
 
