@@ -10,11 +10,13 @@ from mpi4py import MPI
 
 from . import forms
 from .assembly import System
+from .beam import Bar, Beam
 from .compat import JIT
 from .contact.enforcement import Enforcement
 from .contact.fields import ContactFields
 from .kinematics import Kinematics, kinematics_of
 from .mesh.reader import Model
+from .numbers import lift_numbers
 from .scene import (
     COMPONENTS,
     Contact,
@@ -27,6 +29,7 @@ from .scene import (
     Pressure,
     Push,
     Scene,
+    Support,
     SurfaceForce,
 )
 from .timing import Stopwatch
@@ -185,12 +188,12 @@ class Discretisation:
     def _line_work(self, load: LineForce):
         beam = load.beam
         k = self.kinematics(beam.model)
-        force = [self.factor * c for c in load.force]
+        force = [self.factor * c for c in load.components()]
         if load.follower:
             density = forms.load.follower_force(force, beam.frame(), k.rotation, k.u, self.unknowns.vary)
         else:
             density = forms.load.dead_force(forms.vector(force), k.u, self.unknowns.vary)
-        return density * beam.model.integral({"quadrature_degree": 2 * beam.degree - 1}, beam.group)
+        return density * _along(beam)
 
     def _surface_work(self, load: SurfaceForce | Pressure):
         shell = load.shell
@@ -209,19 +212,22 @@ class Discretisation:
 
     def _turn_supported_nodes(self) -> None:
         """Give the nodes of supports with axes of their own these axes."""
-        for support in self.scene.supports:
-            if support.axes is None:
-                continue
+        for support in sorted(self.scene.supports, key=lambda s: s.axes is None):
             k = self.kinematics(support.model)
             for field in k.block.fields:
                 space = field.value.function_space
                 nodes = fem.locate_dofs_topological(space, *support.model.at(support.at))
-                if field.axes is None:
-                    field.axes = np.tile(np.eye(3), (len(field.value.x.array) // space.dofmap.bs, 1, 1))
-                axes = support.directions(space.tabulate_dof_coordinates()[nodes]).transpose(0, 2, 1)
-                if not np.all(np.isclose(field.axes[nodes], np.eye(3)) | np.isclose(field.axes[nodes], axes)):
-                    raise ValueError(f"Support at {support.at!r}: its axes differ from those of another support there")
-                field.axes[nodes] = axes
+                if support.axes is not None:
+                    if field.axes is None:
+                        field.axes = np.tile(np.eye(3), (len(field.value.x.array) // space.dofmap.bs, 1, 1))
+                    axes = support.directions(space.tabulate_dof_coordinates()[nodes]).transpose(0, 2, 1)
+                    fits = np.isclose(field.axes[nodes], np.eye(3)) | np.isclose(field.axes[nodes], axes)
+                    field.axes[nodes] = axes
+                elif field.axes is not None:
+                    fits = _fixes_the_same(support, field.axes[nodes], turns=field is not k.block.fields[0])
+                if field.axes is not None and not np.all(fits):
+                    raise ValueError(f"Support at {support.at!r}: its axes differ from those of another support there; "
+                                     "give both the same axes")
 
     def _chart_supported_nodes(self, block: Block, fixed: np.ndarray) -> None:
         """Let rotations of which one component is fixed be followed by their Rodrigues vector."""
@@ -267,7 +273,7 @@ class Discretisation:
                 length = load.model.edge_length(load.at) if load.at in load.model.edges else 1.0
                 return float(np.linalg.norm(load.moment)) * length
             case LineForce():
-                return float(np.linalg.norm(load.force)) * load.beam.model.measure
+                return self._line_magnitude(load)
             case EdgeForce():
                 return float(np.linalg.norm(load.force)) * load.model.edge_length(load.at)
             case SurfaceForce():
@@ -277,6 +283,16 @@ class Discretisation:
             case Push():
                 return abs(load.force)
         return 0.0
+
+    @staticmethod
+    def _line_magnitude(load: LineForce) -> float:
+        mesh, force = load.beam.model.mesh, load.components()
+        if callable(load.force):
+            size = ufl.sqrt(ufl.dot(forms.vector(force), forms.vector(force)))
+        else:
+            size = fem.Constant(mesh, float(np.linalg.norm(force)))
+        work = fem.form(lift_numbers(size * _along(load.beam), mesh), jit_options=JIT)
+        return mesh.comm.allreduce(fem.assemble_scalar(work))
 
     def total_load(self) -> float:
         """Load on the whole structure: the sum of the magnitudes of all loads, or the reaction."""
@@ -315,3 +331,16 @@ def _turning(load) -> bool:
 def _nodal(load) -> bool:
     """Whether a load acts at points."""
     return isinstance(load, PointForce) or isinstance(load, Moment) and load.at in load.model.points
+
+
+def _along(beam: Beam | Bar) -> ufl.Measure:
+    """Measure along a beam or along bars, for loads."""
+    return beam.model.integral({"quadrature_degree": 2 * beam.degree - 1}, beam.group)
+
+
+def _fixes_the_same(support: Support, axes: np.ndarray, turns: bool) -> np.ndarray:
+    """Whether a support along the directions of space fixes the same along axes, shape (n, 3, 3 directions)."""
+    names = [c for c in COMPONENTS[3] if c.startswith("r") == turns]
+    fixed = [names.index(c) for c in support.fixed.split() if c in names]
+    plain, turned = np.eye(3)[:, fixed], axes[:, :, fixed]
+    return np.isclose(turned @ turned.transpose(0, 2, 1), plain @ plain.T)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+import ufl
 
 from . import forms
 from .beam import Bar, Beam
@@ -213,20 +214,27 @@ class Moment:
 
 @dataclass(frozen=True, eq=False)
 class LineForce:
-    """Force per reference length on a beam; `follower`: components on the turning frame.
+    """Force per reference length on a beam or on bars; `follower`: components on the turning frame.
+
+    The force is given by numbers, or by a function from the place (UFL vector) to components.
 
     In space the tangent of a follower force takes rotations between nodes to the first order, which costs
     an iteration, not accuracy.
     """
 
     beam: Beam | Bar
-    force: tuple[float, ...]
+    force: tuple[float, ...] | Callable
     follower: bool = False
 
     def __post_init__(self):
-        _require_components("LineForce: force", self.force, self.beam.model.dimension)
+        if not callable(self.force):
+            _require_components("LineForce: force", self.force, self.beam.model.dimension)
         if self.follower and isinstance(self.beam, Bar):
             raise ValueError("LineForce: follower is True, but bars have no cross-section that turns; make it False")
+
+    def components(self) -> Sequence:
+        """Numbers, or UFL expressions of the place."""
+        return self.force(ufl.SpatialCoordinate(self.beam.model.mesh)) if callable(self.force) else self.force
 
 
 @dataclass(frozen=True)

@@ -85,3 +85,14 @@ def test_motion_of_an_edge_moves_all_of_it():
     places = x.function_space.tabulate_dof_coordinates()
     edge = x.x.array.reshape(-1, 3)[places[:, 0] > 1 - 1e-9]
     assert edge[:, 0] == pytest.approx(1e-4, rel=1e-9)
+
+
+def test_supports_that_share_a_node_share_its_axes():
+    """At a corner components along the directions of space would be taken along the axes of the other support."""
+    model = fx.read(lambda: fx.meshes.rectangle((1, 1)), 3)
+    shell = fx.Shell(model, fx.Plate(0.1), fx.Elastic(1e4), form="naghdi-q2")
+    load, monitor = fx.SurfaceForce(shell, (0.0, 0.0, 1.0)), fx.Monitor(model, "north-east", "z")
+    skew = fx.symmetry(model, "west", (1.0, 1.0, 0.0))
+    with pytest.raises(ValueError, match="south.*same axes"):
+        fx.Path(fx.Scene([shell], [skew, fx.Support(model, "south", "y z")], [load], monitor))
+    fx.Path(fx.Scene([shell], [skew, fx.Support(model, "south", "x y z")], [load], monitor))

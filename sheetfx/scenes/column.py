@@ -1,0 +1,57 @@
+"""Column under an axial force: Euler's bifurcations of a path that stays straight.
+
+With extension and shear the column on two hinges buckles where P (1 - P / EA + P / kGA) = (n pi / L)^2 EI, as the
+equations of Reissner (1972) give it; a slender one at n^2 times Euler's load. Loads are in units of Euler's load.
+"""
+
+from __future__ import annotations
+
+from math import pi
+from typing import Annotated
+
+from typer import Option
+
+from .. import meshes
+from ..case import Case, Record
+from ..checks import require_positive_number
+from ..mesh.reader import read
+from ..scene import Beam, Monitor, PointForce, Scene, Support
+from ..section import Elastic, Rectangle
+from ..show.curves import path_curve
+from ..show.files import paraview
+from ..show.pictures import shapes
+from ..solve.control import LoadControl
+
+LENGTH = 1.0
+ENDS = {"pinned-pinned": ("x y", "y"), "clamped-free": ("x y rz", ""), "clamped-pinned": ("x y rz", "y"),
+        "clamped-clamped": ("x y rz", "y rz")}
+
+
+def scene(
+    ends: Annotated[str, Option(help=f"of the column: {', '.join(ENDS)}")] = "pinned-pinned",
+    depth: Annotated[float, Option(help="depth of the section; the length is 1")] = 0.01,
+    elements: Annotated[int, Option(help="elements on the column")] = 12,
+    degree: Annotated[int, Option(help="of the elements: 1 (two nodes) or 2")] = 2,
+    to: Annotated[float, Option(help="load over Euler's at which the path ends")] = 10.0,
+    step: Annotated[float, Option(help="first step of the load, over Euler's")] = 0.5,
+) -> Case:
+    """Perfect column: the path is straight, and every critical point is a bifurcation."""
+    require_positive_number("column", depth=depth, elements=elements, to=to, step=step)
+    if ends not in ENDS:
+        raise ValueError(f"column: ends is {ends!r}; it must be one of {', '.join(ENDS)}")
+    nodes = {"base": (0.0, 0.0), "top": (LENGTH, 0.0)}
+    model = read(lambda: meshes.frame(nodes, {"column": ("base", "top", elements)}), 2)
+    section = Rectangle(1.0, depth)
+    beam = Beam(model, section, Elastic(12 * LENGTH**2 / (pi**2 * depth**3)), degree=degree)
+    return Case(
+        scene=Scene(
+            parts=[beam],
+            supports=[Support(model, at, fixed) for at, fixed in zip(nodes, ENDS[ends], strict=True) if fixed],
+            loads=[PointForce(model, "top", (-1.0, 0.0))], monitor=Monitor(model, "top", "x", -1.0)),
+        control=LoadControl(step=step, target=to), quantities=quantities,
+        pictures=[path_curve, shapes, paraview], axes=("shortening over the length", "load over Euler's"))
+
+
+def quantities(record: Record) -> dict[str, float]:
+    """Loads of the bifurcations over Euler's."""
+    return {f"bifurcation_{n}": p.load for n, p in enumerate(record.critical_points, 1)}

@@ -1,0 +1,56 @@
+"""Axially compressed cylindrical panel: a cluster of bifurcations below the classical load.
+
+A half of a cylinder between planes of symmetry, of which half the length and half the angle are modelled. The loaded
+edge is hinged and held in its plane (simple support SS3), so that the panel bends near it before it buckles. The unit of
+load is the classical one, E t^2 / (R sqrt(3 (1 - nu^2))) per length of the loaded edge.
+"""
+
+from __future__ import annotations
+
+from math import pi, sqrt
+from typing import Annotated
+
+import numpy as np
+from typer import Option
+
+from ..benchmark import Form, surface
+from ..case import Case
+from ..path import Until
+from ..scene import EdgeForce, Monitor, Scene, Support, symmetry
+from ..section import Elastic, Plate
+from ..shell import Shell
+from ..show.curves import path_curve
+from ..show.files import paraview
+from ..show.pictures import shapes
+from ..solve.control import ArcLength
+from .column import quantities
+
+RADIUS, POISSON = 1.0, 0.3
+
+
+def scene(
+    ratio: Annotated[float, Option(help="radius over thickness")] = 100.0,
+    length: Annotated[float, Option(help="half the length over the radius")] = 0.5,
+    cells: Annotated[tuple[int, int], Option(help="cells around and along")] = (10, 6),
+    form: Form = "naghdi-q3",
+    to: Annotated[float, Option(help="load over the classical one at which the path ends")] = 0.9,
+    step: Annotated[float, Option(help="first arc length")] = 2e-4,
+) -> Case:
+    """Axially compressed panel: several bifurcations within a few percent of the classical load."""
+    thickness, quarter = RADIUS / ratio, pi / 2
+
+    def place(x, y):
+        return RADIUS * np.cos(quarter * x), RADIUS * np.sin(quarter * x), length * y
+
+    model = surface(form, cells, place, {"corner": (0, 1)})
+    force = 1 / (RADIUS * quarter)
+    modulus = force * RADIUS * sqrt(3 * (1 - POISSON**2)) / thickness**2
+    shell = Shell(model, Plate(thickness), Elastic(modulus, POISSON), form=form)
+    return Case(
+        scene=Scene(
+            [shell],
+            [symmetry(model, "west", "y"), symmetry(model, "east", "x"),
+             symmetry(model, "south", "z"), Support(model, "north", "x y rz")],
+            [EdgeForce(model, "north", (0.0, 0.0, -force))], Monitor(model, "corner", "z", -1.0)),
+        control=ArcLength(step=step), until=Until(load=to), quantities=quantities,
+        pictures=[path_curve, shapes, paraview], axes=("shortening over the radius", "load over the classical one"))
