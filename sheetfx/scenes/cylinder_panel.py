@@ -1,8 +1,8 @@
 """Axially compressed cylindrical panel: a cluster of bifurcations below the classical load.
 
 A half of a cylinder between planes of symmetry, of which half the length and half the angle are modelled. The loaded
-edge is hinged and held in its plane (simple support SS3), so that the panel bends near it before it buckles. The unit of
-load is the classical one, E t^2 / (R sqrt(3 (1 - nu^2))) per length of the loaded edge.
+edge is hinged and held in its plane (simple support SS3), so that the panel bends near it before it buckles. The unit
+of load is the classical one, E t^2 / (R sqrt(3 (1 - nu^2))) per length of the loaded edge.
 """
 
 from __future__ import annotations

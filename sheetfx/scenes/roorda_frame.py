@@ -3,7 +3,7 @@
 Members of equal length and section, pinned at their far ends. The column's shortening would bend the beam and make
 the frame imperfect; so the beam ends on a strut that shortens as the column does under the same force, and does not
 bend: one element with the area of the column and a millionth of its bending stiffness. The perfect frame then keeps its
-shape up to the bifurcation, at 1.4067 times Euler's load of the column on two hinges: the load's unit here.
+shape up to the bifurcation, at 1.4069 times Euler's load of the column on two hinges: the load's unit here.
 """
 
 from __future__ import annotations
