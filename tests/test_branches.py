@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 from helpers import follow, on_two_processes
 from scipy.interpolate import CubicSpline
+from scipy.optimize import minimize_scalar
 from scipy.special import ellipk
 from truss import Truss
 
 from sheetfx import meshes
+from sheetfx.beam import Bar
 from sheetfx.case import trace
 from sheetfx.mesh.imperfection import imperfect
 from sheetfx.mesh.reader import read
@@ -169,6 +171,58 @@ def columns(count: int):
     supports = [s for i in range(count) for s in (pin(model, f"base{i}"), Support(model, f"tip{i}", "y"))]
     loads = [PointForce(model, f"tip{i}", (-1.0, 0.0)) for i in range(count)]
     return follow(Scene([beam], supports, loads, Monitor(model, "middle0", "y")), LoadControl(step=3.0, target=10.0))
+
+
+def stayed_column(planar: bool, offset: float = 0.0):
+    """Upright bar of length 1 with three horizontal stays of length 1 and stiffness 1 at equal angles.
+
+    With a rigid bar the energy at a sideways displacement x towards one anchor is 3/4 x^2 + 3/8 x^3 - P x^2 / 2 to
+    the third order: the branch P = 3/2 (1 + 3/4 x) is asymmetric, and the bifurcation double unless it is planar.
+    """
+    nodes = {"base": (0, 0, 0), "top": (0, 0, 1)}
+    nodes |= {f"anchor{i}": (np.cos(turn), np.sin(turn), 1) for i, turn in enumerate(np.radians([0, 120, 240]))}
+    members = {"column": ("base", "top", 1)} | {f"stay{i}": ("top", f"anchor{i}", 1) for i in range(3)}
+    model = read(lambda: meshes.frame(nodes, members), 3)
+    if offset:
+        model = imperfect(model, lambda x: np.outer(np.all(np.isclose(x, (0, 0, 1)), axis=1), (1, 0, 0)), offset)
+    bars = [Bar(model, Rectangle(1.0, 1.0), Elastic(1e4 if name == "column" else 1.0), group=name) for name in members]
+    supports = [pin(model, name) for name in nodes if name != "top"] + [Support(model, "top", "y")] * planar
+    scene = Scene(bars, supports, [PointForce(model, "top", (0.0, 0.0, -1.0))], Monitor(model, "top", "x"))
+    return follow(scene, ArcLength(0.01) if offset else LoadControl(step=0.7, target=1.9), 0.2 if offset else None)
+
+
+@pytest.mark.parametrize("planar, ways", [(True, 1), (False, 3)])
+def test_initial_slope_of_branches(planar, ways):
+    """3/4 by the closed form but for the strain of the bar, 1.5e-4; the mean of both halves leaves O(x^2)."""
+    point, found = started(stayed_column(planar), 0.002)
+    slopes = np.sort([(branch.start.load / point.load - 1) / branch.amplitude for branch in found])
+    assert len(slopes) == 2 * ways
+    assert (slopes[ways:] - slopes[:ways]) / 2 == pytest.approx(0.75, rel=1e-3)
+    if planar:
+        assert point.name == "asymmetric" and abs(point.slope) == pytest.approx(0.75, rel=3e-4)
+        assert sorted(branch.start.unstable for branch in found) == [0, 1]
+
+
+def limit_of_stayed_column(offset: float) -> float:
+    """Limit load of a rigid bar whose top stands `offset` further from one anchor, by its exact geometry."""
+    anchors = np.array([(np.cos(turn), np.sin(turn)) for turn in np.radians([0, 120, 240])])
+    whole = np.linalg.norm(anchors + (offset, 0), axis=1)
+
+    def load(x):
+        height = np.sqrt(1 + offset**2 - x * x)
+        lengths = np.sqrt(((anchors + (x, 0)) ** 2).sum(axis=1) + (height - 1) ** 2)
+        rates = (x + anchors[:, 0] - (height - 1) * x / height) / lengths
+        return float(((lengths - whole) / whole * rates).sum()) * height / x
+
+    return -minimize_scalar(lambda x: -load(x), bounds=(offset, 0.3), method="bounded", options={"xatol": 1e-9}).fun
+
+
+@pytest.mark.parametrize("offset", [1e-3, 4e-3])
+def test_limit_load_of_an_imperfect_asymmetric_structure(offset):
+    """By the exact geometry of a rigid bar; asymptotically Koiter's half-power law 1 - 2 (3/4 offset)^(1/2)."""
+    limit = next(p for p in stayed_column(True, -offset).critical_points if p.kind == "limit")
+    assert limit.load == pytest.approx(limit_of_stayed_column(offset), rel=3e-4)
+    assert 1 - limit.load / 1.5 == pytest.approx(2 * np.sqrt(0.75 * offset), rel=0.03)
 
 
 @pytest.mark.parametrize("force, zeros", [

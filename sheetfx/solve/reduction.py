@@ -65,9 +65,12 @@ class Reduction:
     def __init__(self, tracer, multiplicity: int, after: State):
         self.tracer, self.system, self.bifurcation = tracer, tracer.system, tracer.state
         self.linear = tracer.stepper.linear
-        _, self.modes = nearest_to_zero(self.linear, diagonal(self.system.weights), multiplicity)
-        if len(self.modes) < multiplicity:
-            raise ArithmeticError(f"only {len(self.modes)} of {multiplicity} null vectors at load "
+        pairs = list(zip(*nearest_to_zero(self.linear, diagonal(self.system.weights), multiplicity + 1), strict=True))
+        pairs.sort(key=lambda pair: abs(pair[0]))
+        self.modes = [mode for _, mode in pairs[:multiplicity]]
+        self._least_stiffness = abs(pairs[-1][0])
+        if len(pairs) <= multiplicity:
+            raise ArithmeticError(f"only {len(pairs)} of the {multiplicity + 1} modes nearest to zero at load "
                                   f"{self.bifurcation.load:.6g} converge")
         self.weighted = [self._weighted(mode) for mode in self.modes]
         self.measures = self._measures(after.increment)
@@ -195,10 +198,14 @@ class Reduction:
         return step, float(solution[0]), solution[1:count] @ tangential
 
     def _factor_with_springs(self) -> list[float]:
-        """Factor the tangent with the springs, and return their stiffness."""
+        """Factor the tangent with the springs, and return their stiffness.
+
+        It is comparable to what the unknowns meet in the tangent, and in the mode next to the null vectors.
+        """
         matrix = self.system.tangent()
-        diagonal_entries = matrix.getDiagonal()
-        stiffness = [abs(self._entry(diagonal_entries, number)) for number in self.springs]
+        here = matrix.getDiagonal()
+        stiffness = [2 * max(abs(self._entry(here, number)), self._least_stiffness * self._entry(
+            self.system.weights, number)) for number in self.springs]
         first, last = matrix.getOwnershipRange()
         for number, k in zip(self.springs, stiffness, strict=True):
             if first <= number < last:
