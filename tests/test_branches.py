@@ -17,7 +17,7 @@ from sheetfx.mesh.imperfection import imperfect
 from sheetfx.mesh.reader import read
 from sheetfx.path import Path, Until
 from sheetfx.scene import Beam, Monitor, PointForce, Scene, Support, pin
-from sheetfx.scenes import star_dome
+from sheetfx.scenes import sinusoidal_arch, star_dome
 from sheetfx.section import Elastic, Rectangle
 from sheetfx.solve.branches import _zeros_around, branches
 from sheetfx.solve.control import ArcLength, LoadControl
@@ -201,6 +201,28 @@ def test_initial_slope_of_branches(planar, ways):
     if planar:
         assert point.name == "asymmetric" and abs(point.slope) == pytest.approx(0.75, rel=3e-4)
         assert sorted(branch.start.unstable for branch in found) == [0, 1]
+
+
+def test_branch_between_two_bifurcations_of_an_arch():
+    """On it the thrust stays that of buckling in two half waves: load = alpha + 3 b is linear in the crown's height b.
+
+    See the scene for the units. With b^2 + 4 a^2 = alpha^2 - 4 the sway a grows, then falls to the second bifurcation,
+    where the load is least. 1e-3: the arch is shallow, not flat.
+    """
+    alpha, depth = 2.8, 0.1
+    case = sinusoidal_arch.scene(alpha, depth)
+    record = trace(case)
+    first, second = (p.load for p in record.critical_points if p.kind == "bifurcation")
+    _, found = started(record)
+    states = [found[0].start]
+    for state in Path(case.scene, case.control, start=states):
+        states.append(state)
+        height = alpha - state.deflection * np.sqrt(12) / (2 * depth)
+        assert state.load == pytest.approx(alpha + 3 * height, abs=1e-3 * first)
+        if height < -np.sqrt(alpha**2 - 4) + 0.05:
+            break
+    assert len(states) > 5 and all(np.diff([s.load for s in states]) < 0)
+    assert states[-1].load == pytest.approx(second, abs=0.2)
 
 
 def limit_of_stayed_column(offset: float) -> float:
