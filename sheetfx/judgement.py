@@ -11,7 +11,7 @@ from .traps import Expected
 
 PASSED, WRONG, JUMPED, BACK, STALLED, CRASHED = OUTCOMES = (
     "passed", "wrong value", "jumped silently", "turned back", "stalled", "crashed")
-OFF, BACKWARDS, ABRUPT = 0.02, 0.005, 0.3
+OFF, BACKWARDS, ABRUPT, AHEAD = 0.02, 0.005, 0.3, 0.7
 PIECES = 20
 
 
@@ -43,6 +43,14 @@ class Trail:
         nearest = int(np.argmin(distances))
         step = self.steps[min(nearest // PIECES, len(self.steps) - 1)]
         return float(self._lengths[nearest]), float(distances[nearest]), OFF + 0.05 * float(step)
+
+    def beyond(self, state: State) -> int:
+        """-1 before the start of the curve, 1 behind its end, as its tangents there lead on; 0 elsewhere."""
+        for sign, (tip, inside) in ((-1, self._curve[:2]), (1, self._curve[:-3:-1])):
+            ahead, away = tip - inside, self.place(state) - tip
+            if ahead @ away > AHEAD * np.linalg.norm(ahead) * np.linalg.norm(away):
+                return sign
+        return 0
 
     def unstable(self, along: float) -> int | None:
         """Unstable directions at a length along the curve; None: not known, or changing nearby."""
@@ -81,13 +89,15 @@ class Judge:
         """Outcome and reason where the path leaves the trail or goes back on it; states behind its end are free."""
         trail, before = self._trail, self._before
         along, distance, close = trail.project(state)
-        if along == trail.length:
+        beyond = trail.beyond(state) if along in (0.0, trail.length) else 0
+        if beyond > 0:
             return None
         chord = np.linalg.norm(trail.place(state) - trail.place(before))
         wanted = trail.unstable(along)
-        if distance > close and distance - self._distance > ABRUPT * chord:
+        off = distance > close and not beyond
+        if off and distance - self._distance > ABRUPT * chord:
             return JUMPED, f"leaves the path between {place(before)} and {place(state)}"
-        if distance > close:
+        if off:
             return WRONG, f"drifts off the path, by {100 * distance:.2g} % at {place(state)}"
         if None not in (state.unstable, wanted) and not state.contact_points and state.unstable != wanted:
             return JUMPED, f"has {state.unstable} unstable directions at {place(state)}, where the path has {wanted}"

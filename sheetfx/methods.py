@@ -76,5 +76,6 @@ def applies(name: str, case: Case) -> bool:
 
 
 def reference(case: Case) -> Case:
-    """The default method with steps that do not grow."""
-    return replace(case, control=replace(case.control, largest=1.0))
+    """The default method with steps that do not grow, a quarter as long where no contact makes them waver."""
+    first = case.control.first / (1 if case.scene.contacts else 4)
+    return replace(case, control=replace(case.control, step=first, largest=1.0))

@@ -118,13 +118,15 @@ def test_states_are_watched_on_their_way(trail):
 
 def test_states_off_the_path(trail):
     """One with other fields at once, one that creeps away by and by."""
-    def moved(state, by):
-        fields = {k: v + by * abs(v).max() * ("displacement" in k) for k, v in state.fields.items()}
-        return replace(state, fields=fields)
+    final = trail.states[-1].fields
 
-    assert Judge((), trail).watch(moved(trail.states[2], 3.0))[0] == JUMPED
+    def moved(state, by):
+        return replace(state, fields={k: v + by * abs(final[k]).max() for k, v in state.fields.items()})
+
+    assert Judge((), trail).watch(moved(trail.states[20], 0.5))[0] == JUMPED
     creeping = Judge((), trail)
-    found = [creeping.watch(moved(state, 0.002 * n)) for n, state in enumerate(trail.states[:40])]
+    stable = [s for s in trail.states if s.unstable == 0]
+    found = (creeping.watch(moved(state, 0.0006 * n)) for n, state in enumerate(stable))
     assert next(filter(None, found))[0] == WRONG
 
 

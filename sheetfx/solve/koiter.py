@@ -105,7 +105,7 @@ def expansion(tracer, mode: PETSc.Vec, neighbours: Sequence[State]) -> Expansion
 
 def postbuckling(tracer, state: State, modes: Sequence[PETSc.Vec], point: CriticalPoint,
                  neighbours: Sequence[State]) -> CriticalPoint:
-    """A bifurcation with its name and, where it is simple, Koiter's a and b.
+    """A bifurcation with its name and, where it is simple, Koiter's a and b; none if the load leaves it singular.
 
     Parameters
     ----------
@@ -116,6 +116,8 @@ def postbuckling(tracer, state: State, modes: Sequence[PETSc.Vec], point: Critic
     if len(modes) > 1:
         return replace(point, name="multiple")
     e = expansion(tracer, modes[0], neighbours)
+    if not e.stiffness:
+        return point
     first, second = -e.cubic / (2 * e.stiffness) / e.size, -e.quartic / (6 * e.stiffness) / e.size**2
     reach = (0.01 * max(abs(state.factor), abs(neighbours[1].load_increment)) / max(abs(second), 1e-300)) ** 0.5
     if abs(first) > NEGLIGIBLE * abs(second) * reach:
@@ -137,7 +139,7 @@ def _fundamental(cubic: float, stiffness: float, bend: float, seen: float) -> fl
     Both paths solve cubic k^2 + 2 stiffness k + bend = 0 (Keller 1977, algebraic bifurcation equation); the one
     closest to what is seen counts.
     """
-    roots = np.roots([cubic, 2 * stiffness, bend]) if cubic else np.array([-bend / (2 * stiffness)])
+    roots = np.roots([cubic, 2 * stiffness, bend]) if cubic or stiffness else np.zeros(1)
     return float(min(roots.real, key=lambda root: abs(root - seen)))
 
 
