@@ -29,9 +29,9 @@ from .scene import (
     Pressure,
     Push,
     Scene,
-    Support,
     SurfaceForce,
 )
+from .supports import fixed_places, turn_nodes
 from .timing import Stopwatch
 from .unknowns import AdditiveField, Block, Unknowns
 
@@ -50,7 +50,8 @@ class Discretisation:
         self.factor = ufl.variable(fem.Constant(scene.parts[0].model.mesh, 0.0))
         self._kinematics = {p.model: kinematics_of(p.model, *p.spaces) for p in scene.parts}
         blocks = [k.block for k in self._kinematics.values()]
-        self._turn_supported_nodes()
+        for model, k in self._kinematics.items():
+            turn_nodes(k, [s for s in scene.supports if s.model is model])
         self._travels = self._obstacle_travels(blocks)
         self._reactions = self._motion_reactions(blocks)
         self.contacts = [ContactFields(c, f"multiplier{i}") for i, c in enumerate(scene.contacts)]
@@ -210,25 +211,6 @@ class Discretisation:
         beam = next(c.contact.beam for c in self.contacts if c.contact.obstacle is obstacle)
         return beam.model, beam.model.integral({"quadrature_degree": 2 * beam.degree - 1})
 
-    def _turn_supported_nodes(self) -> None:
-        """Give the nodes of supports with axes of their own these axes."""
-        for support in sorted(self.scene.supports, key=lambda s: s.axes is None):
-            k = self.kinematics(support.model)
-            for field in k.block.fields:
-                space = field.value.function_space
-                nodes = fem.locate_dofs_topological(space, *support.model.at(support.at))
-                if support.axes is not None:
-                    if field.axes is None:
-                        field.axes = np.tile(np.eye(3), (len(field.value.x.array) // space.dofmap.bs, 1, 1))
-                    axes = support.directions(space.tabulate_dof_coordinates()[nodes]).transpose(0, 2, 1)
-                    fits = np.isclose(field.axes[nodes], np.eye(3)) | np.isclose(field.axes[nodes], axes)
-                    field.axes[nodes] = axes
-                elif field.axes is not None:
-                    fits = _fixes_the_same(support, field.axes[nodes], turns=field is not k.block.fields[0])
-                if field.axes is not None and not np.all(fits):
-                    raise ValueError(f"Support at {support.at!r}: its axes differ from those of another support there; "
-                                     "give both the same axes")
-
     def _chart_supported_nodes(self, block: Block, fixed: np.ndarray) -> None:
         """Let rotations of which one component is fixed be followed by their Rodrigues vector."""
         for field in block.fields:
@@ -239,10 +221,7 @@ class Discretisation:
         dofs = [np.empty(0, dtype=np.int32)]
         for model, k in self._kinematics.items():
             if k.block is block:
-                for support in self.scene.supports:
-                    if support.model is model:
-                        dofs += [fem.locate_dofs_topological(k.sub_space(c), *model.at(support.at))
-                                 for c in support.fixed.split()]
+                dofs += [fixed_places(k, support) for support in self.scene.supports if support.model is model]
         for load, reaction in self._reactions.items():
             if block.space is reaction.function_space:
                 dofs.append(self._without_reaction(load, block.space))
@@ -336,11 +315,3 @@ def _nodal(load) -> bool:
 def _along(beam: Beam | Bar) -> ufl.Measure:
     """Measure along a beam or along bars, for loads."""
     return beam.model.integral({"quadrature_degree": 2 * beam.degree - 1}, beam.group)
-
-
-def _fixes_the_same(support: Support, axes: np.ndarray, turns: bool) -> np.ndarray:
-    """Whether a support along the directions of space fixes the same along axes, shape (n, 3, 3 directions)."""
-    names = [c for c in COMPONENTS[3] if c.startswith("r") == turns]
-    fixed = [names.index(c) for c in support.fixed.split() if c in names]
-    plain, turned = np.eye(3)[:, fixed], axes[:, :, fixed]
-    return np.isclose(turned @ turned.transpose(0, 2, 1), plain @ plain.T)

@@ -74,8 +74,8 @@ def test_motion_of_an_edge_moves_all_of_it():
     """A plate that is shortened uniformly and held sideways: force E / (1 - nu^2) times strain, but for its square."""
     model = fx.read(lambda: fx.meshes.rectangle((3, 2)), 3, 2)
     shell = fx.Shell(model, fx.Plate(0.01), fx.Elastic(1e4, 0.3), form="naghdi-q2")
-    supports = [fx.Support(model, "west", "x y z rx ry rz"), fx.Support(model, "north", "y"), fx.Support(model, "south", "y"),
-                fx.Support(model, "east", "y z rx ry rz")]
+    supports = [fx.Support(model, "west", "x y z rx ry rz"), fx.Support(model, "north", "y"),
+                fx.Support(model, "south", "y"), fx.Support(model, "east", "y z rx ry rz")]
     scene = fx.Scene([shell], supports, [fx.Motion(model, "east", "x", 1e-4)], fx.Monitor(model, "south-east", "x"))
     path = fx.Path(scene, LoadControl(1.0))
     *_, state = path
@@ -96,3 +96,35 @@ def test_supports_that_share_a_node_share_its_axes():
     with pytest.raises(ValueError, match="south.*same axes"):
         fx.Path(fx.Scene([shell], [skew, fx.Support(model, "south", "y z")], [load], monitor))
     fx.Path(fx.Scene([shell], [skew, fx.Support(model, "south", "x y z")], [load], monitor))
+
+
+def test_planes_of_symmetry_that_meet_at_a_corner():
+    """A patch of a compressed cylinder between four planes, one along no axis of space: it stays a cylinder."""
+    angle, radius = 0.35, 1.0
+
+    def place(x):
+        return np.column_stack((0.3 * x[:, 0], radius * np.sin(angle * x[:, 1]), radius * np.cos(angle * x[:, 1])))
+
+    model = fx.read(lambda: fx.meshes.rectangle((2, 2)), 3, 3, place)
+    shell = fx.Shell(model, fx.Plate(0.01), fx.Elastic(1e4, 0.3), form="naghdi-q3")
+    planes = [fx.symmetry(model, "west", "x"), fx.symmetry(model, "south", "y"),
+              fx.symmetry(model, "north", (0.0, np.cos(angle), -np.sin(angle))), fx.Support(model, "east", "ry rz")]
+    scene = fx.Scene([shell], planes, [fx.Motion(model, "east", "x", -1e-4)], fx.Monitor(model, "south-east", "x"))
+    path = fx.Path(scene, LoadControl(1.0))
+    *_, _ = path
+    u = path.discretisation.kinematics(model).u
+    places, moved = u.function_space.tabulate_dof_coordinates(), u.x.array.reshape(-1, 3)
+    radial = np.hypot(*(places + moved)[:, 1:].T) - np.hypot(*places[:, 1:].T)
+    assert radial.mean() == pytest.approx(0.3 * 1e-4 / 0.3, rel=0.01)
+    assert np.ptp(radial) < 1e-4 * radial.mean()
+
+
+def test_supports_that_contradict_each_other_at_a_corner():
+    angle = 0.35
+    model = fx.read(lambda: fx.meshes.rectangle((1, 1)), 3, 2)
+    shell = fx.Shell(model, fx.Plate(0.01), fx.Elastic(1e4, 0.3), form="naghdi-q2")
+    supports = [fx.symmetry(model, "north", (0.0, np.cos(angle), -np.sin(angle))), fx.Support(model, "west", "y")]
+    scene = fx.Scene([shell], supports, [fx.EdgeForce(model, "east", (1.0, 0.0, 0.0))],
+                     fx.Monitor(model, "south-east", "x"))
+    with pytest.raises(ValueError, match="Support at 'west'.*same axes"):
+        fx.Path(scene)
