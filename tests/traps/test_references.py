@@ -7,7 +7,7 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 from scipy.integrate import solve_bvp
-from scipy.optimize import brentq
+from scipy.optimize import brentq, fsolve
 from truss import SymmetricPath, Truss
 
 from sheetfx.case import trace
@@ -100,3 +100,69 @@ def test_roorda_frame():
     slope = abs(high - low) / 2e-3 / u**2 / size
     point, = trace(roorda_frame.scene(elements=80)).critical_points
     assert abs(point.slope) == pytest.approx(slope, rel=2e-3)
+
+
+class SymmetricElastica:
+    """Half of an inextensible, shear-rigid semicircle of radius 1 and stiffness 1, from its crown to its hinge.
+
+    Unknowns z are the crown's moment, the thrust and the load on the whole arch; no moment acts at the hinge, which
+    stays 1 from the axis of symmetry.
+    """
+
+    STEPS = 80
+
+    @staticmethod
+    def _rates(y, thrust, shear):
+        angle, moment = y[0], y[1]
+        return np.array([moment - 1, np.sin(angle) * thrust - np.cos(angle) * shear, np.cos(angle)])
+
+    def misfit(self, z):
+        """Moment at the hinge, and how far it is from its place; for columns of unknowns."""
+        y, h = np.array([0 * z[0], z[0], 0 * z[0]]), pi / 2 / self.STEPS
+        for _ in range(self.STEPS):
+            a = self._rates(y, z[1], z[2] / 2)
+            b = self._rates(y + h / 2 * a, z[1], z[2] / 2)
+            c = self._rates(y + h / 2 * b, z[1], z[2] / 2)
+            d = self._rates(y + h * c, z[1], z[2] / 2)
+            y = y + h / 6 * (a + 2 * b + 2 * c + d)
+        return np.array([y[1], y[2] - 1])
+
+    def slopes(self, z):
+        """Misfit and its derivatives, by complex steps."""
+        values = self.misfit(z[:, None] + 1e-30j * np.eye(3))
+        return values[:, 0].real, values.imag / 1e-30
+
+    def extremes(self, until):
+        """Extremes of the load in the order of the path, by steps of pseudo-arclength."""
+        z, direction, found = np.zeros(3), np.array([0.0, 0.0, 1.0]), []
+        while abs(z[2]) < until:
+            slopes = self.slopes(z)[1]
+            ahead = np.cross(*slopes)
+            ahead *= np.sign(ahead @ direction) / np.linalg.norm(ahead)
+            if ahead[2] * direction[2] < 0:
+                found.append(self._extreme(z))
+            direction, start = ahead, z
+            step = 0.06 * (1 + np.linalg.norm(z))
+            z = start + step * direction
+            for _ in range(20):
+                misfit, slopes = self.slopes(z)
+                change = np.linalg.solve(np.vstack([slopes, direction]), [*-misfit, step - direction @ (z - start)])
+                z = z + change
+                if np.linalg.norm(change) < 1e-10 * np.linalg.norm(z):
+                    break
+        return found
+
+    def _extreme(self, z):
+        """Load near z where the path's direction has no component of load."""
+        def equations(z):
+            misfit, slopes = self.slopes(z)
+            return [*misfit, np.cross(*(row / np.linalg.norm(row) for row in slopes))[2]]
+
+        return fsolve(equations, z, xtol=1e-12)[2]
+
+
+def test_semicircular_arch():
+    """Tolerances: the arch's own are 5e-4, for extension with depth / radius 0.005."""
+    found = SymmetricElastica().extremes(200.0)
+    expected = TRAPS["deep-arch-180"].points
+    assert [1.25 * load for load in found] == pytest.approx([p.load for p in expected], rel=2e-4)
