@@ -10,6 +10,7 @@ from petsc4py import PETSc
 
 from .discretise import Discretisation
 from .scene import Monitor
+from .mesh.pieces import advice_on_supports
 from .solve.arclength import create
 from .solve.control import StepRule, Tangent
 from .solve.linear import SingularTangent
@@ -38,9 +39,8 @@ class Tracer:
             self._load.array[:] = np.cos(np.arange(self._load.local_size))
             self.stepper.linear.check(self._load)
         except SingularTangent:
-            raise ValueError(
-                "the unloaded structure can move freely (its tangent is singular): check that the supports "
-                "hold all rigid motions of every part") from None
+            raise ValueError("the unloaded structure can move freely (its tangent is singular): "
+                             + advice_on_supports(discretisation.scene)) from None
 
     @property
     def total_factorisations(self) -> int:

@@ -1,0 +1,44 @@
+"""Connected pieces of a mesh, by the names of what is on them."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from .reader import Model
+
+
+def advice_on_supports(scene) -> str:
+    """What to do about a structure that can move freely: names a piece without support where there is one."""
+    for model in scene.models:
+        loose = pieces_without(model, [support.at for support in scene.supports if support.model is model])
+        if loose:
+            return f"nothing supports the piece with {loose[0]}; add a support or join it to the rest"
+    return "check that the supports hold all rigid motions of every part"
+
+
+def pieces_without(model: Model, places: list[str]) -> list[str]:
+    """Names of groups and points on each connected piece of a model that has none of the named places."""
+    topology, comm = model.mesh.topology, model.mesh.comm
+    vertices, corners = topology.index_map(0), topology.connectivity(topology.dim, 0)
+    cells = corners.array.reshape(corners.num_nodes, -1) if corners.num_nodes else np.empty((0, 2), dtype=np.int32)
+    pairs = [vertices.local_to_global(np.repeat(cells[:, 0], cells.shape[1])), vertices.local_to_global(cells.ravel())]
+    rows, columns = (np.concatenate(comm.allgather(p)) for p in pairs)
+    graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(vertices.size_global,) * 2)
+    pieces = connected_components(graph, directed=False)[1]
+
+    def pieces_of(local: np.ndarray) -> set[int]:
+        found = pieces[vertices.local_to_global(np.unique(local).astype(np.int32))]
+        return set().union(*comm.allgather(set(found.tolist())))
+
+    def at(name: str) -> set[int]:
+        dimension, entities = model.at(name)
+        topology.create_connectivity(dimension, 0)
+        links = topology.connectivity(dimension, 0)
+        return pieces_of(np.concatenate([links.links(e) for e in entities] or [np.empty(0)]))
+
+    names = {repr(n): pieces_of(cells[c].ravel()) for n, c in model.cells.items()}
+    names |= {repr(n): at(n) for n in (*model.edges, *model.points)}
+    held = set().union(*map(at, places))
+    return [", ".join(n for n, on in names.items() if piece in on) for piece in sorted(set(pieces.tolist()) - held)]
