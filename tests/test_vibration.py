@@ -10,7 +10,7 @@ from helpers import cantilever, follow, on_two_processes, straight
 from sheetfx import meshes
 from sheetfx.mesh.reader import read
 from sheetfx.path import Path
-from sheetfx.scene import Beam, EdgeForce, LineForce, Monitor, PointForce, Scene, Support, clamp, pin
+from sheetfx.scene import Beam, EdgeForce, LineForce, Monitor, Motion, PointForce, Scene, Support, clamp, pin
 from sheetfx.scenes import plate_buckling, von_mises_truss
 from sheetfx.section import Elastic, Plate, Rectangle
 from sheetfx.shell import Shell
@@ -140,6 +140,16 @@ def strip_frequencies(offset):
 def test_mass_of_a_shell_with_offset():
     """That of the mid-surface: the clamped strip swings as one whose mesh lies there."""
     assert strip_frequencies(0.2) == pytest.approx(strip_frequencies(0.0), rel=1e-6)
+
+
+def test_prescribed_motion_is_a_support():
+    """A reaction that is a multiplier has no mass: a cantilever whose tip is moved swings as one whose tip is held."""
+    model = straight(10)
+    moved = cantilever(model, lambda beam: [Motion(model, "tip", "y", 1.0)], material=STEEL)
+    held = cantilever(model, lambda beam: [LineForce(beam, (0.0, 1.0))], "x", material=STEEL)
+    held = replace(held, supports=[*held.supports, Support(model, "tip", "y")])
+    one, other = ([v.squared for v in unloaded(scene, 3)[1]] for scene in (moved, held))
+    assert one == pytest.approx(other, rel=1e-8)
 
 
 def test_truss():

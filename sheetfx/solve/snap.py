@@ -30,7 +30,7 @@ HOLDS = ("load", "displacement")
 AMPLITUDE, LONGEST = 0.02, 0.2
 SMALLEST_PART = 1e-6
 SMALLEST_SHIFT = 1e-3
-NEARLY_CRITICAL = 1e-3
+NEARLY_CRITICAL = PERPENDICULAR = 1e-3
 ROUNDING = 1e-10
 MOST = 300
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)
@@ -276,13 +276,13 @@ class _Fall:
 
     def _sense(self, mode: PETSc.Vec, first: bool) -> float:
         """Sign of the mode in the sense of the fall; where it is perpendicular to the path its largest component's."""
-        along = self._mode
-        along.array[:] = self.before.load_rate * self.before.response if first else self._step.array
-        cosine = self._inner(mode, along) / (self._inner(along, along) or 1.0) ** 0.5
-        if abs(cosine) < 1e-3:
+        side, along = (self.side if first else 1), self._mode
+        along.array[:] = self.before.load_rate * self.before.response
+        cosine = self._inner(mode, along) / self._inner(along, along) ** 0.5
+        if not first or abs(cosine) < PERPENDICULAR:
             along.array[:] = scaled(self.tracer.discretisation, mode)
             cosine = self._inner(mode, along)
-        return copysign(1.0, cosine) * (self.side if first else 1)
+        return copysign(1.0, cosine) * side
 
     def _inner(self, one: PETSc.Vec, other: PETSc.Vec) -> float:
         return self.tracer.tangent.inner(one, other)
