@@ -2,9 +2,10 @@
 # # What small imperfections do: a compressed cylinder and Koiter's law
 #
 # This demo illustrates how to follow the path of an imperfect shell to its bifurcation. A long cylinder under axial
-# compression loses stability at the classical stress $E t / (R c)$, $c = \sqrt{3 (1 - \nu^2)}$, in many modes at once. Koiter (1963) took an imperfection in the shape of the axisymmetric one,
-# $w = \mu t \cos(q x)$ with $q^2 = 2 c / (R t)$: the cylinder then buckles in waves twice as long at a load that is
-# lower by the root of the imperfection,
+# compression loses stability at the classical stress $E t / (R c)$, $c = \sqrt{3 (1 - \nu^2)}$, in many modes at
+# once. Koiter (1963) took an imperfection in the shape of the axisymmetric one, $w = \mu t \cos(q x)$ with
+# $q^2 = 2 c / (R t)$: the cylinder then buckles in waves twice as long at a load that is lower by the root of the
+# imperfection,
 #
 # $$(1 - r)^2 = \tfrac{3}{2} c \mu r.$$
 #
