@@ -1,10 +1,12 @@
 """Branches of bifurcations against closed forms."""
 
+from dataclasses import replace
 from math import comb, pi, radians
 
 import numpy as np
 import pytest
 from helpers import follow, on_two_processes
+from scipy.integrate import solve_bvp
 from scipy.interpolate import CubicSpline
 from scipy.optimize import minimize_scalar
 from scipy.special import ellipk
@@ -16,9 +18,10 @@ from sheetfx.case import trace
 from sheetfx.mesh.imperfection import imperfect
 from sheetfx.mesh.reader import read
 from sheetfx.path import Path, Until
-from sheetfx.scene import Beam, Monitor, PointForce, Scene, Support, pin
-from sheetfx.scenes import sinusoidal_arch, star_dome
+from sheetfx.scene import Beam, LineForce, Monitor, PointForce, Scene, Support, pin, symmetry
+from sheetfx.scenes import plate_buckling, sinusoidal_arch, star_dome
 from sheetfx.section import Elastic, Rectangle
+from sheetfx.show.curves import draw_branches
 from sheetfx.solve.branches import _zeros_around, branches
 from sheetfx.solve.control import ArcLength, LoadControl
 from sheetfx.solve.modes import mode_displacement
@@ -225,6 +228,45 @@ def test_branch_between_two_bifurcations_of_an_arch():
     assert states[-1].load == pytest.approx(second, abs=0.2)
 
 
+def pressure_on_ring(deflection: float) -> float:
+    """Pressure on a ring of radius 1 and bending stiffness 1 whose crown has moved inwards, by collocation.
+
+    Balance of an inextensible bar of curvature k under a pressure p that follows it: k'' = k (c - k^2 / 2) + p.
+    """
+    def rates(s, y, constants):
+        k, slope, angle = y[:3]
+        c, pressure = constants
+        return np.vstack([slope, k * (c - k * k / 2) + pressure, k, np.cos(angle), -np.sin(angle)])
+
+    def ends(a, b, constants):
+        return np.array([a[1], b[1], a[2], b[2] - pi / 2, a[3], b[4], a[4] - (1 - deflection)])
+
+    s = np.linspace(0, pi / 2, 40)
+    bend = 3 * deflection
+    guess = np.vstack([1 - bend * np.cos(2 * s), 2 * bend * np.sin(2 * s), s - bend * np.sin(2 * s) / 2, np.sin(s),
+                       np.cos(s)])
+    solution = solve_bvp(rates, ends, s, guess, p=[-2.5, 3.0], tol=1e-9, max_nodes=20000)
+    assert solution.success
+    return solution.p[1]
+
+
+def test_branches_under_a_load_that_follows():
+    """A ring in two half waves under pressure: the rise of the load above 3 EI / R^3.
+
+    2e-3: the ring is strained by 2.5e-5 before it buckles, which is 3e-4 of its deflection and 6e-4 of the rise.
+    """
+    model = read(lambda: meshes.arc(1.0, 0.0, pi / 2, 24), 2, 2)
+    beam = Beam(model, Rectangle(1.0, 0.01), Elastic(12e6))
+    record = follow(Scene([beam], [symmetry(model, "start"), symmetry(model, "end", "y")],
+                          [LineForce(beam, (0.0, -1.0), follower=True)], Monitor(model, "start", "y", -1.0)),
+                    LoadControl(1.7, target=5.0))
+    point, found = started(record, 0.1)
+    assert sorted(np.sign(branch.start.deflection) for branch in found) == [-1, 1]
+    for branch in found:
+        rise = pressure_on_ring(branch.start.deflection) / 3 - 1
+        assert branch.start.load / point.load - 1 == pytest.approx(rise, rel=2e-3)
+
+
 def limit_of_stayed_column(offset: float) -> float:
     """Limit load of a rigid bar whose top stands `offset` further from one anchor, by its exact geometry."""
     anchors = np.array([(np.cos(turn), np.sin(turn)) for turn in np.radians([0, 120, 240])])
@@ -269,6 +311,30 @@ def test_every_branch_of_a_multiple_bifurcation(count):
     rises = np.sort([branch.start.load / point.load - 1 for branch in found])[::-1]
     expected = [1 / k for k in range(1, count + 1) for _ in range(2**k * comb(count, k))]
     assert rises / rises[0] == pytest.approx(expected, rel=2e-3)
+
+
+def test_branches_of_a_plate():
+    """A square plate in compression: Koiter's b from states on the branch of a shell."""
+    case = plate_buckling.scene(cells=3, slenderness=100.0)
+    record = trace(replace(case, control=LoadControl(step=2.6, target=5.2), until=Until()))
+    values = []
+    for amplitude in (0.004, 0.002):
+        point, found = started(record, amplitude)
+        assert [branch.start.unstable for branch in found] == [0, 0]
+        values.append((found[0].start.load / point.load - 1) / found[0].amplitude**2)
+    assert (4 * values[1] - values[0]) / 3 == pytest.approx(point.curvature, rel=2e-4)
+
+
+def test_picture_of_branches(planar_column):
+    """Branches begin at the bifurcation; stable pieces are drawn apart from unstable ones."""
+    point, found = started(planar_column)
+    control = ArcLength(0.05)
+    paths = [(point, [b.start, *Path(planar_column.case.scene, control, Until(deflection=0.2), start=[b.start])])
+             for b in found]
+    lines = [line for line in draw_branches(planar_column, paths).axes[0].lines if len(line.get_xdata()) > 1]
+    starts = [line.get_xydata()[0] for line in lines]
+    assert np.allclose(starts[0], (point.deflection, point.load)) and np.allclose(starts[1], starts[0])
+    assert len({line.get_color() for line in lines}) == 2
 
 
 def test_branches_on_two_processes(planar_column):
