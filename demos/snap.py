@@ -33,9 +33,9 @@ case = replace(case, control=fx.ArcLength(step=0.02, largest=4.0))
 record = fx.trace(case)
 limit, lower = record.critical_points
 before = next(state for state in record.states if state.unstable)
-turned = next(b for a, b in zip(record.states[:-1], record.states[1:], strict=True) if b.deflection < a.deflection)
 by_load = fx.snap(record.path, before, hold="load")
-by_displacement = fx.snap(record.path, turned, hold="displacement")
+(by_displacement,) = fx.snaps(record.path, record.states, hold="displacement")
+assert by_load.before.load <= limit.load and by_displacement.after.load >= lower.load
 for fall in (by_load, by_displacement):
     print(f"held {fall.hold:12s} load {fall.before.load:9.1f} -> {fall.after.load:9.1f}, deflection "
           f"{fall.before.deflection:6.2f} -> {fall.after.deflection:6.2f}, releases {fall.energy_released:9.1f} "

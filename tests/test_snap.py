@@ -1,5 +1,6 @@
 """Snaps land on the stable state that the traced path or branch has at the same load or displacement."""
 
+import json
 from dataclasses import replace
 from itertools import pairwise
 from math import pi
@@ -15,10 +16,12 @@ from sheetfx.path import Path, Until
 from sheetfx.scene import Beam, LineForce, Monitor, Motion, PointForce, Scene, Support, pin
 from sheetfx.scenes import arch, cylinder_buckling, lee_frame, roof, star_dome, von_mises_truss
 from sheetfx.section import Elastic, Rectangle
+from sheetfx.show.snaps import falls_curve
 from sheetfx.solve.branches import branches
 from sheetfx.solve.control import ArcLength, DisplacementControl, LoadControl
 from sheetfx.solve.critical import state_at
-from sheetfx.solve.snap import SnapFailure, snap
+from sheetfx.solve.snap import SnapFailure, snap, snaps
+from sheetfx.state import State
 
 
 def beyond_limit(record):
@@ -121,6 +124,20 @@ def test_prescribed_motion_holds_the_displacement(frame):
     held, fall = snap(frame.path, turned, "displacement"), snap(path, before)
     assert -fall.after.load == pytest.approx(held.after.load, rel=1e-6)
     assert fall.energy_released == pytest.approx(held.energy_released, rel=1e-6)
+
+
+def test_falls_of_a_test(frame, tmp_path):
+    """One where the load is lost, one where the displacement is; each is written, and drawn with the path."""
+    (by_load,), (by_displacement,) = (snaps(frame.path, frame.states, hold) for hold in ("load", "displacement"))
+    assert by_load.before is beyond_limit(frame)
+    turning = by_displacement.before.step
+    assert by_displacement.before.deflection > frame.states[turning + 1].deflection
+    assert by_displacement.before.deflection > frame.states[turning - 1].deflection
+    falls_curve(frame, tmp_path)
+    report = json.loads((tmp_path / "fall1" / "snap.json").read_text())
+    assert report["energy_released"] == by_load.energy_released
+    assert State.load_from(tmp_path / "fall1" / "after.0.npz").deflection == by_load.after.deflection
+    assert (tmp_path / "falls.png").stat().st_size > 10000
 
 
 @pytest.mark.parametrize("side", [-1, 1])

@@ -19,6 +19,7 @@ from ..section import Elastic, Rectangle
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
+from ..show.snaps import falls_curve
 from ..solve.control import ArcLength
 
 SIDE, LOAD_FROM_CORNER = 120.0, 24.0
@@ -47,7 +48,7 @@ def scene(
             parts=[beam], supports=[pin(model, "base"), pin(model, "end")],
             loads=[PointForce(model, "load", (0.0, -1.0))], monitor=Monitor(model, "load", "y", -1.0)),
         control=ArcLength(step=step), until=Until(deflection=to), quantities=quantities,
-        pictures=[path_curve, shapes, paraview],
+        pictures=[path_curve, falls_curve, shapes, paraview],
         axes=("deflection under the load", "load"))
 
 

@@ -2,20 +2,40 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
+from pathlib import Path as Folder
 
 from ..case import Record
-from ..solve.snap import Snap
+from ..solve.snap import Snap, SnapFailure, snaps
 from .curves import draw_path
+from .evaluate import communicator
 
 JUMP = "#2a7f3b"
 
 
-def draw_snaps(record: Record, snaps: Sequence[Snap]):
+def falls_curve(record: Record, folder: Folder, name: str = "falls.png") -> None:
+    """Draw where the structure falls while the load is held, and save each fall in a folder of its own.
+
+    The picture is left out with a warning where a fall finds no stable state.
+    """
+    comm = communicator(record)
+    try:
+        falls = snaps(record.path, record.states)
+    except SnapFailure as failure:
+        warnings.warn(f"{name} is not drawn: {failure}", stacklevel=2)
+        return
+    for number, fall in enumerate(falls, start=1):
+        fall.save(Folder(folder) / f"fall{number}", comm)
+    if comm.rank == 0:
+        draw_snaps(record, falls).savefig(Folder(folder) / name, dpi=150)
+
+
+def draw_snaps(record: Record, falls: Sequence[Snap]):
     """Matplotlib figure of a path with the falls that leave it, each with the energy that it releases."""
     figure = draw_path(record)
     axes = figure.axes[0]
-    for snap in snaps:
+    for snap in falls:
         start, end = ((state.deflection, state.load) for state in (snap.before, snap.after))
         axes.annotate("", end, start, zorder=5,
                       arrowprops={"arrowstyle": "-|>", "color": JUMP, "linewidth": 1.6, "shrinkA": 0, "shrinkB": 0})

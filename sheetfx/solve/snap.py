@@ -13,8 +13,9 @@ loads and contact layers included.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
+from itertools import pairwise
 from math import copysign
 from pathlib import Path as Folder
 
@@ -130,6 +131,24 @@ def snap(path, state: State, hold: str = "load", side: int = 1,
         return Snap(state, fall.state(), hold, tuple(fall.history))
     finally:
         tracer.back_to(present)
+
+
+def snaps(path, states: Sequence[State], hold: str = "load") -> list[Snap]:
+    """Falls of a test along a path: one from the first state of each unstable stretch.
+
+    Parameters
+    ----------
+    path : Path or Tracer
+    states : of the path, in order
+    hold : as of `snap`
+    """
+    return [snap(path, after, hold) for before, after in pairwise(states)
+            if _unstable(after, hold) and not _unstable(before, hold)]
+
+
+def _unstable(state: State, hold: str) -> int:
+    """Unstable directions that are left while the load or the displacement is held; 0 where they are not known."""
+    return (state.unstable or 0) - (hold == "displacement" and state.current_stiffness < 0)
 
 
 def _check(tracer, state: State, hold: str, side: int) -> None:
