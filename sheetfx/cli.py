@@ -186,8 +186,7 @@ def failure_map(
 
         cells = failure_map(rows, columns, output, limit, say)
         if not cells:
-            raise ValueError("map: no cell to draw; methods of contact need traps with contact, and lines above say "
-                             "which reference paths end early")
+            raise ValueError("map: no method applies; those of contact need traps with contact")
     write_map(cells, output / "map.csv")
     draw_map(cells).savefig(output / "map.png", dpi=110)
     typer.echo(f"results in {output}")

@@ -15,8 +15,8 @@ from pathlib import Path as Folder
 from mpi4py import MPI
 
 from .archive import Archive
-from .judgement import CRASHED, PASSED, STALLED, Judge, Trail, place
-from .methods import METHODS, applies, reference
+from .judgement import CRASHED, STALLED, Judge, Trail, place
+from .methods import METHODS, applies, references
 from .path import Path, PathFailure
 from .study import ONE_THREAD
 from .traps import TRAPS, Trap
@@ -67,14 +67,14 @@ def failure_map(traps: Sequence[str], methods: Sequence[str], folder: Folder, li
     ----------
     folder : gets a folder for each path with its states and path.csv
     limit : seconds that a path may take
-    say : called with each cell, and with those of the reference paths, without which a trap is left out
+    say : called with each cell, and with those of the reference paths
     """
     if MPI.COMM_WORLD.size > 1:
         raise ValueError(f"map: {MPI.COMM_WORLD.size} MPI processes, but the map starts processes of its own; "
                          "leave mpirun out")
     with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
-        references = _ended(pool, [(trap, REFERENCE, folder, 10 * limit) for trap in traps], say)
-        cases = {cell.trap: TRAPS[cell.trap].case() for cell in references if cell.outcome == PASSED}
+        list(_ended(pool, [(trap, REFERENCE, folder, limit) for trap in traps], say))
+        cases = {trap: TRAPS[trap].case() for trap in traps}
         cells = list(_ended(pool, [(trap, method, folder, limit) for trap, case in cases.items()
                                    for method in methods if applies(method, case)], say))
     return sorted(cells, key=lambda cell: (traps.index(cell.trap), methods.index(cell.method)))
@@ -102,27 +102,34 @@ def _process(trap: str, method: str, folder: Folder, limit: float) -> Cell:
 
 
 def trace(trap: Trap, method: str, folder: Folder, limit: float) -> Cell:
-    """Trace a trap with a method in this process and judge its path, beside the reference path in the folder."""
-    case = reference(trap.case()) if method == REFERENCE else METHODS[method](trap.case())
-    archive = Archive(Folder(folder) / trap.name / method, MPI.COMM_SELF)
-    archive.clear({})
-    path = Path(case.scene, case.control, case.until, mixed_points=case.mixed_points)
-    path.subscribe(archive)
-    if method == REFERENCE:
-        outcome, reason = _follow(path, limit, watch=lambda state: None, conclude=lambda points: (PASSED, ""))
-    else:
-        judge = Judge(trap.points, Trail(Archive(Folder(folder) / trap.name / REFERENCE, MPI.COMM_SELF).states()))
-        outcome, reason = _follow(path, limit, judge.watch, judge.conclude)
+    """Trace a trap with a method in this process, and judge its path by its points and the reference in the folder.
+
+    A trap whose reference path does not reach its end has none.
+    """
+    home = Folder(folder) / trap.name
+    judge = Judge(trap.points, None)
+    if method != REFERENCE and (states := Archive(home / REFERENCE, MPI.COMM_SELF).states()):
+        judge = Judge(trap.points, Trail(states))
+    archive = Archive(home / method, MPI.COMM_SELF)
+    for case in references(trap.case()) if method == REFERENCE else [METHODS[method](trap.case())]:
+        archive.clear({})
+        path = Path(case.scene, case.control, case.until, mixed_points=case.mixed_points)
+        path.subscribe(archive)
+        outcome, reason = _follow(path, limit, judge)
+        if outcome != STALLED:
+            break
+    if method == REFERENCE and outcome == STALLED:
+        archive.clear({})
     return Cell(trap.name, method, outcome, reason, path.clock.seconds["path"], path.tracer.total_factorisations)
 
 
-def _follow(path: Path, limit: float, watch, conclude) -> tuple[str, str]:
+def _follow(path: Path, limit: float, judge: Judge) -> tuple[str, str]:
     """Outcome and reason of a path."""
     points, state = [], path.tracer.state
     try:
         for state in path:
             points += state.critical
-            if strayed := watch(state):
+            if strayed := judge.watch(state):
                 return strayed
             if path.clock.seconds["path"] > limit:
                 return STALLED, f"is still at {place(state)} after {limit:g} s"
@@ -131,7 +138,7 @@ def _follow(path: Path, limit: float, watch, conclude) -> tuple[str, str]:
         return STALLED, f"stops at {place(state)}, does not converge{cause}"
     if path.message.endswith("steps taken"):
         return STALLED, f"is still at {place(state)} after {path.message.replace(' taken', '')}"
-    return conclude(points)
+    return judge.conclude(points)
 
 
 def write_map(cells: Sequence[Cell], file: Folder) -> None:

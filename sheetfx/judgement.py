@@ -78,16 +78,18 @@ class Judge:
     Parameters
     ----------
     expected : critical points in their order
-    trail : reference path
+    trail : reference path; None: only the points count
     """
 
-    def __init__(self, expected: Sequence[Expected], trail: Trail):
+    def __init__(self, expected: Sequence[Expected], trail: Trail | None):
         self._expected, self._trail = expected, trail
-        self._along, self._distance, self._before, self._limits = 0.0, 0.0, trail.states[0], 0
+        self._along, self._distance, self._before, self._limits = 0.0, 0.0, trail and trail.states[0], 0
 
     def watch(self, state: State) -> tuple[str, str] | None:
         """Outcome and reason where the path leaves the trail or goes back on it; states behind its end are free."""
         trail, before = self._trail, self._before
+        if trail is None:
+            return None
         along, distance, close = trail.project(state)
         beyond = trail.beyond(state) if along in (0.0, trail.length) else 0
         if beyond > 0:

@@ -75,7 +75,11 @@ def applies(name: str, case: Case) -> bool:
     return name not in ENFORCEMENTS or bool(case.scene.contacts)
 
 
-def reference(case: Case) -> Case:
-    """The default method with steps that do not grow, a quarter as long where no contact makes them waver."""
-    first = case.control.first / (1 if case.scene.contacts else 4)
-    return replace(case, control=replace(case.control, step=first, largest=1.0))
+def references(case: Case) -> list[Case]:
+    """The default method with steps a quarter as long that do not grow (without contact), as long, and that grow.
+
+    The first that reaches the end of its path is the reference of all methods.
+    """
+    parts = (1,) if case.scene.contacts else (4, 1)
+    even = [replace(case, control=replace(case.control, step=case.control.first / part, largest=1.0)) for part in parts]
+    return [*even, case]
