@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from dolfinx import fem
+from helpers import on_two_processes
 from scipy.spatial import cKDTree
 
 from sheetfx import meshes
@@ -87,6 +88,19 @@ def test_combination_of_modes():
     x = model.mesh.geometry.x
     expected = 0.5 * np.column_stack((x[:, 1], x[:, 0] ** 2)) + 0.2 * x[:, :2]
     assert shift(model, [mode, lambda x: x], [0.5, 0.2])[:, :2] == pytest.approx(expected, abs=1e-12)
+
+
+def summed_shift():
+    """A sum over the nodes of a cylinder, each counted once, that tells where they move."""
+    model = cylinder()
+    moved = shift(model, [random_field(0.3, seed=4), lambda x: x], [0.1, 0.2])
+    own = model.mesh.geometry.index_map().size_local
+    return model.mesh.comm.allreduce(float((moved**2 * (1 + model.mesh.geometry.x))[:own].sum()))
+
+
+def test_the_same_shape_on_two_processes():
+    lines = on_two_processes("import test_imperfection\nprint(test_imperfection.summed_shift())")
+    assert float(lines[-1]) == pytest.approx(summed_shift(), rel=1e-12)
 
 
 @pytest.mark.parametrize("build, message", [
