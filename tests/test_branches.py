@@ -19,7 +19,7 @@ from sheetfx.mesh.imperfection import imperfect
 from sheetfx.mesh.reader import read
 from sheetfx.path import Path, Until
 from sheetfx.scene import Beam, LineForce, Monitor, PointForce, Scene, Support, pin, symmetry
-from sheetfx.scenes import plate_buckling, sinusoidal_arch, star_dome
+from sheetfx.scenes import plate_buckling, roorda_frame, sinusoidal_arch, star_dome
 from sheetfx.section import Elastic, Rectangle
 from sheetfx.show.curves import draw_branches
 from sheetfx.solve.branches import _zeros_around, branches
@@ -226,6 +226,15 @@ def test_branch_between_two_bifurcations_of_an_arch():
             break
     assert len(states) > 5 and all(np.diff([s.load for s in states]) < 0)
     assert states[-1].load == pytest.approx(second, abs=0.2)
+
+
+def test_branches_of_roordas_frame():
+    """One half rises and is stable, the other falls and is not; the slope is Koiter's a of the critical point."""
+    record = trace(roorda_frame.scene())
+    point, found = started(record, 0.01)
+    rises = [(branch.start.load / point.load - 1) / branch.amplitude for branch in found]
+    assert (rises[0] - rises[1]) / 2 == pytest.approx(np.sign(rises[0]) * abs(point.slope), rel=1e-3)
+    assert [branch.start.unstable for branch in found] == [int(rise < 0) for rise in rises]
 
 
 def pressure_on_ring(deflection: float) -> float:

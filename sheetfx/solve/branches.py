@@ -43,7 +43,8 @@ class Branch:
     mode : null vector in this direction, this process's part, the largest displacement being 1 (see
         `mode_displacement`)
     amplitude : largest displacement of the mode's share in the start
-    family : whether it stands for a continuum of branches, in all directions
+    family : whether it stands for a continuum of branches, in all directions; a path along it may drift from one to
+        another unless a support singles one out
     """
 
     start: State
