@@ -18,7 +18,7 @@ _HOMES = {
     "LoadControl": "solve.control", "buckling": "solve.buckling", "BucklingLoad": "solve.buckling",
     "mode_displacement": "solve.modes", "imperfect": "mesh.imperfection", "branches": "solve.branches",
     "Branch": "solve.branches", "frequencies": "solve.vibration", "Vibration": "solve.vibration",
-    "snap": "solve.snap", "snaps": "solve.snap", "Snap": "solve.snap", "SnapFailure": "solve.snap",
+    "snap": "solve.snap", "snaps": "solve.snap", "Snap": "solve.snap", "SnapFailure": "solve.descent",
     "limit_of_imperfect": "solve.sensitivity", "imperfection_sensitivity": "solve.sensitivity",
     "state_at": "solve.critical", "measured": "mesh.imperfection", "random_field": "mesh.imperfection",
 }
