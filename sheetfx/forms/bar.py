@@ -26,8 +26,8 @@ def engineering(u, rotation, frame):
     -------
     UFL vector, shape (1,), no unit.
     """
-    stretched = frame.tangent + frame.along(u)
-    return ufl.as_vector([ufl.sqrt(ufl.dot(stretched, stretched)) - 1])
+    twice = 2 * green(u, rotation, frame)[0]
+    return ufl.as_vector([twice / (ufl.sqrt(1 + twice) + 1)])
 
 
 def green(u, rotation, frame):

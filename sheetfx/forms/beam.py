@@ -63,7 +63,8 @@ def simo_reissner(u, rotation, frame):
     """Strains of the geometrically exact, shear-flexible beam.
 
     Gamma = R^T phi' - t and K = R^T k on the axes of the reference frame (Reissner 1972,
-    eqs. 12-14, in the plane; Simo 1985, eqs. 3.7-3.8, in space).
+    eqs. 12-14, in the plane; Simo 1985, eqs. 3.7-3.8, in space), with Gamma = R^T u' + (R^T t - t) so that the
+    small strains of slender beams are not differences of numbers near 1.
 
     Parameters
     ----------
@@ -79,6 +80,6 @@ def simo_reissner(u, rotation, frame):
     shape (6,) in space: axial strain, two shear strains, twist, two changes of curvature.
     Strains have no unit, curvatures 1 / length.
     """
-    stretch = rotation.pull_back(frame.tangent + frame.along(u)) - frame.tangent
+    stretch = rotation.pull_back(frame.along(u)) + rotation.pulled_change(frame.tangent)
     return ufl.as_vector([ufl.dot(stretch, axis) for axis in frame.axes] + rotation.bending(frame))
 

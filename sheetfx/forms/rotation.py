@@ -19,10 +19,15 @@ def cross_matrix_product(quaternion_scalar, quaternion_vector, a):
     R a = a + (2 q0 v x a + 2 v x (v x a)) / |q|^2; no trigonometric function and no
     normalisation is needed (Geradin and Cardona 2001, eq. 4.45).
     """
+    return a + turning(quaternion_scalar, quaternion_vector, a)
+
+
+def turning(quaternion_scalar, quaternion_vector, a):
+    """R a - a by the same formula."""
     q0, v = quaternion_scalar, quaternion_vector
     length2 = q0 * q0 + ufl.dot(v, v)
     va = ufl.cross(v, a)
-    return a + 2 * (q0 * va + ufl.cross(v, va)) / length2
+    return 2 * (q0 * va + ufl.cross(v, va)) / length2
 
 
 def compose(increment, quaternion):
@@ -62,6 +67,11 @@ class PlanarRotation:
         c, s = ufl.cos(self.angle), ufl.sin(self.angle)
         return ufl.as_vector([c * a[0] + s * a[1], c * a[1] - s * a[0]])
 
+    def pulled_change(self, a):
+        """`pull_back(a) - a` to all digits where the rotation is small."""
+        c, s = -2 * ufl.sin(self.angle / 2) ** 2, ufl.sin(self.angle)
+        return ufl.as_vector([c * a[0] + s * a[1], c * a[1] - s * a[0]])
+
     def bending(self, frame):
         """Change of curvature, a list of one component."""
         return [frame.along(self.angle)]
@@ -90,6 +100,11 @@ class SpatialRotation:
     def pull_back(self, a):
         q0, v = self._product()
         return cross_matrix_product(q0, -v, a)
+
+    def pulled_change(self, a):
+        """`pull_back(a) - a` to all digits where the rotation is small."""
+        q0, v = self._product()
+        return turning(q0, -v, a)
 
     def bending(self, frame):
         """Material change of curvature R^T k on the frame's axes (torsion first).
