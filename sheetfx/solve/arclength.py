@@ -62,7 +62,8 @@ class PathStep:
         ----------
         load_increment : of the predictor
         guess : increments to begin with, this process's part of the vector, for a solution a thousand times more
-            exact than that of a step; None: along the tangent
+            exact than that of a step and corrected at least once, since a small residual leaves much of a mode that
+            is about to buckle; None: along the tangent
         """
         self.control, self.tangent, self.length = control, tangent, length
         self.start, self.load_increment = self.system.factor, load_increment
@@ -96,7 +97,7 @@ class PathStep:
             snes.setFunctionNorm(norm)
             snes.monitor(iteration, norm)
             self.history.append(norm / size if size else norm)
-            if norm <= rtol * size:
+            if norm <= rtol * size and (iteration or self._guess is None):
                 return Reason.CONVERGED_FNORM_RELATIVE
             if iteration > 1 and self._at_rounding(x, norm / size):
                 return Reason.CONVERGED_SNORM_RELATIVE
