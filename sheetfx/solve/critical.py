@@ -188,11 +188,10 @@ def locate(tracer, earlier: State | None, before: State, after: State,
     else:
         if stretch.guarded:
             _check(stretch)
-        turns = [(a, b) for a, b in stretch.pairs() if stretch[a].load_rate * stretch[b].load_rate < 0]
-        limits = [(stretch, next(iter(stretch.root(lambda s: stretch[s].load_rate, a, b, 1e-12))),
-                   stretch[a].load_rate > 0) for a, b in turns]
+        limits = [(stretch, next(iter(stretch.root(lambda s: stretch[s].load_rate, a, b, 1e-12))))
+                  for a, b in stretch.pairs() if stretch[a].load_rate * stretch[b].load_rate < 0]
     points = [_limit(*found) for found in limits]
-    crossings = _bifurcations(stretch, [length for s, length, _ in limits if s is stretch])
+    crossings = _bifurcations(stretch, [length for s, length in limits if s is stretch])
     points += [_bifurcation(stretch, cluster) for cluster in _clusters(crossings)]
     if len(stretch.states) > 2 or points:
         tracer.back_to(after)
@@ -230,14 +229,16 @@ def _check(stretch: Stretch) -> None:
             pieces += [(left, middle), (middle, right)]
 
 
-def _limit(stretch: Stretch, length: float, rising: bool) -> CriticalPoint:
+def _limit(stretch: Stretch, length: float) -> CriticalPoint:
     state = stretch.states[length]
+    left = [s for s in stretch.states if s < length - 1e-5 * stretch.after.length]
+    rising = stretch.states[max(left)].factor < state.factor if left else stretch.before.load_rate > 0
     return CriticalPoint("limit", state.load, state.deflection, state.step, float(length),
                          name="maximum" if rising else "minimum")
 
 
-def _turning_loads(stretch: Stretch, earlier: State | None) -> list[tuple[Stretch, float, bool]]:
-    """The state of the highest (lowest) load where the load turns from one step to the next; whether it rose."""
+def _turning_loads(stretch: Stretch, earlier: State | None) -> list[tuple[Stretch, float]]:
+    """The state of the highest (lowest) load where the load turns from one step to the next."""
     before, after = stretch.before, stretch.after
     if not before.load_increment * after.load_increment < 0:
         return []
@@ -253,7 +254,7 @@ def _turning_loads(stretch: Stretch, earlier: State | None) -> list[tuple[Stretc
 
         minimize_scalar(opposite_load, bounds=(0.0, one.after.length), method="bounded",
                         options={"xatol": 0.02 * one.after.length})
-    return [max(((one, length, sign > 0) for one in stretches for length in one.states),
+    return [max(((one, length) for one in stretches for length in one.states),
                 key=lambda found: sign * found[0].states[found[1]].factor)]
 
 
