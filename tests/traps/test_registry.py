@@ -12,10 +12,12 @@ from sheetfx.traps import TRAPS, Trap
 
 NEAR = "steps between a bifurcation and a limit that are closer than 1e-6 of the path are refused"
 MISSED = "pairs of bifurcations in one long step of a prescribed motion are missed"
+NAME = "a minimum is named a maximum"
 PENDING = {
     ("slenderness-1e-6", 1): "the step past the last bifurcation is refused for rounding of the path",
     ("load-reversed", 4): MISSED, ("load-reversed", 16): MISSED,
-    ("sinusoidal-arch-at", 1 / 16): NEAR, ("sinusoidal-arch-at", 1 / 4): NEAR,
+    ("sinusoidal-arch-at", 1 / 16): NEAR, ("sinusoidal-arch-at", 1 / 4): NEAR, ("sinusoidal-arch-at", 1): NEAR,
+    ("deep-arch-180", 1 / 16): NAME, ("deep-arch-180", 1 / 4): NAME, ("distorted-mesh", 4): NAME,
 }
 SMALL = [t.name for t in TRAPS.values() if not t.slow and t.points and not t.name.startswith(("punch", "slenderness"))]
 
