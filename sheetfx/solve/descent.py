@@ -27,7 +27,7 @@ from .spectrum import diagonal, lowest
 AMPLITUDE, LONGEST = 0.02, 0.2
 GOOD, POOR = 0.7, 0.1
 SMALLEST_PART = 1e-6
-SMALLEST_SHIFT = 1e-3
+SMALLEST_SHIFT, LARGEST_SHIFT = 1e-3, 1e15
 NEARLY_CRITICAL = PERPENDICULAR = 1e-3
 ROUNDING = 1e-10
 MOST = 300
@@ -159,15 +159,13 @@ class Fall:
 
     def _assemble(self) -> None:
         """Forces and tangent of the current configuration, and its entry in the history."""
-        system = self.system
-        system.residual(self._residual)
-        size = system.reaction
+        system, discretisation = self.system, self.tracer.discretisation
         system.load(self._load)
-        size = max(size, abs(system.factor) * self._load.norm())
+        system.residual(self._residual)
+        size = max(system.reaction, abs(system.factor) * self._load.norm())
         self._held.assemble()
-        copies, discretisation = self.tracer.discretisation.scene.copies, self.tracer.discretisation
-        self.history.append(FallStep(copies * self._energy, self._residual.norm() / size, self._shift,
-                                     discretisation.total_load(), self._deflection))
+        self.history.append(FallStep(discretisation.scene.copies * self._energy, self._residual.norm() / size,
+                                     self._shift, discretisation.total_load(), self._deflection))
         self._listener(self.history[-1])
 
     def _balanced(self) -> bool:
@@ -208,6 +206,9 @@ class Fall:
         """The least damped step for which the matrix is definite."""
         while self._held.factor(self._shift) > 0:
             self._raise_shift()
+            if not self._shift < LARGEST_SHIFT * self._scale:
+                raise SnapFailure(f"snap: no damping makes the tangent definite at deflection {self._deflection:.6g}; "
+                                  "start from a state nearer to the critical point")
         load_increment = self._held.solve(-self._residual, self._step)
         slope = self._residual.dot(self._step)
         return _Step(load_increment, slope, -slope - self._shift * self._inner(self._step, self._step), self._shift)
