@@ -99,8 +99,19 @@ def test_own_weight_of_bars():
     weighed = fx.Scene([bars], scene.supports, [fx.LineForce(bars, (0.0, -1e-4))], scene.monitor)
     pulled = fx.Scene([bars], scene.supports, [fx.PointForce(model, "apex", (0.0, -1e-4 * hypot(1, 3)))],
                       scene.monitor)
-    one, other = (follow(s, LoadControl(1.0)).states[-1].deflection for s in (weighed, pulled))
-    assert one == pytest.approx(other, rel=1e-9)
+    one, other = (follow(s, LoadControl(1.0)).states[-1] for s in (weighed, pulled))
+    assert one.deflection == pytest.approx(other.deflection, rel=1e-9)
+    assert one.load == pytest.approx(2 * other.load, rel=1e-12), "half of the weight hangs on the supports"
+
+
+def test_load_along_one_bar_as_a_function_of_place():
+    """From 0 at its end to 1 at the apex, along its length of 5."""
+    scene = two_bars(sqrt(24))
+    model = scene.models[0]
+    parts = [fx.Bar(model, SECTION, MATERIAL, group=name) for name in ("one", "other")]
+    load = fx.LineForce(parts[0], lambda x: (0.0, -1e-4 * (x[0] + 1)))
+    state = follow(fx.Scene(parts, scene.supports, [load], scene.monitor), LoadControl(1.0)).states[-1]
+    assert state.load == pytest.approx(2.5e-4, rel=1e-9)
 
 
 def test_bad_input_names_object_value_and_remedy():

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from petsc4py import PETSc
 
+import sheetfx as fx
 from sheetfx.case import Case, run, trace
 from sheetfx.path import PathFailure, Until
 from sheetfx.scene import Contact, Monitor, PointForce, RigidCylinder, Scene, Support
@@ -157,6 +158,12 @@ def bare_arch(supports, contacts=()):
 def test_structure_that_can_move_freely():
     with pytest.raises(ValueError, match="move freely"):
         trace(Case(bare_arch([("end", "x")])))
+
+
+def test_shell_without_material():
+    model = fx.read(lambda: fx.meshes.rectangle((1, 1)), 3)
+    with pytest.raises(ValueError, match=r"Shell: material is None, but Plate\(thickness=0.1.*give an Elastic"):
+        fx.Shell(model, fx.Plate(0.1))
 
 
 def test_structure_without_support():
