@@ -39,7 +39,8 @@ class System:
     Attributes
     ----------
     size : number of free unknowns
-    multipliers : number of Lagrange multipliers among them; each gives the tangent one negative pivot
+    multiplier_places : places of free Lagrange multipliers in this process's part of a vector
+    multipliers : number of Lagrange multipliers; each gives the tangent one negative pivot
     """
 
     def __init__(self, unknowns: Unknowns, factor, internal: Sequence[Internal], work, *,
@@ -55,7 +56,8 @@ class System:
             self._compile(work)
         self._fixed = self._layout.rows(fixed)
         self.size = self.comm.allreduce(self._layout.size - len(self._fixed))
-        self.multipliers = self._count_multipliers()
+        self.multiplier_places = self._multipliers()
+        self.multipliers = self.comm.allreduce(len(self.multiplier_places))
         self._create_matrix()
         self.weights = self._inner_product_weights()
 
@@ -99,13 +101,14 @@ class System:
                 forms[n][n] = fem.form(zero * ufl.inner(u, v) * ufl.dx, jit_options=JIT)
         return forms
 
-    def _count_multipliers(self) -> int:
+    def _multipliers(self) -> np.ndarray:
+        """Places of free Lagrange multipliers in this process's part of a vector."""
         marks, vector = self._layout.zeros(), self.create_vector()
         for f, array in self._layout.fields(marks):
             array[f.dofs] = f.multiplier
         self._layout.put(marks, vector)
         vector.array[self._fixed] = 0
-        return round(vector.sum())
+        return np.flatnonzero(vector.array > 0.5)
 
     def _create_matrix(self) -> None:
         """A matrix for the entries of internal work, of other work and of fixed unknowns, in this order."""

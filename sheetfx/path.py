@@ -17,7 +17,8 @@ from .checks import require_positive
 from .discretise import Discretisation
 from .scene import Scene
 from .solve.control import ArcLength, LoadControl, StepRule
-from .solve.critical import Jump, locate
+from .solve.critical import locate
+from .solve.stretch import Jump
 from .state import CriticalPoint, State
 from .tracer import Tracer
 

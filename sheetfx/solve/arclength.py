@@ -34,13 +34,17 @@ class PathStep:
     Each iteration solves the bordered system with one factorisation and two back-substitutions:
     for the residual and for the load (Batoz and Dhatt 1979). Modified Newton keeps the factor that
     it finds, of the state that the step starts from.
+
+    Attributes
+    ----------
+    rounding : largest residual that was accepted because rounding keeps it from falling
     """
 
     def __init__(self):
         self.system = None
         self.control: StepRule | None = None
         self.history: list[float] = []
-        self.load_increment = 0.0
+        self.load_increment = self.rounding = 0.0
 
     def attach(self, snes: PETSc.SNES, system) -> None:
         """Let the SNES solve this system; called once."""
@@ -100,6 +104,7 @@ class PathStep:
             if norm <= rtol * size and (iteration or self._guess is None):
                 return Reason.CONVERGED_FNORM_RELATIVE
             if iteration > 1 and self._at_rounding(x, norm / size):
+                self.rounding = max(self.rounding, norm)
                 return Reason.CONVERGED_SNORM_RELATIVE
             if norm != norm or norm > 1e12 * max(size, 1.0):
                 return Reason.DIVERGED_FNORM_NAN
@@ -133,10 +138,13 @@ class PathStep:
         """Whether the residual is rounding: no longer falling, though Newton's steps have become tiny.
 
         In slender beams the axial force alone rounds to EA times the machine's precision, which can be
-        more than the tolerance allows.
+        more than the tolerance allows. Near a bifurcation rounding moves the structure along the mode, so that steps
+        are small only; the residual must then have been the same for four iterations.
         """
-        tiny = self._correction <= 1e-9 * self.tangent.inner(x, x) ** 0.5
-        return tiny and residual < 1e-2 and residual > 0.1 * self.history[-2]
+        step = self._correction / (self.tangent.inner(x, x) ** 0.5 or 1.0)
+        last = self.history[-4:]
+        falling = residual < 0.1 * self.history[-2] if step <= 1e-9 else len(last) < 4 or max(last) > 2 * min(last)
+        return step <= 1e-4 and residual < 1e-2 and not falling
 
     def _damping(self) -> float:
         """Half steps where the iteration cycles, as between two sets of contact points."""
