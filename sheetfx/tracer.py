@@ -182,6 +182,9 @@ class Tracer:
             self.stepper.linear.solve(self._load, self._response)
         work = self._load.dot(self._response)
         if self._reference is None:
+            if not self.tangent.norm2 > 0:
+                raise ValueError("Scene: the structure does not respond to its loads; they act on supports only, or "
+                                 "cancel out: move or change them")
             self._reference = self.tangent.norm2, work
         self.tangent.initial_norm2 = self._reference[0]
         self.tangent.current_stiffness = self._reference[1] / work if work else 1.0

@@ -160,6 +160,14 @@ def test_structure_that_can_move_freely():
         trace(Case(bare_arch([("end", "x")])))
 
 
+def test_load_on_supports_only():
+    model = fx.read(lambda: fx.meshes.frame({"a": (0, 0), "b": (1, 0)}, {"beam": ("a", "b", 2)}), 2)
+    scene = fx.Scene([fx.Beam(model, fx.Rectangle(0.1, 0.1), fx.Elastic(1e4))], [fx.clamp(model, "a")],
+                     [fx.PointForce(model, "a", (0.0, 1.0))], fx.Monitor(model, "b", "y"))
+    with pytest.raises(ValueError, match="does not respond to its loads; they act on supports only"):
+        fx.Path(scene)
+
+
 def test_shell_without_material():
     model = fx.read(lambda: fx.meshes.rectangle((1, 1)), 3)
     with pytest.raises(ValueError, match=r"Shell: material is None, but Plate\(thickness=0.1.*give an Elastic"):
