@@ -17,7 +17,8 @@ from mpi4py import MPI
 from .archive import Archive
 from .judgement import CRASHED, STALLED, Judge, Trail, place
 from .methods import METHODS, applies, references
-from .path import Path, PathFailure
+from .path import Path, PathFailure, Until
+from .state import CriticalPoint
 from .study import ONE_THREAD
 from .traps import TRAPS, Trap
 
@@ -138,7 +139,13 @@ def _follow(path: Path, limit: float, judge: Judge) -> tuple[str, str]:
         return STALLED, f"stops at {place(state)}, does not converge{cause}"
     if path.message.endswith("steps taken"):
         return STALLED, f"is still at {place(state)} after {path.message.replace(' taken', '')}"
-    return judge.conclude(points)
+    return judge.conclude([point for point in points if within(path.until, point)])
+
+
+def within(until: Until, point: CriticalPoint) -> bool:
+    """Whether a point lies before the end of the path, which the last step passes."""
+    bounds = (until.deflection, point.deflection), (until.load, point.load)
+    return all(bound is None or abs(value) <= bound for bound, value in bounds)
 
 
 def write_map(cells: Sequence[Cell], file: Folder) -> None:
