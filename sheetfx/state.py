@@ -24,8 +24,9 @@ class CriticalPoint:
     multiplicity : number of null vectors of the tangent
     name : "maximum" or "minimum" of the load; "asymmetric", "stable symmetric", "unstable symmetric" or "multiple"
         bifurcation; "" where the tangent is not symmetric
-    slope, curvature : Koiter's a and b of a simple bifurcation, load = critical load (1 + a xi + b xi^2) with the
-        mode's largest displacement xi; None: not known
+    slope, curvature : Koiter's a and b of a simple bifurcation, factor = critical factor (1 + a xi + b xi^2), where the
+        load factor is that of forces or of a prescribed motion, and xi is the mode's largest displacement, its largest
+        component being positive; None: not known
     """
 
     kind: str

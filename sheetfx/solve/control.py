@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import copysign, sqrt
+from math import copysign, pi, sqrt
 
 from petsc4py import PETSc
 
@@ -58,6 +58,11 @@ class StepRule:
         """Factor on the next step's length after a step of so many iterations."""
         return min(2.0, max(0.5, sqrt(self.iterations / max(iterations, 1))))
 
+    @property
+    def guarded(self) -> bool:
+        """Whether steps that leave the smooth path are noticed and cut."""
+        return self.turn < pi
+
     def clip(self, length: float, factor: float) -> float:
         """Shorten a step that would pass the control's end."""
         return length
@@ -71,12 +76,16 @@ class StepRule:
 class LoadControl(StepRule):
     """Prescribed increments of the load factor up to `target`; fails at the first limit point.
 
-    `fixed` keeps all steps as long as the first.
+    `fixed` keeps all steps as long as the first, and takes them without looking for other paths in between.
     """
 
     target: float = 1.0
     fixed: bool = False
     default = 0.1
+
+    @property
+    def guarded(self):
+        return super().guarded and not self.fixed
 
     def growth(self, iterations):
         return 1.0 if self.fixed else super().growth(iterations)

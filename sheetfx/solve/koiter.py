@@ -23,6 +23,7 @@ from .modes import scaled
 
 STEP = 1e-4  # of differences of the Hessian, in the scaled norm of increments
 LONGEST, HALVINGS = 0.1, 14  # of differences of the gradient
+RESOLVED = 1e-6  # amplitude, in the scaled norm, for a load changed by one per cent; less beside a limit point
 NEGLIGIBLE = 1e-2  # share of the slope in the load's change, where that is one per cent, of a symmetric bifurcation
 
 
@@ -122,8 +123,8 @@ def postbuckling(tracer, state: State, modes: Sequence[PETSc.Vec], point: Critic
     reach = (0.01 * max(abs(state.factor), abs(neighbours[1].load_increment)) / max(abs(second), 1e-300)) ** 0.5
     if abs(first) > NEGLIGIBLE * abs(second) * reach:
         return replace(point, name="asymmetric", slope=first / state.factor)
-    name = "stable symmetric" if e.quartic > 0 else "unstable symmetric"
-    return replace(point, name=name, slope=0.0, curvature=second / state.factor)
+    point = replace(point, name="stable symmetric" if e.quartic > 0 else "unstable symmetric", slope=0.0)
+    return replace(point, curvature=second / state.factor) if reach > RESOLVED * e.size else point
 
 
 def _component(tracer, mode: PETSc.Vec, array: np.ndarray) -> float:

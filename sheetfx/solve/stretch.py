@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import copysign, pi
+from math import copysign
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
@@ -28,12 +28,12 @@ class Missed(ArithmeticError):
 class Stretch:
     """The piece of path from a state to another one, searched by repeating the step with other lengths.
 
-    It is guarded against states off the path unless the control allows steps to turn back, or contact wavers.
+    It is guarded against states off the path where the control is, but for contact, with which tangents waver.
     """
 
     def __init__(self, tracer, before: State, after: State):
         self.tracer, self.before, self.after = tracer, before, after
-        self.guarded = tracer.control.turn < pi and not tracer.discretisation.contacts
+        self.guarded = tracer.control.guarded and not tracer.discretisation.contacts
         self.states = {0.0: before, after.length: after}
         self._spectra: dict[float, tuple[list[float], list]] = {}
 
