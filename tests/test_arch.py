@@ -57,6 +57,13 @@ def test_punch_on_a_coarse_mesh(ratio):
     assert values["limit_ratio"] == pytest.approx(CONVERGED[ratio], rel=3e-3)
 
 
+@pytest.mark.parametrize("elements", [40, 80])
+def test_lower_limit_under_a_punch(elements):
+    """Steps tried around it stay with the contact of the path; 88.357 with 320 elements."""
+    _, values = arch(ratio=1.0, elements=elements)
+    assert values["lowest_load"] == pytest.approx(88.357, rel=5e-4)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("ratio", CONVERGED)
 def test_punch_converged(ratio):

@@ -33,7 +33,8 @@ class Stretch:
 
     def __init__(self, tracer, before: State, after: State):
         self.tracer, self.before, self.after = tracer, before, after
-        self.guarded = tracer.control.guarded and not tracer.discretisation.contacts
+        self.wavering = bool(tracer.discretisation.contacts)
+        self.guarded = tracer.control.guarded and not self.wavering
         self.states = {0.0: before, after.length: after}
         self._spectra: dict[float, tuple[list[float], list]] = {}
 
@@ -48,11 +49,14 @@ class Stretch:
             left, right = self.neighbours(length)
             guess = self._interpolated(left, right, length)
             self.tracer.back_to(self.before)
-            state = self.tracer.attempt(length, guess) or self.tracer.attempt(length)
+            state = None if self.wavering else self.tracer.attempt(length, guess)
+            state = state or self.tracer.attempt(length)
             if state is None:
                 raise Missed
-            if self.guarded:
-                self._compare(state, guess, left, right)
+            if self._strays(state, guess, left, right):
+                if not self.guarded:
+                    raise Missed
+                raise Jump("a state within the step is off the path")
             self.states[length] = state
         return self.states[length]
 
@@ -71,7 +75,14 @@ class Stretch:
         return (0.0, np.zeros_like(state.increment)) if state is self.before else state.direction
 
     def _interpolated(self, left: float, right: float, length: float) -> tuple[float, np.ndarray]:
-        """Increments at a length by Hermite's cubic with the tangents of two states, as fast as their distance asks."""
+        """Increments at a length by Hermite's cubic with the tangents of two states, as fast as their distance asks.
+
+        Where tangents waver, on the chord.
+        """
+        if self.wavering:
+            (load, x), part = self._chord(left, right), (length - left) / (right - left)
+            start_load, start_x = self._increments(left)
+            return start_load + part * load, start_x + part * x
         rate = self.distance(left, right) / (right - left)
         values, slopes = ([np.append(x, load) for load, x in vectors] for vectors in (
             map(self._increments, (left, right)), (self.states[s].tangent for s in (left, right))))
@@ -124,10 +135,20 @@ class Stretch:
         error = np.linalg.norm(change - distance * (rates[0] + rates[1]) / 2)
         return error <= UNEXPLAINED * distance * max(map(np.linalg.norm, rates))
 
-    def _compare(self, state: State, guess, left: float, right: float) -> None:
-        off = self.tracer.distance(state.load_increment - guess[0], state.increment - guess[1])
-        if off > STRAY * self.distance(left, right) and off > 10 * self.uncertainty(state):
-            raise Jump(f"a state within the step is {off / self.distance(left, right):.2g} of it off the path")
+    def _strays(self, state: State, guess, left: float, right: float) -> bool:
+        """Whether a state is further from the interpolation between its neighbours than they explain, and rounding.
+
+        Contact elsewhere changes the load more than the displacements.
+        """
+        distance, off = self.distance(left, right), state.load_increment - guess[0]
+        if self.wavering:
+            rates = [abs(self.states[s].load_rate) for s in (left, right)]
+            if abs(off) > STRAY * distance * max(rates):
+                return True
+        elif not self.guarded:
+            return False
+        off = self.tracer.distance(off, state.increment - guess[1])
+        return off > STRAY * distance and (self.wavering or off > 10 * self.uncertainty(state))
 
     def spectrum(self, length: float, count: int) -> tuple[list[float], list]:
         """Eigenvalues of the tangent nearest to zero, and modes, at a length."""
