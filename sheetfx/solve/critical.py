@@ -63,8 +63,10 @@ def state_at(tracer, before: State, after: State, point: CriticalPoint) -> State
         tracer.factor_at(after)
         return after
     try:
+        if stretch.guarded:
+            _check(stretch)
         state = stretch[point.length]
-    except Missed:
+    except (Jump, Missed):
         raise ArithmeticError(f"the {point.kind} at load {point.load:.6g} in step {point.step} does not converge "
                               "again; resume the path with a shorter step before it") from None
     tracer.factor_at(state)
