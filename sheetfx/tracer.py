@@ -24,6 +24,7 @@ class Tracer:
         self.discretisation, self.system, self.control = discretisation, discretisation.system, control
         self.snes = create(self.system.comm, self.system, prefix, iterations=20 if control.newton == "full" else 100)
         self.stepper = self.snes.getPythonContext()
+        self.stepper.smooth = not discretisation.contacts
         self.x = self.system.create_vector()
         self._response, self._load = self.system.create_vector(), self.system.create_vector()
         monitor = discretisation.scene.monitor

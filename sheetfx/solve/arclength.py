@@ -11,9 +11,10 @@ from __future__ import annotations
 from petsc4py import PETSc
 
 from .control import StepRule, Tangent
-from .linear import DirectSolver, SingularTangent
+from .linear import DirectSolver
 
 Reason = PETSc.SNES.ConvergedReason
+FARTHEST = 100.0  # increment in the scaled norm (sizes of the structure, radians), beyond which an iteration is lost
 
 
 def create(comm, system, prefix: str, iterations: int) -> PETSc.SNES:
@@ -37,6 +38,7 @@ class PathStep:
 
     Attributes
     ----------
+    smooth : whether no contact changes the tangent at once
     rounding : largest residual that was accepted because rounding keeps it from falling
     """
 
@@ -45,6 +47,7 @@ class PathStep:
         self.control: StepRule | None = None
         self.history: list[float] = []
         self.load_increment = self.rounding = 0.0
+        self.smooth = True
 
     def attach(self, snes: PETSc.SNES, system) -> None:
         """Let the SNES solve this system; called once."""
@@ -106,13 +109,13 @@ class PathStep:
             if iteration > 1 and self._at_rounding(x, norm / size):
                 self.rounding = max(self.rounding, norm)
                 return Reason.CONVERGED_SNORM_RELATIVE
-            if norm != norm or norm > 1e12 * max(size, 1.0):
+            if norm != norm or norm > 1e12 * max(size, 1.0) or self.tangent.inner(x, x) > FARTHEST**2:
                 return Reason.DIVERGED_FNORM_NAN
             if iteration == most:
                 return Reason.DIVERGED_MAX_IT
             try:
                 self._correct(snes, x)
-            except (SingularTangent, ZeroDivisionError):
+            except ArithmeticError:
                 return Reason.DIVERGED_LINEAR_SOLVE
         return Reason.DIVERGED_MAX_IT
 
@@ -139,12 +142,14 @@ class PathStep:
 
         In slender beams the axial force alone rounds to EA times the machine's precision, which can be
         more than the tolerance allows. Near a bifurcation rounding moves the structure along the mode, so that steps
-        are small only; the residual must then have been the same for four iterations.
+        are small only; the residual must then have been the same for four iterations, and nothing be in contact.
         """
         step = self._correction / (self.tangent.inner(x, x) ** 0.5 or 1.0)
+        if step <= 1e-9:
+            return residual < 1e-2 and residual > 0.1 * self.history[-2]
         last = self.history[-4:]
-        falling = residual < 0.1 * self.history[-2] if step <= 1e-9 else len(last) < 4 or max(last) > 2 * min(last)
-        return step <= 1e-4 and residual < 1e-2 and not falling
+        steady = len(last) == 4 and max(last) < 2 * min(last)
+        return self.smooth and step <= 1e-4 and residual < 1e-3 and steady
 
     def _damping(self) -> float:
         """Half steps where the iteration cycles, as between two sets of contact points."""
