@@ -39,6 +39,7 @@ class System:
     Attributes
     ----------
     size : number of free unknowns
+    fixed_places : places of fixed unknowns in this process's part of a vector
     multiplier_places : places of free Lagrange multipliers in this process's part of a vector
     multipliers : number of Lagrange multipliers; each gives the tangent one negative pivot
     """
@@ -54,8 +55,8 @@ class System:
         with self.clock("compile"):
             self.internal = [ElementWork(t, unknowns.fields, self._changes) for t in internal]
             self._compile(work)
-        self._fixed = self._layout.rows(fixed)
-        self.size = self.comm.allreduce(self._layout.size - len(self._fixed))
+        self.fixed_places = self._layout.rows(fixed)
+        self.size = self.comm.allreduce(self._layout.size - len(self.fixed_places))
         self.multiplier_places = self._multipliers()
         self.multipliers = self.comm.allreduce(len(self.multiplier_places))
         self._create_matrix()
@@ -107,7 +108,7 @@ class System:
         for f, array in self._layout.fields(marks):
             array[f.dofs] = f.multiplier
         self._layout.put(marks, vector)
-        vector.array[self._fixed] = 0
+        vector.array[self.fixed_places] = 0
         return np.flatnonzero(vector.array > 0.5)
 
     def _create_matrix(self) -> None:
@@ -134,7 +135,7 @@ class System:
             rows.append(first + np.repeat(np.arange(len(pointer) - 1), np.diff(pointer)))
             columns.append(column)
         rows, columns = np.concatenate(rows), np.concatenate(columns)
-        fixed = self._fixed + self._layout.start
+        fixed = self.fixed_places + self._layout.start
         all_fixed = np.concatenate(self.comm.allgather(fixed))
         lost = np.isin(rows, all_fixed) | np.isin(columns, all_fixed)
         rows[lost], columns[lost] = -1, -1
@@ -160,7 +161,7 @@ class System:
         for f, array in self._layout.fields(arrays):
             array[f.dofs] = 1 / (f.scale**2 * f.value.function_space.dofmap.index_map.size_global)
         self._layout.put(arrays, weights)
-        weights.array[self._fixed] = 0
+        weights.array[self.fixed_places] = 0
         return weights
 
     def create_vector(self, values: np.ndarray | None = None) -> PETSc.Vec:
@@ -191,7 +192,7 @@ class System:
         matrix = compat.assemble_matrix(compat.create_matrix(forms), forms)
         if self._turn is not None:
             matrix = matrix.ptap(self._turn)
-        matrix.zeroRowsColumns(self._fixed + self._layout.start, 0.0)
+        matrix.zeroRowsColumns(self.fixed_places + self._layout.start, 0.0)
         return matrix
 
     def load(self, out: PETSc.Vec) -> None:
@@ -213,7 +214,7 @@ class System:
                         values.append((field.curvature(held, self.symmetric) + moments.pop(number, 0.0)).ravel())
             if self._other is not None:
                 values.append(self._other_tangent()[2])
-            values.append(np.ones(len(self._fixed)))
+            values.append(np.ones(len(self.fixed_places)))
             compat.set_coo_values(self.matrix, np.concatenate(values))
             return self.matrix
 
@@ -225,8 +226,8 @@ class System:
             further(arrays)
             self._layout.put(arrays, out)
             out.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
-            self._support = out.array[self._fixed]
-            out.array[self._fixed] = 0
+            self._support = out.array[self.fixed_places]
+            out.array[self.fixed_places] = 0
 
     def _along_space(self, forms, nodal: float) -> list[np.ndarray]:
         """Forms and nodal loads times a factor on the blocks: forces along space, moments conjugate to the spin."""

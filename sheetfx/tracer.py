@@ -9,8 +9,8 @@ import numpy as np
 from petsc4py import PETSc
 
 from .discretise import Discretisation
-from .scene import Monitor
 from .mesh.pieces import advice_on_supports
+from .scene import Monitor
 from .solve.arclength import create
 from .solve.control import StepRule, Tangent
 from .solve.linear import SingularTangent
@@ -50,6 +50,10 @@ class Tracer:
     def _functional(self, monitor: Monitor) -> PETSc.Vec:
         """Vector whose product with increments is a displacement."""
         return self.system.functional(*self.discretisation.monitored(monitor), monitor.sign)
+
+    def monitored(self, increment: PETSc.Vec) -> float:
+        """Change of the monitored displacement by an increment of the unknowns."""
+        return self._monitor.dot(increment)
 
     def attempt(self, length: float, guess: tuple[float, np.ndarray] | None = None) -> State | None:
         """Try one step of a given length from the current state; None if it does not converge.
@@ -153,7 +157,7 @@ class Tracer:
         sign = -1.0 if start and along < 0 else 1.0
         pivots, determinant = self.stepper.linear.negative_pivots(), self.stepper.linear.determinant_sign()
         touching, penetration = self.discretisation.enforcement.summary()
-        increment, deflection = self.x.array.copy(), self._monitor.dot(self.x)
+        increment, deflection = self.x.array.copy(), self.monitored(self.x)
         self.discretisation.commit()
         self.x.zeroEntries()
         return State(

@@ -125,7 +125,7 @@ def move_at_random(discretisation, seed=1, size=0.2):
     system, generator = discretisation.system, np.random.default_rng(seed)
     x = system.create_vector()
     x.array[:] = generator.uniform(-size, size, len(x.array))
-    x.array[system._fixed] = 0
+    x.array[system.fixed_places] = 0
     system.factor = 1.5
     system.configure(x)
     system.extrapolate_stress()
@@ -138,7 +138,7 @@ def tangents(system, x, step=1e-5):
     matrix = system.tangent().copy().convert("dense")
     assembled = matrix.getDenseArray().copy()
     size = len(x.array)
-    free = np.setdiff1d(np.arange(size), system._fixed)
+    free = np.setdiff1d(np.arange(size), system.fixed_places)
     differences = np.zeros((size, size))
     out, along = system.create_vector(), system.create_vector()
     for j in free:

@@ -289,7 +289,7 @@ def test_rigid_rotation_beyond_a_turn_changes_nothing(size):
     scene = cantilever(model, lambda b: [PointForce(model, "tip", (0.0, 0.0, 1.0))], section=Rectangle(0.2, 0.1),
                        up=(0.0, 1.0, 0.0))
     discretisation = Discretisation(scene)
-    discretisation.system._fixed = np.empty(0, dtype=np.int32)
+    discretisation.system.fixed_places = np.empty(0, dtype=np.int32)
     move_at_random(discretisation, size=size)
     discretisation.system.factor = 0.0
     discretisation.commit()

@@ -24,14 +24,15 @@ from .linear import SingularTangent
 from .modes import scaled
 from .spectrum import diagonal, lowest
 
-AMPLITUDE, LONGEST = 0.02, 0.2
-GOOD, POOR = 0.7, 0.1
-SMALLEST_PART = 1e-6
-SMALLEST_SHIFT, LARGEST_SHIFT = 1e-3, 1e15
-NEARLY_CRITICAL = PERPENDICULAR = 1e-3
-ROUNDING = 1e-10
-MOST = 300
-CORRECTIONS, SMALL_CORRECTION = 6, 1e-3
+AMPLITUDE, LONGEST = 0.02, 0.2  # of the first and of any step, in the scaled norm
+GOOD, POOR = 0.7, 0.1  # change of the energy over the expected one: less damping, shorter step
+SMALLEST_PART = 1e-6  # of a step
+SMALLEST_SHIFT, LARGEST_SHIFT = 1e-3, 1e15  # over the lowest eigenvalue where it leaves
+NEARLY_CRITICAL = 1e-3  # lowest eigenvalue over the next, of a stable state taken for critical
+PERPENDICULAR = 1e-3  # cosine of the angle between mode and path
+ROUNDING = 1e-10  # of the energy released so far, change that is not checked
+MOST = 300  # steps
+CORRECTIONS, SMALL_CORRECTION = 6, 1e-3  # back into the valley, and size of the last one over the step
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(6)
 POINTS, WEIGHTS = (POINTS + 1) / 2, WEIGHTS / 2
 
@@ -155,7 +156,7 @@ class Fall:
 
     def _monitor_rate(self, state: State) -> float:
         self._step.array[:] = state.response
-        return self.tracer._monitor.dot(self._step)
+        return self.tracer.monitored(self._step)
 
     def _assemble(self) -> None:
         """Forces and tangent of the current configuration, and its entry in the history."""
@@ -287,7 +288,7 @@ class Fall:
         system.extrapolate_stress(x)
         system.factor = start + load_increment
         system.configure(x)
-        self._deflection += self.tracer._monitor.dot(x)
+        self._deflection += self.tracer.monitored(x)
         self.tracer.discretisation.commit()
         x.zeroEntries()
         system.configure(x)
