@@ -22,7 +22,7 @@ from sheetfx.scene import Beam, LineForce, Monitor, PointForce, Scene, Support, 
 from sheetfx.scenes import plate_buckling, roorda_frame, sinusoidal_arch, star_dome
 from sheetfx.section import Elastic, Rectangle
 from sheetfx.show.curves import draw_branches
-from sheetfx.solve.branches import _zeros_around, branches
+from sheetfx.solve.branches import branches, zeros_around
 from sheetfx.solve.control import ArcLength, LoadControl
 from sheetfx.solve.modes import mode_displacement
 
@@ -304,7 +304,7 @@ def test_limit_load_of_an_imperfect_asymmetric_structure(offset):
 def test_zeros_around_a_circle(force, zeros):
     """Simple ones, two between neighbouring samples, a double one, and none."""
     angles = 0.1 + 2 * pi * np.arange(48) / 48
-    found = np.mod(_zeros_around(force, angles, force(angles)), 2 * pi)
+    found = np.mod(zeros_around(force, angles, force(angles)), 2 * pi)
     assert np.exp(1j * np.sort(found)) == pytest.approx(np.exp(1j * np.array(zeros)), abs=1e-4)
 
 

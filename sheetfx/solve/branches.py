@@ -16,7 +16,7 @@ from scipy.optimize import brentq, minimize_scalar, root
 from ..state import CriticalPoint, State
 from .critical import state_at
 from .modes import largest_displacement
-from .reduction import Missed, Reduction
+from .reduction import NoSolution, Reduction
 
 ANGLES = 48  # on the circle of directions of a double bifurcation
 SAMPLES, STARTS = 100, 200  # on the sphere of a higher one, for each null vector
@@ -104,7 +104,7 @@ def _found(reduction: Reduction, amplitude: float) -> list[Branch]:
         try:
             directions, family = search(reduction, amplitude)
             return [_branch(reduction, c, amplitude, family) for c in directions]
-        except Missed:
+        except NoSolution:
             amplitude /= 2
     raise NoBranch(f"no solution beside the path converges at the bifurcation at load "
                    f"{reduction.bifurcation.load:.6g}, down to amplitude {amplitude:.2g}; check with smaller steps "
@@ -135,10 +135,10 @@ def _around_circle(reduction: Reduction, amplitude: float) -> tuple[list[np.ndar
     if max(map(reduction.relative_forces, solutions)) < NO_FORCE:
         return [direction(angles[0])], True
     forces = [float(s.forces @ direction(a + np.pi / 2)) for a, s in zip(angles, solutions, strict=True)]
-    return [direction(angle) for angle in _zeros_around(force, angles, forces)], False
+    return [direction(angle) for angle in zeros_around(force, angles, forces)], False
 
 
-def _zeros_around(force: Callable[[float], float], angles: np.ndarray, values: Sequence[float]) -> list[float]:
+def zeros_around(force: Callable[[float], float], angles: np.ndarray, values: Sequence[float]) -> list[float]:
     """Angles at which a function is zero, from samples of it at equal distances around the circle.
 
     Between samples of equal sign it is followed to its least magnitude: two zeros or a double one may be there.

@@ -102,11 +102,8 @@ class _Problem:
 
     def __init__(self, discretisation: Discretisation, state: State, prebuckling: bool):
         self.discretisation, self.system, self.state = discretisation, discretisation.system, state
-        self.response = self.system.create_vector()
-        self.response.array[:] = state.response
-        weighted = self.response.duplicate()
-        weighted.pointwiseMult(self.system.weights, self.response)
-        length = weighted.dot(self.response) ** 0.5
+        self.response = self.system.create_vector(state.response)
+        length = (self.system.weights * self.response).dot(self.response) ** 0.5
         if not length > 0:
             raise ValueError("buckling: the structure does not respond to its load; check loads and supports")
         self.tangent = self._tangent_at(0.0)

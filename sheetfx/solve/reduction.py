@@ -27,7 +27,7 @@ CONVERGED = 1e-7  # last correction over the amplitude; with Newton's method the
 NEAR = 0.02  # change of load between bifurcation and solution, over the load
 
 
-class Missed(ArithmeticError):
+class NoSolution(ArithmeticError):
     """The reduced equations do not converge for this direction and amplitude."""
 
 
@@ -46,13 +46,18 @@ class Reduction:
 
     Parameters
     ----------
+    tracer : at the state of the bifurcation
+    multiplicity : number of null vectors
     after : state at the end of the step that the bifurcation lies in
 
     Attributes
     ----------
     bifurcation : the state
     modes : null vectors, orthonormal in the scaled inner product
+    weighted : null vectors times the weights of the inner product
+    measures : dual vectors, whose products with increments are the amplitudes of the null vectors
     size : load factor that changes of it are compared with
+    springs : numbers of unknowns, one for each null vector, that springs hold while the tangent is factored
 
     Raises
     ------
@@ -72,30 +77,20 @@ class Reduction:
         if len(pairs) <= multiplicity:
             raise ArithmeticError(f"only {len(pairs)} of the {multiplicity + 1} modes nearest to zero at load "
                                   f"{self.bifurcation.load:.6g} converge")
-        self.weighted = [self._weighted(mode) for mode in self.modes]
+        self.weighted = [self.system.weights * mode for mode in self.modes]
         self.measures = self._measures(after.increment)
         self.size = max(abs(self.bifurcation.factor), abs(after.load_increment))
         self.springs = self._pivots()
         self._residual, self._load = self.system.create_vector(), self.system.create_vector()
 
-    def norm(self, array: np.ndarray) -> float:
-        """Length in the scaled inner product."""
-        vector = self.system.create_vector(array)
-        return vector.dot(self._weighted(vector)) ** 0.5
-
-    def _weighted(self, vector: PETSc.Vec) -> PETSc.Vec:
-        product = vector.duplicate()
-        product.pointwiseMult(self.system.weights, vector)
-        return product
-
     def _measures(self, along: np.ndarray) -> list[PETSc.Vec]:
         """Vectors whose products with increments are the amplitudes of the null vectors, zero along the path."""
         across = self.system.create_vector(along)
         shares = [across.dot(weighted) for weighted in self.weighted]
-        whole = self.norm(along)
+        whole = self.tracer.distance(0.0, along)
         for share, mode in zip(shares, self.modes, strict=True):
             across.axpy(-share, mode)
-        across = self._weighted(across)
+        across = self.system.weights * across
         rest2 = whole**2 - sum(share**2 for share in shares)
         if rest2 < 1e-4 * whole**2:
             raise ValueError(f"branches: at load {self.bifurcation.load:.6g} the path goes along a null vector; "
@@ -109,13 +104,9 @@ class Reduction:
 
     def _pivots(self) -> list[int]:
         """Unknowns by which the null vectors can be told apart, one for each, by elimination."""
-        rest, chosen = [], []
-        root_weights = self.system.weights.copy()
+        root_weights, chosen = self.system.weights.copy(), []
         root_weights.sqrtabs()
-        for mode in self.modes:
-            scaled = mode.duplicate()
-            scaled.pointwiseMult(root_weights, mode)
-            rest.append(scaled)
+        rest = [root_weights * mode for mode in self.modes]
         for n, vector in enumerate(rest):
             size = vector.copy()
             size.abs()
@@ -135,7 +126,7 @@ class Reduction:
 
         Raises
         ------
-        Missed
+        NoSolution
         """
         with self.system.additive_increments():
             return self._iterated(direction, amplitude)
@@ -166,11 +157,11 @@ class Reduction:
             except (SingularTangent, np.linalg.LinAlgError):
                 break
             load_increment, forces = load_increment + change, forces + more
-            taken = self.norm(step.array)
+            taken = self.tracer.distance(0.0, step.array)
             if not taken <= allowed:
                 break
             allowed = taken / 2
-        raise Missed
+        raise NoSolution
 
     def combined(self, vectors: Sequence[PETSc.Vec], factors) -> PETSc.Vec:
         """Sum of vectors times factors."""
