@@ -17,7 +17,7 @@ def require_choice(owner, name: str, known) -> None:
 
 
 def require_positive_number(owner: str, **numbers: float) -> None:
-    """Refuse options of `owner` that are not positive."""
+    """Refuse numbers given to `owner` that are not positive."""
     for name, value in numbers.items():
         if not value > 0:
             raise ValueError(f"{owner}: {name} is {value}; it must be positive")

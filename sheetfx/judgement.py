@@ -11,8 +11,11 @@ from .traps import Expected
 
 PASSED, WRONG, JUMPED, BACK, STALLED, CRASHED = OUTCOMES = (
     "passed", "wrong value", "jumped silently", "turned back", "stalled", "crashed")
-OFF, BACKWARDS, ABRUPT, AHEAD = 0.02, 0.005, 0.3, 0.7
-PIECES = 20
+OFF = 0.02  # of the largest displacements and load, distance from the trail that is still close
+BACKWARDS = 0.005  # of the length of the trail, way back that does not count
+ABRUPT = 0.3  # of the chord of a step, growth of the distance by which it has jumped rather than drifted
+AHEAD = 0.7  # cosine of the angle to the tangent at an end of the trail, from which a state lies beyond it
+PIECES = 20  # of the curve between two states
 
 
 class Trail:
@@ -57,7 +60,6 @@ class Trail:
         after = int(np.clip(np.searchsorted(self._knots, along), 1, len(self.steps)))
         near = {s.unstable for s in self.states[max(after - 2, 0):after + 2]}
         return near.pop() if len(near) == 1 else None
-
 
     def limits(self, along: float) -> list[CriticalPoint]:
         """Limit points up to a length along the curve."""

@@ -54,6 +54,7 @@ class Trap:
 
     Attributes
     ----------
+    name : as on the command line
     fails : which method fails here, and why
     case : function that makes the case
     points : all critical points in the order of the path

@@ -87,7 +87,7 @@ def test_twist():
 
 
 def test_column_loses_its_frequency_at_the_critical_load():
-    """omega^2 / omega_0^2 = 1 - P / P_critical (Southwell), and below zero beyond it; 0.1 %."""
+    """omega^2 / omega_0^2 = 1 - P / P_critical, as the mode stays a half sine, and below zero beyond it; 0.1 %."""
     record = follow(column(), LoadControl(step=0.3 * EULER, target=1.2 * EULER))
     critical = next(p.load for p in record.critical_points if p.kind == "bifurcation")
     assert critical == pytest.approx(EULER, rel=1e-3)
@@ -118,7 +118,7 @@ def test_modes_are_displacements():
 
 
 def test_plate():
-    """Simply supported square plate: omega = 2 pi^2 sqrt(D / m) / b^2 (Timoshenko and Gere 1961); 0.1 %."""
+    """Simply supported square plate: omega = 2 pi^2 sqrt(D / m) / b^2 (Leissa 1969); 0.1 %."""
     case = plate_buckling.scene(cells=4)
     shell = case.scene.parts[0]
     thickness, modulus = shell.section.thickness, shell.material.modulus

@@ -14,6 +14,7 @@ from dolfinx import fem
 from scipy.interpolate import RBFInterpolator
 
 from .. import forms
+from ..checks import require_positive_number
 from ..compat import JIT
 from .reader import Model
 
@@ -100,10 +101,13 @@ def random_field(correlation_length: float, deviation: float = 1.0, seed: int = 
     deviation : standard deviation, a length
     seed : of the random numbers; another seed is another sample
     waves : number of waves
+
+    Raises
+    ------
+    ValueError
+        If a length, the deviation or the number of waves is not positive.
     """
-    for name, value in (("correlation_length", correlation_length), ("deviation", deviation), ("waves", waves)):
-        if not value > 0:
-            raise ValueError(f"random_field: {name} is {value}; it must be positive")
+    require_positive_number("random_field", correlation_length=correlation_length, deviation=deviation, waves=waves)
     generator = np.random.default_rng(seed)
     vectors = generator.normal(scale=np.sqrt(2) / correlation_length, size=(3, waves))
     phases = generator.uniform(0, 2 * np.pi, waves)

@@ -34,7 +34,8 @@ class StepRule:
     smallest, largest : bounds, as multiples of the first step
     iterations : number of iterations that a step should take; steps grow and shrink with the
         square root of this over the number taken
-    turn : largest angle in radians between consecutive increments, and of each to the tangent at its end; pi: any
+    turn : largest angle in radians between the increment of a step and the tangents at its start and its end (with
+        contact, the increment before); pi: any
     newton : "full", a new tangent for each iteration, or "modified", the tangent at the start of the step for all
     """
 

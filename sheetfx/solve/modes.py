@@ -17,7 +17,7 @@ def mode_displacement(path, model: Model, mode) -> fem.Function:
     Parameters
     ----------
     path : Path or Tracer that the mode belongs to
-    mode : BucklingLoad or Vibration
+    mode : BucklingLoad, Vibration or Branch
     """
     vector = path.discretisation.system.create_vector(mode.mode)
     u = path.discretisation.kinematics(model).u

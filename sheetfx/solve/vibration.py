@@ -1,8 +1,8 @@
 """Free vibrations about a state: the dynamic criterion of stability.
 
 With the tangent K and the mass M of a state, small motions mode exp(i omega t) satisfy K mode = omega^2 M mode. A
-stable state has positive omega^2 only; as it nears a critical point the lowest falls to zero, along a trivial
-path linearly with the load (Southwell).
+stable state has positive omega^2 only; as it nears a critical point the lowest falls to zero, linearly
+with the load where the path is straight and keeps the modes as they are.
 """
 
 from __future__ import annotations
