@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from math import radians, tan
+from math import pi, radians, tan
 from pathlib import Path as Folder
 
 import numpy as np
@@ -19,7 +19,7 @@ from sheetfx import meshes
 from sheetfx.case import Case, Record, trace
 from sheetfx.mesh.reader import Model, read
 from sheetfx.path import Path, Until
-from sheetfx.scene import Beam, Monitor, PointForce, Scene, clamp, symmetry
+from sheetfx.scene import Beam, LineForce, Monitor, PointForce, Scene, Support, clamp, pin, symmetry
 from sheetfx.section import Elastic, Rectangle
 from sheetfx.solve.control import LoadControl
 
@@ -43,6 +43,39 @@ def shallow_arch(elements: int, degree: int = 2) -> Scene:
     beam = Beam(model, Rectangle(25.4, 4.7625), Elastic(72395.0), degree=degree)
     return Scene([beam], [clamp(model, "end"), symmetry(model, "crown")],
                  [PointForce(model, "crown", (0.0, -0.5))], Monitor(model, "crown", "y", -1.0), copies=2)
+
+
+def whole_arch(elements: int) -> Model:
+    """The arch of `shallow_arch` from hinge to hinge, with its crown."""
+    half = radians(7.338)
+    return read(lambda: meshes.arc(3380.6, -half, half, elements, {"crown": 0.0}), 2, 2)
+
+
+def hinged_arch(model: Model) -> Scene:
+    """The whole shallow arch on hinges under a force at its crown; it sways at 129.8, before its limit load."""
+    beam = Beam(model, Rectangle(25.4, 4.7625), Elastic(72395.0))
+    return Scene([beam], [pin(model, "start"), pin(model, "end")], [PointForce(model, "crown", (0.0, -1.0))],
+                 Monitor(model, "crown", "y", -1.0))
+
+
+def hinged_column(dimension: int = 2, width: float = 0.01) -> Scene:
+    """Column of length 1 on two hinges with its middle monitored; it buckles at about 8.2."""
+    nodes = {"base": (0, 0), "middle": (0.5, 0), "tip": (1, 0)}
+    members = {"lower": ("base", "middle", 8), "upper": ("middle", "tip", 8)}
+    model = read(lambda: meshes.frame(nodes, members), dimension)
+    supports = [pin(model, "base"), Support(model, "tip", "y")]
+    if dimension == 3:
+        supports = [Support(model, "base", "x y z rx"), Support(model, "tip", "y z")]
+    return Scene([Beam(model, Rectangle(width, 0.01), Elastic(1e9))], supports,
+                 [PointForce(model, "tip", (-1.0, 0.0, 0.0)[:dimension])], Monitor(model, "middle", "y"))
+
+
+def ring_under_pressure() -> Scene:
+    """A quarter of a ring of radius 1 and bending stiffness 1 under a pressure that follows it."""
+    model = read(lambda: meshes.arc(1.0, 0.0, pi / 2, 24), 2, 2)
+    beam = Beam(model, Rectangle(1.0, 0.01), Elastic(12e6))
+    return Scene([beam], [symmetry(model, "start"), symmetry(model, "end", "y")],
+                 [LineForce(beam, (0.0, -1.0), follower=True)], Monitor(model, "start", "y", -1.0))
 
 
 def follow(scene: Scene, control=None, deflection=None, **case) -> Record:

@@ -1,20 +1,20 @@
 """Linear buckling against theory: bars, plates, cylinders, and nonlinear states near a bifurcation."""
 
 from dataclasses import replace
-from math import pi, radians
+from math import pi
 
 import numpy as np
 import pytest
-from helpers import follow
+from helpers import follow, hinged_arch, ring_under_pressure, whole_arch
 
 from sheetfx import meshes
 from sheetfx.case import trace
 from sheetfx.mesh.imperfection import imperfect
 from sheetfx.mesh.reader import read
 from sheetfx.path import Path, Until
-from sheetfx.scene import Beam, LineForce, Monitor, Motion, PointForce, Scene, Support, clamp, pin, symmetry
+from sheetfx.scene import Beam, LineForce, Monitor, Motion, PointForce, Scene, Support, clamp, pin
 from sheetfx.scenes import cylinder_buckling, plate_buckling
-from sheetfx.section import Elastic, Rectangle, round_bar
+from sheetfx.section import Elastic, round_bar
 from sheetfx.show.modes import draw_modes, mode_files
 from sheetfx.solve.buckling import buckling, clusters
 from sheetfx.solve.control import ArcLength, LoadControl
@@ -38,14 +38,9 @@ def unloaded(scene, **options):
 
 
 @pytest.fixture(scope="module")
-def hinged_arch():
-    """Shallow arch on hinges, which sways before its limit load; the path with its bifurcation."""
-    angle = radians(7.338)
-    model = read(lambda: meshes.arc(3380.6, -angle, angle, 20, {"crown": 0.0}), 2, 2)
-    beam = Beam(model, Rectangle(25.4, 4.7625), Elastic(72395.0))
-    scene = Scene([beam], [pin(model, "start"), pin(model, "end")], [PointForce(model, "crown", (0.0, -1.0))],
-                  Monitor(model, "crown", "y", -1.0))
-    return follow(scene, ArcLength(step=0.003), 8.0)
+def swaying_arch():
+    """Path of the shallow arch on hinges with its bifurcation, before its limit load."""
+    return follow(hinged_arch(whole_arch(20)), ArcLength(step=0.003), 8.0)
 
 
 def at_load(record, load):
@@ -106,12 +101,8 @@ def test_column_under_its_own_weight():
 
 def test_ring_under_pressure():
     """A follower load that stays normal to a ring: 3 EI / R^3, with an unsymmetric solver."""
-    model = read(lambda: meshes.arc(1.0, 0.0, pi / 2, 12), 2, 2)
-    ring = Beam(model, round_bar(0.01), COLUMN)
-    scene = Scene([ring], [symmetry(model, "start", "x"), symmetry(model, "end", "y")],
-                  [LineForce(ring, (0.0, -1.0), follower=True)], Monitor(model, "start", "y"))
-    lowest = next(b for b in unloaded(scene, count=2)[1] if b.factor > 0)
-    assert lowest.factor == pytest.approx(3 * EULER / pi**2, rel=2e-3)
+    lowest = next(b for b in unloaded(ring_under_pressure(), count=2)[1] if b.factor > 0)
+    assert lowest.factor == pytest.approx(3.0, rel=2e-3)
 
 
 def test_prescribed_motion():
@@ -133,12 +124,12 @@ def test_no_buckling_load():
 
 
 @pytest.mark.parametrize("prebuckling", [True, False])
-def test_error_about_nonlinear_states_falls_quadratically(hinged_arch, prebuckling):
+def test_error_about_nonlinear_states_falls_quadratically(swaying_arch, prebuckling):
     """Half the distance to the bifurcation: a quarter of the error, in the limit."""
-    bifurcation = next(p.load for p in hinged_arch.critical_points if p.kind == "bifurcation")
+    bifurcation = next(p.load for p in swaying_arch.critical_points if p.kind == "bifurcation")
     errors = []
     for gap in (0.01, 0.005, 0.0025):
-        path, state = at_load(hinged_arch, bifurcation * (1 - gap))
+        path, state = at_load(swaying_arch, bifurcation * (1 - gap))
         errors.append(abs(buckling(path, state, 1, prebuckling=prebuckling)[0].load / bifurcation - 1))
     assert errors[1] < 0.3 * errors[0] and errors[2] < 0.3 * errors[1]
     assert errors[-1] < 2e-4
@@ -166,50 +157,47 @@ def test_error_about_loaded_shells_falls_quadratically():
     assert alone[1] > 0.4 * alone[0]
 
 
-def test_stress_alone_from_afar(hinged_arch):
+def test_stress_alone_from_afar(swaying_arch):
     """About the unloaded arch: 11 % with the stress alone, 46 % with the displacement of the response."""
-    bifurcation = next(p.load for p in hinged_arch.critical_points if p.kind == "bifurcation")
-    first = hinged_arch.states[0]
-    alone, full = (buckling(hinged_arch.path, first, 1, prebuckling=p)[0].load for p in (False, True))
+    bifurcation = next(p.load for p in swaying_arch.critical_points if p.kind == "bifurcation")
+    first = swaying_arch.states[0]
+    alone, full = (buckling(swaying_arch.path, first, 1, prebuckling=p)[0].load for p in (False, True))
     assert abs(alone / bifurcation - 1) < 0.12 < abs(full / bifurcation - 1)
 
 
-def test_unstable_state(hinged_arch):
+def test_unstable_state(swaying_arch):
     """Beyond the bifurcation the tangent is indefinite; the load passed lies behind the state."""
-    bifurcation = next(p.load for p in hinged_arch.critical_points if p.kind == "bifurcation")
-    path, state = at_load(hinged_arch, 1.01 * bifurcation)
+    bifurcation = next(p.load for p in swaying_arch.critical_points if p.kind == "bifurcation")
+    path, state = at_load(swaying_arch, 1.01 * bifurcation)
     assert state.unstable == 1
     nearest = buckling(path, state, 2)[0]
     assert nearest.increment < 0
     assert nearest.load == pytest.approx(bifurcation, rel=3e-3)
 
 
-def test_path_goes_on_after_buckling(hinged_arch):
+def test_path_goes_on_after_buckling(swaying_arch):
     """Buckling analyses between steps leave the path as it is."""
-    path = Path(hinged_arch.case.scene, hinged_arch.case.control, hinged_arch.case.until)
+    path = Path(swaying_arch.case.scene, swaying_arch.case.control, swaying_arch.case.until)
     loads = []
     for state in path:
         buckling(path, state, 1, prebuckling=True)
         loads.append(state.load)
-    assert loads == [s.load for s in hinged_arch.states]
+    assert loads == [s.load for s in swaying_arch.states]
 
 
-def test_mode_as_imperfection(hinged_arch):
+def test_mode_as_imperfection(swaying_arch):
     """The arch with its first mode as imperfection sways, and its limit load is below the bifurcation."""
-    scene = hinged_arch.case.scene
+    scene = swaying_arch.case.scene
     model = scene.parts[0].model
-    mode = buckling(hinged_arch.path, hinged_arch.states[0], 1)[0]
-    shape = mode_displacement(hinged_arch.path, model, mode)
+    mode = buckling(swaying_arch.path, swaying_arch.states[0], 1)[0]
+    shape = mode_displacement(swaying_arch.path, model, mode)
     assert np.linalg.norm(shape.x.array.reshape(-1, 2), axis=1).max() == pytest.approx(1.0)
     before = model.mesh.geometry.x.copy()
     bent = imperfect(model, shape, 0.5)
     assert np.abs(bent.mesh.geometry.x - before).max() == pytest.approx(0.5, rel=0.02)
     assert (model.mesh.geometry.x == before).all()
-    beam = replace(scene.parts[0], model=bent)
-    swaying = Scene([beam], [pin(bent, "start"), pin(bent, "end")], [PointForce(bent, "crown", (0.0, -1.0))],
-                    Monitor(bent, "crown", "y", -1.0))
-    record = follow(swaying, ArcLength(step=0.003), 20.0)
-    bifurcation = next(p.load for p in hinged_arch.critical_points if p.kind == "bifurcation")
+    record = follow(hinged_arch(bent), ArcLength(step=0.003), 20.0)
+    bifurcation = next(p.load for p in swaying_arch.critical_points if p.kind == "bifurcation")
     assert 0.8 * bifurcation < record.critical_points[0].load < bifurcation
     assert record.critical_points[0].kind == "limit"
 
@@ -256,10 +244,10 @@ def test_higher_modes_of_the_plate():
     assert [b.factor for b in record.buckling] == pytest.approx(expected, rel=2e-3)
 
 
-def test_pictures_and_files_of_beams(hinged_arch, tmp_path):
+def test_pictures_and_files_of_beams(swaying_arch, tmp_path):
     """The modes about the last state of a path, here a planar one."""
-    draw_modes(hinged_arch, tmp_path)
-    mode_files(hinged_arch, tmp_path)
+    draw_modes(swaying_arch, tmp_path)
+    mode_files(swaying_arch, tmp_path)
     assert (tmp_path / "modes.png").stat().st_size > 10000
     assert (tmp_path / "buckling.csv").exists()
 

@@ -1,17 +1,17 @@
 """Critical points are found wherever they lie in a step, to 1e-8, and named."""
 
 from dataclasses import replace
-from math import pi, radians, sqrt
+from math import pi, sqrt
 
 import numpy as np
 import pytest
-from helpers import on_two_processes
+from helpers import hinged_arch, on_two_processes, ring_under_pressure, whole_arch
 
 from sheetfx import meshes
 from sheetfx.case import Case, trace
 from sheetfx.mesh.reader import read
 from sheetfx.path import Until
-from sheetfx.scene import Beam, LineForce, Monitor, PointForce, Scene, Support, pin, symmetry
+from sheetfx.scene import Beam, Monitor, PointForce, Scene, Support, pin
 from sheetfx.section import Elastic, Rectangle
 from sheetfx.solve.control import ArcLength, LoadControl
 from sheetfx.solve.critical import state_at
@@ -21,11 +21,7 @@ STEPS = (1 / 16, 1 / 4, 1, 4, 16)
 
 def pinned_arch(steps=12, step=0.01):
     """The shallow arch of the thesis on hinges, whole: bifurcations before limits, on a path that winds."""
-    half = radians(7.338)
-    model = read(lambda: meshes.arc(3380.6, -half, half, 40, {"crown": 0.0}), 2, 2)
-    beam = Beam(model, Rectangle(25.4, 4.7625), Elastic(72395.0))
-    return Case(Scene([beam], [pin(model, "start"), pin(model, "end")], [PointForce(model, "crown", (0.0, -1.0))],
-                      Monitor(model, "crown", "y", -1.0)), ArcLength(step), Until(deflection=100.0, steps=steps))
+    return Case(hinged_arch(whole_arch(40)), ArcLength(step), Until(deflection=100.0, steps=steps))
 
 
 def column(depth=0.01, target=12.0, step=0.2, elements=40):
@@ -127,10 +123,6 @@ def test_a_step_that_jumps_over_limits_is_seen():
 
 def test_ring_under_pressure_that_follows_it():
     """Unsymmetric tangent: by the sign of its determinant. p = 3 EI / R^3 (Levy 1884), but for (depth / R)^2."""
-    model = read(lambda: meshes.arc(1.0, 0.0, pi / 2, 24), 2, 2)
-    beam = Beam(model, Rectangle(1.0, 0.01), Elastic(12e6))
-    scene = Scene([beam], [symmetry(model, "start"), symmetry(model, "end", "y")],
-                  [LineForce(beam, (0.0, -1.0), follower=True)], Monitor(model, "start", "y", -1.0))
-    (point,) = trace(Case(scene, LoadControl(1.7, target=5.0))).critical_points
+    (point,) = trace(Case(ring_under_pressure(), LoadControl(1.7, target=5.0))).critical_points
     assert (point.kind, point.multiplicity) == ("bifurcation", 1)
     assert point.load / (pi / 2) == pytest.approx(3.0, rel=1e-4)

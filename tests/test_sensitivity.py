@@ -4,25 +4,16 @@ from math import radians
 
 import numpy as np
 import pytest
+from helpers import hinged_arch, whole_arch
 
-from sheetfx import meshes
 from sheetfx.case import Case, trace
 from sheetfx.mesh.imperfection import imperfect
-from sheetfx.mesh.reader import read
 from sheetfx.path import Until
-from sheetfx.scene import Beam, Monitor, PointForce, Scene, pin
-from sheetfx.section import Elastic, Rectangle
 from sheetfx.solve.control import ArcLength
 from sheetfx.solve.sensitivity import imperfection_sensitivity, limit_of_imperfect
 from sheetfx.state import CriticalPoint
 
 HALF, DEPTH = radians(7.338), 4.7625
-
-
-def arch(model):
-    beam = Beam(model, Rectangle(25.4, DEPTH), Elastic(72395.0))
-    return Scene([beam], [pin(model, "start"), pin(model, "end")], [PointForce(model, "crown", (0.0, -1.0))],
-                 Monitor(model, "crown", "y", -1.0))
 
 
 def deviation(x):
@@ -36,12 +27,12 @@ def first_limit(scene):
 
 def test_two_thirds_law():
     """Hinged shallow arch, which bends before it buckles sideways; the law's error falls with the imperfection."""
-    model = read(lambda: meshes.arc(3380.6, -HALF, HALF, 40, {"crown": 0.0}), 2, 2)
-    record = trace(Case(arch(model), until=Until(deflection=10.0)))
+    model = whole_arch(40)
+    record = trace(Case(hinged_arch(model), until=Until(deflection=10.0)))
     point = next(p for p in record.critical_points if p.kind == "bifurcation")
 
     def imperfect_arch(amplitude):
-        return arch(imperfect(model, deviation, amplitude))
+        return hinged_arch(imperfect(model, deviation, amplitude))
 
     before, after = record.states[point.step - 1: point.step + 1]
     rho = imperfection_sensitivity(record.path, before, after, point, imperfect_arch, 1e-3 * DEPTH)
@@ -59,8 +50,8 @@ def test_the_path_of_a_slightly_imperfect_structure_bends_away(amplitude):
 
     The load of the perfect arch's bifurcation, 129.761, is reached from below as the imperfection vanishes.
     """
-    model = read(lambda: meshes.arc(3380.6, -HALF, HALF, 40, {"crown": 0.0}), 2, 2)
-    record = trace(Case(arch(imperfect(model, deviation, amplitude * DEPTH)), until=Until(deflection=20.0)))
+    model = whole_arch(40)
+    record = trace(Case(hinged_arch(imperfect(model, deviation, amplitude * DEPTH)), until=Until(deflection=20.0)))
     (point,) = record.critical_points
     assert point.name == "maximum"
     law = CriticalPoint("bifurcation", 129.761, 0.0, 1, slope=0.0, curvature=-2.0512e-3)

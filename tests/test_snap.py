@@ -7,15 +7,12 @@ from math import pi
 
 import numpy as np
 import pytest
-from helpers import cantilever, energy_and_residual, follow, on_two_processes, straight
+from helpers import cantilever, energy_and_residual, follow, hinged_column, on_two_processes, straight
 from scipy.optimize import brentq
 
-from sheetfx import meshes
-from sheetfx.mesh.reader import read
 from sheetfx.path import Path, Until
-from sheetfx.scene import Beam, LineForce, Monitor, Motion, PointForce, Scene, Support, pin
+from sheetfx.scene import LineForce, Motion, PointForce, Support
 from sheetfx.scenes import arch, cylinder_buckling, deep_arch, lee_frame, roof, star_dome, von_mises_truss
-from sheetfx.section import Elastic, Rectangle
 from sheetfx.show.snaps import falls_curve
 from sheetfx.solve.branches import branches
 from sheetfx.solve.control import ArcLength, DisplacementControl, LoadControl
@@ -183,15 +180,10 @@ def test_path_stays_at_its_state(frame):
     assert loads == pytest.approx([s.load for s in frame.states[:14]], rel=1e-10)
 
 
-def column(share=1.1):
-    """Perfect column on two hinges with its bifurcation, traced up to a share of Euler's load."""
-    nodes = {"base": (0, 0), "middle": (0.5, 0), "tip": (1, 0)}
-    members = {"lower": ("base", "middle", 5), "upper": ("middle", "tip", 5)}
-    model = read(lambda: meshes.frame(nodes, members), 2)
-    bar, euler = Beam(model, Rectangle(0.01, 0.01), Elastic(1e9)), pi**2 * 1e9 * 0.01**4 / 12
-    scene = Scene([bar], [pin(model, "base"), Support(model, "tip", "y")], [PointForce(model, "tip", (-1.0, 0.0))],
-                  Monitor(model, "middle", "y"))
-    return follow(scene, LoadControl(step=share * euler / 4, largest=1.0, target=share * euler))
+def column():
+    """Perfect column on two hinges with its bifurcation, traced up to 1.1 times Euler's load."""
+    target = 1.1 * pi**2 * 1e9 * 0.01**4 / 12
+    return follow(hinged_column(), LoadControl(step=target / 4, largest=1.0, target=target))
 
 
 @pytest.mark.parametrize("side", [1, -1])
