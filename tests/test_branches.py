@@ -5,7 +5,7 @@ from math import comb, pi, radians
 
 import numpy as np
 import pytest
-from helpers import follow, on_two_processes
+from helpers import follow, hinged_arch, hinged_column, on_two_processes, ring_under_pressure, whole_arch
 from scipy.integrate import solve_bvp
 from scipy.interpolate import CubicSpline
 from scipy.optimize import minimize_scalar
@@ -18,7 +18,7 @@ from sheetfx.case import trace
 from sheetfx.mesh.imperfection import imperfect
 from sheetfx.mesh.reader import read
 from sheetfx.path import Path, Until
-from sheetfx.scene import Beam, LineForce, Monitor, PointForce, Scene, Support, pin, symmetry
+from sheetfx.scene import Beam, Monitor, PointForce, Scene, Support, pin
 from sheetfx.scenes import plate_buckling, roorda_frame, sinusoidal_arch, star_dome
 from sheetfx.section import Elastic, Rectangle
 from sheetfx.show.curves import draw_branches
@@ -27,28 +27,13 @@ from sheetfx.solve.control import ArcLength, LoadControl
 from sheetfx.solve.modes import mode_displacement
 
 
-def column(dimension: int, width: float = 0.01, elements: int = 8):
-    """Pinned column of length 1 with its first bifurcation, at about 8.2."""
-    nodes = {"base": (0, 0), "middle": (0.5, 0), "tip": (1, 0)}
-    members = {"lower": ("base", "middle", elements), "upper": ("middle", "tip", elements)}
-    model = read(lambda: meshes.frame(nodes, members), dimension)
-    beam = Beam(model, Rectangle(width, 0.01), Elastic(1e9))
-    supports = [pin(model, "base"), Support(model, "tip", "y")]
-    if dimension == 3:
-        supports = [Support(model, "base", "x y z rx"), Support(model, "tip", "y z")]
-    force = (-1.0, 0.0, 0.0)[:dimension]
-    scene = Scene([beam], supports, [PointForce(model, "tip", force)], Monitor(model, "middle", "y"))
-    return follow(scene, LoadControl(step=3.0, target=10.0))
+def column(*options):
+    """Path of the column with its first bifurcation."""
+    return follow(hinged_column(*options), LoadControl(step=3.0, target=10.0))
 
 
-def hinged_arch(model=None):
-    """Shallow arch on hinges under a force at its crown; it sways at 129.8, before its limit load."""
-    angle = radians(7.338)
-    model = model or read(lambda: meshes.arc(3380.6, -angle, angle, 20, {"crown": 0.0}), 2, 2)
-    beam = Beam(model, Rectangle(25.4, 4.7625), Elastic(72395.0))
-    scene = Scene([beam], [pin(model, "start"), pin(model, "end")], [PointForce(model, "crown", (0.0, -1.0))],
-                  Monitor(model, "crown", "y", -1.0))
-    return follow(scene, ArcLength(step=0.003), 8.0)
+def swaying_arch(model):
+    return follow(hinged_arch(model), ArcLength(step=0.003), 8.0)
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +43,7 @@ def planar_column():
 
 @pytest.fixture(scope="module")
 def perfect_arch():
-    return hinged_arch()
+    return swaying_arch(whole_arch(20))
 
 
 def started(record, amplitude=0.05, number=0):
@@ -116,7 +101,7 @@ def test_limit_loads_of_imperfect_arches(perfect_arch):
     shape = mode_displacement(perfect_arch.path, model, found[0])
     losses = []
     for amplitude in (0.01, 0.08):
-        limit = hinged_arch(imperfect(model, shape, amplitude)).critical_points[0]
+        limit = swaying_arch(imperfect(model, shape, amplitude)).critical_points[0]
         assert limit.kind == "limit"
         losses.append(1 - limit.load / point.load)
     assert np.log(losses[1] / losses[0]) / np.log(8) == pytest.approx(2 / 3, abs=0.01)
@@ -264,11 +249,7 @@ def test_branches_under_a_load_that_follows():
 
     2e-3: the ring is strained by 2.5e-5 before it buckles, which is 3e-4 of its deflection and 6e-4 of the rise.
     """
-    model = read(lambda: meshes.arc(1.0, 0.0, pi / 2, 24), 2, 2)
-    beam = Beam(model, Rectangle(1.0, 0.01), Elastic(12e6))
-    record = follow(Scene([beam], [symmetry(model, "start"), symmetry(model, "end", "y")],
-                          [LineForce(beam, (0.0, -1.0), follower=True)], Monitor(model, "start", "y", -1.0)),
-                    LoadControl(1.7, target=5.0))
+    record = follow(ring_under_pressure(), LoadControl(1.7, target=5.0))
     point, found = started(record, 0.1)
     assert sorted(np.sign(branch.start.deflection) for branch in found) == [-1, 1]
     for branch in found:
@@ -378,24 +359,11 @@ def dome():
 
 
 def displacements(record, state, names):
-    """Displacements of named nodes one after the other."""
+    """Displacements of named nodes, one in each row."""
     record.show(state)
     model = record.case.scene.parts[0].model
     kinematics = record.path.discretisation.kinematics(model)
-    return np.concatenate([kinematics.displacement(model, name) for name in names])
-
-
-def equilibrium_near(truss, moves, load):
-    """Displacements by Newton's method, None if it leads far away."""
-    for _ in range(30):
-        gradient, hessian = truss.derivatives(moves)
-        change = np.linalg.solve(hessian, load * truss.load.ravel() - gradient)
-        moves = moves + change
-        if np.linalg.norm(change) < 1e-11:
-            return moves
-        if np.linalg.norm(change) > 3:
-            return None
-    return None
+    return np.array([kinematics.displacement(model, name) for name in names])
 
 
 def test_branches_of_the_star_dome(dome):
@@ -408,20 +376,21 @@ def test_branches_of_the_star_dome(dome):
     assert sorted(branch.start.unstable for branch in found) == [1] * 6 + [2] * 6
     for branch in found:
         moves = displacements(record, branch.start, names)
-        assert equilibrium_near(truss, moves, branch.start.factor) == pytest.approx(moves, abs=1e-9)
+        assert truss.equilibrium(branch.start.factor * truss.load, moves) == pytest.approx(moves, abs=1e-9)
 
 
 def test_no_branch_of_the_star_dome_is_missed(dome):
     """At 0.99 of the load of the bifurcation there are as many equilibria beside the path, found by numpy alone."""
     record, truss, names = dome
     point, found = started(record)
-    load = 0.99 * point.load
-    path = equilibrium_near(truss, displacements(record, record.nearest(load), names), load)
+    load = 0.99 * point.load * truss.load
+    path = truss.equilibrium(load, displacements(record, record.nearest(0.99 * point.load), names))
     modes = np.linalg.eigh(truss.derivatives(path)[1])[1][:, :2]
     others = []
     for size in (0.3, 0.5, 0.7):
         for angle in np.radians(np.arange(0, 360, 5)):
-            other = equilibrium_near(truss, path + size * modes @ (np.cos(angle), np.sin(angle)), load)
+            sway = size * modes @ (np.cos(angle), np.sin(angle))
+            other = truss.equilibrium(load, path + sway.reshape(path.shape))
             if other is not None and all(np.linalg.norm(other - known) > 1e-6 for known in [path, *others]):
                 others.append(other)
     assert len(others) == len(found)

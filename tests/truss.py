@@ -40,13 +40,23 @@ class Truss:
         hessian = np.einsum("kn,km,kij->nimj", free, free, blocks, optimize=True).reshape((d * len(self.free),) * 2)
         return (free.T @ (force[:, None] * along)).ravel(), hessian
 
-    def equilibrium(self, load: np.ndarray) -> np.ndarray:
-        """Displacements of the free nodes under a small load, by Newton's method, shape (free nodes, d)."""
-        moves = np.zeros(load.size)
+    def equilibrium(self, load: np.ndarray, start: np.ndarray | float = 0.0) -> np.ndarray | None:
+        """Displacements of the free nodes under a load, by Newton's method from others; None if it leads far away.
+
+        Parameters
+        ----------
+        load, start : shape (free nodes, d), as is the result
+        """
+        moves = np.zeros(load.size) + np.ravel(start)
         for _ in range(30):
             gradient, hessian = self.derivatives(moves)
-            moves -= np.linalg.solve(hessian, gradient - load.ravel())
-        return moves.reshape(load.shape)
+            change = np.linalg.solve(hessian, load.ravel() - gradient)
+            moves = moves + change
+            if np.linalg.norm(change) < 1e-11:
+                return moves.reshape(load.shape)
+            if np.linalg.norm(change) > 3:
+                return None
+        return None
 
 
 class SymmetricPath:
