@@ -11,6 +11,8 @@ from .state import State
 
 COLUMNS = ("step", "load", "deflection", "factor", "unstable", "load_rate", "iterations", "factorisations",
            "length", "contact_points", "penetration")
+FILES = ("path.csv", "buckling.csv", "summary.json", "*.png", "paraview/path*", "paraview/modes*",
+         "fall*/snap.json", "fall*/before.*.npz", "fall*/after.*.npz")
 
 
 class Archive:
@@ -32,9 +34,12 @@ class Archive:
         if self.comm.rank == 0:
             for file in self._states.glob("*.npz"):
                 file.unlink()
-            for pattern in ("path.csv", "buckling.csv", "summary.json", "*.png", "paraview/path*", "paraview/modes*"):
+            for pattern in FILES:
                 for file in self.folder.glob(pattern):
                     file.unlink()
+            for fall in self.folder.glob("fall*"):
+                if fall.is_dir() and not any(fall.iterdir()):
+                    fall.rmdir()
             self.write_json("parameters.json", parameters | {"processes": self.comm.size})
         self.comm.barrier()
 

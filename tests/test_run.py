@@ -13,6 +13,7 @@ import pytest
 from petsc4py import PETSc
 
 import sheetfx as fx
+from sheetfx.archive import Archive
 from sheetfx.case import Case, run, trace
 from sheetfx.path import PathFailure, Until
 from sheetfx.scene import Contact, Monitor, PointForce, RigidCylinder, Scene, Support
@@ -105,6 +106,17 @@ def test_two_processes_give_the_same_path(tmp_path):
         result = sheetfx(*options, tmp_path / str(processes), processes=processes)
         assert result.returncode == 0, result.stderr
     np.testing.assert_allclose(table(tmp_path / "2"), table(tmp_path / "1"), rtol=1e-6, atol=1e-8)
+
+
+def test_new_run_clears_the_falls_of_an_earlier_one(tmp_path):
+    """Files of the user are left."""
+    for name in ("fall1/snap.json", "fall1/before.0.npz", "fall1/after.1.npz", "fall2/snap.json", "fall2/notes.txt"):
+        file = tmp_path / name
+        file.parent.mkdir(exist_ok=True)
+        file.touch()
+    Archive(tmp_path, PETSc.COMM_WORLD.tompi4py()).clear({})
+    assert [str(f.relative_to(tmp_path)) for f in sorted(tmp_path.glob("fall*/**/*"))] == ["fall2/notes.txt"]
+    assert not (tmp_path / "fall1").exists()
 
 
 def test_own_script(tmp_path):
