@@ -8,6 +8,8 @@ from collections import Counter
 import numpy as np
 import pytest
 import ufl
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 from matplotlib.image import imread
 from mpi4py import MPI
 
@@ -35,10 +37,12 @@ from sheetfx import (
     trace,
 )
 from sheetfx.archive import Archive
+from sheetfx.cli import load_scene
 from sheetfx.shell import FORMS, TRIANGLE
 from sheetfx.show import contact, curves, display, pictures
 from sheetfx.show.evaluate import ContactPoints, Curves, most_telling, travel, unit_of, with_unit
 from sheetfx.show.files import paraview
+from sheetfx.show.layout import Sheet
 from sheetfx.show.surfaces import surfaces
 from sheetfx.show.views import Camera, view
 from sheetfx.state import CriticalPoint
@@ -96,7 +100,7 @@ def test_path_changes_stability_at_critical_points(record):
     class Stop:
         def __init__(self, load, unstable, *critical):
             self.step = self.deflection = self.load = load
-            self.unstable, self.critical = unstable, critical
+            self.unstable, self.critical, self.increment = unstable, critical, np.ones(1)
 
     first, second = (CriticalPoint("limit", load, load, 2) for load in (1.5, 1.7))
     knots, unstable = curves.path_knots([Stop(0, 0), Stop(1, 0), Stop(2, 0, first, second), Stop(3, 1)])
@@ -105,6 +109,34 @@ def test_path_changes_stability_at_critical_points(record):
     curve, segment = curves.smooth(knots)
     assert len(curve) == len(segment) + 1
     assert all(np.isclose(curve, knot).all(axis=1).any() for knot in knots)
+
+
+def test_curve_has_no_extremes_but_at_states():
+    knots = np.array([(0, 0), (60, 10), (58, -10), (86, 1), (92, 16), (95, 150)], dtype=float)
+    curve, _ = curves.smooth(knots)
+    turns = [(np.diff(np.sign(np.diff(points, axis=0)), axis=0) != 0).sum(axis=0) for points in (knots, curve)]
+    assert turns[0].tolist() == turns[1].tolist()
+
+
+def test_rounding_is_not_drawn_as_a_path():
+    """The corner of Roorda's perfect frame does not turn."""
+    record = trace(load_scene("roorda-frame")())
+    assert 0 < max(abs(s.deflection) for s in record.states) < 1e-9
+    assert not curves.path_knots(record.states)[0][:, 0].any()
+    assert curves.draw_path(record).axes[0].get_xlim() == (-1.0, 1.0)
+
+
+def test_long_legends_fit_into_the_picture(tmp_path):
+    sheet = Sheet((1600, 900), True, "", 1, entries=1)
+    for label in ("one", "limit point (maximum): load 0.01670, deflection 11.62 (drawn at 12.88); " * 2, "short"):
+        sheet.line(label, "#000000", np.array([[[0.0, 0, 0], [1.0, 1, 1]]]), 2.0)
+    sheet.fit()
+    figure = Figure(figsize=(16, 9), dpi=100)
+    FigureCanvasAgg(figure)
+    sheet.add_legend(figure)
+    (legend,) = figure.legends
+    box = legend.get_window_extent(figure.canvas.get_renderer())
+    assert 1500 < box.width and 0 <= box.x0 and box.x1 <= 1600
 
 
 def test_contact_forces_add_up_to_the_load(record, tmp_path):

@@ -15,6 +15,7 @@ from .labels import place_labels
 STABLE, UNSTABLE = "#0b4f8a", "#c4432b"
 MARKERS = {"limit": ("o", "limit point"), "bifurcation": ("D", "bifurcation point")}
 MOST_LABELS = 6
+ROUNDING = 1e-6  # of displacements that are zero, over the largest increment of the unknowns
 
 
 def path_curve(record: Record, folder: Folder, name: str = "path.png") -> None:
@@ -24,10 +25,18 @@ def path_curve(record: Record, folder: Folder, name: str = "path.png") -> None:
         figure.savefig(Folder(folder) / name, dpi=150)
 
 
-def draw_path(record: Record):
-    """The matplotlib figure of `path_curve`."""
+def draw_path(record: Record, jumps: Sequence[tuple[State, State]] = ()):
+    """The matplotlib figure of `path_curve`.
+
+    Parameters
+    ----------
+    jumps : states between which labels leave room for arrows
+    """
     figure, axes = _frame(record)
-    curve = _draw_stretches(axes, *path_knots(record.states), named=record.states[-1].unstable is not None)
+    knots, unstable = path_knots(record.states)
+    if not knots[:, 0].any():
+        axes.set_xlim(-1.0, 1.0)
+    curve = _draw_stretches(axes, knots, unstable, named=record.states[-1].unstable is not None)
     axes.plot([s.deflection for s in record.states], [s.load for s in record.states], ".", color="#333333",
               markersize=3.5, zorder=3, label="converged states")
     points = record.critical_points
@@ -35,7 +44,8 @@ def draw_path(record: Record):
     axes.legend(frameon=True, framealpha=0.9, edgecolor="none", fontsize=9)
     unit = unit_of(record.case.axes[1])
     texts = [(p.deflection, p.load, f"{p.kind} {with_unit(p.load, unit)}") for p in most_telling(points, MOST_LABELS)]
-    place_labels(axes, texts, curve)
+    arrows = [np.linspace((a.deflection, a.load), (b.deflection, b.load), 100) for a, b in jumps]
+    place_labels(axes, texts, np.concatenate([curve, *arrows]))
     return figure
 
 
@@ -100,6 +110,8 @@ def _draw_points(axes, points: list[CriticalPoint]) -> None:
 def path_knots(states: Sequence[State]) -> tuple[np.ndarray, np.ndarray]:
     """Points of the path in order, and whether it is unstable between each and the next.
 
+    Deflections that are zero but for rounding are zero.
+
     Returns
     -------
     (n, 2) deflection and load of states and critical points; (n - 1,) bool
@@ -111,17 +123,21 @@ def path_knots(states: Sequence[State]) -> tuple[np.ndarray, np.ndarray]:
         ends = bool(before.unstable), bool(after.unstable)
         unstable += [ends[0], *[True] * (len(inside) - 1), ends[1]] if inside else [ends[1]]
         rows += [*inside, (after.deflection, after.load)]
-    return np.array(rows), np.array(unstable, dtype=bool)
+    knots = np.array(rows)
+    largest = max(np.abs(s.increment).max(initial=0.0) for s in states)
+    if max(abs(s.deflection) for s in states) <= ROUNDING * largest:
+        knots[:, 0] = 0.0
+    return knots, np.array(unstable, dtype=bool)
 
 
 def smooth(knots: np.ndarray, pieces: int = 12) -> tuple[np.ndarray, np.ndarray]:
-    """Akima's curve through points, by the length of the chords.
+    """Monotone cubic curve through points, by the length of the chords: it has no extremes but at points.
 
     Returns
     -------
     (m, 2) points; (m - 1,) number of the interval between knots that each piece lies in
     """
-    from scipy.interpolate import Akima1DInterpolator
+    from scipy.interpolate import PchipInterpolator
 
     extent = np.ptp(knots, axis=0)
     chords = np.linalg.norm(np.diff(knots, axis=0) / np.where(extent > 0, extent, 1), axis=1)
@@ -130,7 +146,7 @@ def smooth(knots: np.ndarray, pieces: int = 12) -> tuple[np.ndarray, np.ndarray]
         return knots, np.arange(len(knots) - 1)
     start, step = parameter[:-1, None], np.diff(parameter)[:, None]
     fine = np.append((start + step * np.arange(pieces) / pieces).ravel(), parameter[-1])
-    return Akima1DInterpolator(parameter, knots)(fine), np.repeat(np.arange(len(knots) - 1), pieces)
+    return PchipInterpolator(parameter, knots)(fine), np.repeat(np.arange(len(knots) - 1), pieces)
 
 
 def _runs(chosen: np.ndarray) -> list[tuple[int, int]]:

@@ -12,7 +12,7 @@ DPI, OVERSAMPLING = 100, 2
 EXAGGERATIONS = (3, 4, 5, 6, 8, 10, 15, 20, 30, 50)
 MARGIN, LAYER = 1.12, 0.02
 BOX = "#cccccc"
-LEGEND_COLUMNS, LEGEND_ROW = 2, 27
+LEGEND_COLUMNS, LEGEND_ROW, LETTERS = 2, 27, 13
 LEFT, RIGHT, TOP, BOTTOM = 85, 25, 20, 62
 
 
@@ -102,9 +102,18 @@ class Sheet:
             axes.set_axis_off()
         else:
             self._planar_axes(axes, image)
-        figure.legend(handles=self._handles(), loc="lower center", ncols=LEGEND_COLUMNS, frameon=False, fontsize=13,
-                      columnspacing=3, handlelength=2.2, labelspacing=0.35, borderpad=0.3)
+        self.add_legend(figure)
         figure.savefig(file, dpi=DPI)
+
+    def add_legend(self, figure) -> None:
+        """Add the legend in letters that let it fit into the width."""
+        layout = {"loc": "lower center", "ncols": LEGEND_COLUMNS, "frameon": False, "columnspacing": 3,
+                  "handlelength": 2.2, "labelspacing": 0.35, "borderpad": 0.3}
+        legend = figure.legend(handles=self._handles(), fontsize=LETTERS, **layout)
+        excess = legend.get_window_extent(figure.canvas.get_renderer()).width / (0.98 * self.size[0])
+        if excess > 1:
+            legend.remove()
+            figure.legend(handles=self._handles(), fontsize=LETTERS / excess, **layout)
 
     def _planar_axes(self, axes, image: np.ndarray) -> None:
         extent = (self._low[0], self._high[0], self._low[1], self._high[1])

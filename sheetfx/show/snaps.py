@@ -34,7 +34,7 @@ def falls_curve(record: Record, folder: Folder, name: str = "falls.png") -> None
 
 def draw_snaps(record: Record, falls: Sequence[Snap]):
     """Matplotlib figure of a path with the falls that leave it, each with the energy that it releases."""
-    figure = draw_path(record)
+    figure = draw_path(record, [(fall.before, fall.after) for fall in falls])
     axes = figure.axes[0]
     for snap in falls:
         start, end = ((state.deflection, state.load) for state in (snap.before, snap.after))
