@@ -10,7 +10,7 @@ from helpers import hinged_arch, on_two_processes, ring_under_pressure, whole_ar
 from sheetfx import meshes
 from sheetfx.case import Case, trace
 from sheetfx.mesh.reader import read
-from sheetfx.path import Until
+from sheetfx.path import PathFailure, Until
 from sheetfx.scene import Beam, Monitor, PointForce, Scene, Support, pin
 from sheetfx.section import Elastic, Rectangle
 from sheetfx.solve.control import ArcLength, LoadControl
@@ -126,3 +126,13 @@ def test_ring_under_pressure_that_follows_it():
     (point,) = trace(Case(ring_under_pressure(), LoadControl(1.7, target=5.0))).critical_points
     assert (point.kind, point.multiplicity) == ("bifurcation", 1)
     assert point.load / (pi / 2) == pytest.approx(3.0, rel=1e-4)
+
+
+def test_load_control_stops_at_the_limit():
+    """Its iteration converges behind the snap too; the step that does is noticed."""
+    case = replace(pinned_arch(), control=LoadControl(30.0, target=400.0), until=Until())
+    half = replace(case, scene=replace(case.scene, supports=[*case.scene.supports, Support(
+        case.scene.parts[0].model, "crown", "x rz")]))
+    with pytest.raises(PathFailure, match="does not converge") as failure:
+        trace(half)
+    assert failure.value.record.states[-1].load == pytest.approx(148.496, rel=2e-3)

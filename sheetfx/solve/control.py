@@ -37,6 +37,7 @@ class StepRule:
     turn : largest angle in radians between the increment of a step and the tangents at its start and its end (with
         contact, the increment before); pi: any
     newton : "full", a new tangent for each iteration, or "modified", the tangent at the start of the step for all
+    passes_limits : of the class, whether a step can go through an extremum of the load
     """
 
     step: float | None = None
@@ -58,6 +59,8 @@ class StepRule:
     def growth(self, iterations: int) -> float:
         """Factor on the next step's length after a step of so many iterations."""
         return min(2.0, max(0.5, sqrt(self.iterations / max(iterations, 1))))
+
+    passes_limits = True
 
     @property
     def guarded(self) -> bool:
@@ -83,6 +86,7 @@ class LoadControl(StepRule):
     target: float = 1.0
     fixed: bool = False
     default = 0.1
+    passes_limits = False
 
     @property
     def guarded(self):
@@ -98,7 +102,7 @@ class LoadControl(StepRule):
         return sign * length
 
     def correct(self, length, tangent, increment, load_increment, residual_part):
-        return 0.0, 1.0
+        return copysign(length, load_increment) - load_increment, 1.0
 
 
 @dataclass(frozen=True)

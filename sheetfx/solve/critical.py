@@ -48,6 +48,8 @@ def locate(tracer, earlier: State | None, before: State, after: State,
             _check(stretch)
         limits = [_stationary_load(stretch, *pair) for pair in stretch.pairs()
                   if stretch[pair[0]].load_rate * stretch[pair[1]].load_rate < 0]
+    if limits and stretch.guarded and not tracer.control.passes_limits:
+        raise Jump("a limit point lies in a step that prescribes the load")
     points = [_limit(*found) for found in limits]
     crossings = _bifurcations(stretch, [length for s, length, _ in limits if s is stretch])
     points += [_bifurcation(stretch, cluster) for cluster in _clusters(crossings)]
