@@ -42,22 +42,22 @@ def test_statistics_of_random_fields():
 
 
 def test_the_same_field_on_any_mesh():
-    """Nodes that two meshes share move by the same vector."""
+    """Nodes that two meshes share move by the same vector, but for the normals of the coarse one: 1e-5 of 0.017."""
     field = random_field(LENGTH, 0.01, 7)
     coarse, fine = arc(6), arc(12)
     distance, partner = cKDTree(fine.mesh.geometry.x).query(coarse.mesh.geometry.x)
     shared = distance < 1e-6
     assert shared.sum() == 13
-    assert shift(coarse, field)[shared] == pytest.approx(shift(fine, field)[partner[shared]], abs=3e-5)
+    assert shift(coarse, field)[shared] == pytest.approx(shift(fine, field)[partner[shared]], abs=1e-5)
 
 
 @pytest.mark.parametrize("model, radius", [(arc(), 2.0), (arc(24, 1), 2.0), (cylinder(), 1.0),
                                            (cylinder((6, 6), 3), 1.0)])
 def test_deviations_along_the_normal(model, radius):
-    """A constant deviation changes the radius of a circle and of a cylinder."""
+    """It changes the radius of a circle and of a cylinder; 1e-3: at its ends straight cells lean by half their angle."""
     moved = imperfect(model, lambda x: np.full(len(x), 0.1)).mesh.geometry.x
     across = moved[:, :2] if model.dimension == 2 else moved[:, 1:]
-    assert np.abs(np.linalg.norm(across, axis=1) - radius) == pytest.approx(0.1, rel=5e-3)
+    assert np.abs(np.linalg.norm(across, axis=1) - radius) == pytest.approx(0.1, rel=1e-3)
 
 
 def test_measured_field_at_its_points():
@@ -106,9 +106,12 @@ def test_the_same_shape_on_two_processes():
 @pytest.mark.parametrize("build, message", [
     (lambda: random_field(0.0), "correlation_length is 0.0"),
     (lambda: measured(np.zeros((2, 3)), np.zeros(3)), "an offset for each point"),
-    (lambda: measured(np.zeros((2, 3)), np.zeros(2)), "stands twice"),
+    (lambda: measured(np.ones((2, 3)), np.zeros(2)), r"\[1. 1. 1.\] stands twice"),
     (lambda: measured(np.eye(3)[:1], np.zeros(1)), "too few"),
     (lambda: imperfect(arc(), [lambda x: x], [1.0, 2.0]), "2 amplitudes for 1"),
+    (lambda: imperfect(arc(3, 1), lambda x: x[:, :1]), r"shape \(4, 1\) at 4 nodes; give \(4, 2\), or \(4,\)"),
+    (lambda: imperfect(arc(), fem.Function(fem.functionspace(arc().mesh, ("P", 2, (2,))), name="bow")),
+     "'bow' is a field on another mesh"),
     (lambda: imperfect(read(lambda: meshes.frame({"a": (0, 0, 0), "b": (1, 0, 0)}, {"c": ("a", "b", 2)}), 3),
                        random_field(1.0)), "no normal"),
     (lambda: imperfect(read(lambda: meshes.frame({"a": (0, 0), "b": (1, 0)}, {"c": ("a", "b", 2), "d": ("b", "a", 3)}),

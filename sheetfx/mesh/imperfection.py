@@ -38,7 +38,8 @@ def imperfect(model: Model, displacement: Shape | Sequence[Shape], amplitude: fl
     Raises
     ------
     ValueError
-        If there is not one amplitude for each displacement, or no normal for deviations along it.
+        If there is not one amplitude for each displacement, a displacement has another shape or is on another mesh, or
+        there is no normal for deviations along it.
     """
     mesh, old = model.mesh, model.mesh.geometry
     shapes = displacement if isinstance(displacement, Sequence) else [displacement]
@@ -75,8 +76,10 @@ def measured(points: np.ndarray, offsets: np.ndarray) -> Callable[[np.ndarray], 
     if points.ndim != 2 or len(points) != len(offsets):
         raise ValueError(f"measured: points of shape {points.shape} and offsets of shape {offsets.shape}; "
                          "give a row of coordinates and an offset for each point")
-    if len(np.unique(points, axis=0)) < len(points):
-        raise ValueError("measured: a point stands twice in the table; keep one of its rows")
+    different, counts = np.unique(points, axis=0, return_counts=True)
+    if len(different) < len(points):
+        raise ValueError(f"measured: the point {different[np.argmax(counts)]} stands twice in the table; keep one of "
+                         "its rows")
     centre = points.mean(axis=0)
     _, extents, axes = np.linalg.svd(points - centre, full_matrices=False)
     axes = axes[extents > FLAT * extents.max(initial=0.0)]
@@ -117,8 +120,14 @@ def random_field(correlation_length: float, deviation: float = 1.0, seed: int = 
 def _moved(model: Model, shape: Shape) -> np.ndarray:
     """Displacement of a shape at the nodes of the geometry of this process, shape (n, dimension)."""
     if isinstance(shape, fem.Function):
+        if shape.function_space.mesh is not model.mesh:
+            raise ValueError(f"imperfect: {shape.name!r} is a field on another mesh than the model's; give one on the "
+                             "model's mesh, or a function of place")
         return _at_nodes(model, shape)
-    values = np.asarray(shape(model.mesh.geometry.x), dtype=float)
+    values, count = np.asarray(shape(model.mesh.geometry.x), dtype=float), len(model.mesh.geometry.x)
+    if values.shape not in ((count,), (count, model.dimension), (count, 3)):
+        raise ValueError(f"imperfect: a displacement has shape {values.shape} at {count} nodes; give ({count}, "
+                         f"{model.dimension}), or ({count},) for deviations along the normal")
     return values[:, :model.dimension] if values.ndim == 2 else values[:, None] * _normals(model)
 
 
