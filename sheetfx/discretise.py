@@ -96,8 +96,8 @@ class Discretisation:
 
     def _motion_reactions(self, blocks) -> dict:
         """For each prescribed motion its reaction: a force at the point, or forces per length of the edge."""
-        reactions = {}
-        for load in (load for load in self.scene.loads if isinstance(load, Motion)):
+        reactions, motions = {}, [load for load in self.scene.loads if isinstance(load, Motion)]
+        for load in motions:
             element = self.kinematics(load.model).u.function_space.ufl_element().sub_elements[0]
             space = fem.functionspace(load.model.mesh, element)
             reactions[load] = self._unknown(space, f"reaction{len(reactions)}", np.inf, True, blocks)

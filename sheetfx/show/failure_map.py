@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from textwrap import fill, wrap
 
 from ..failure_map import Cell
-from ..judgement import OUTCOMES, PASSED
+from ..judgement import CRASHED, JUMPED, OUTCOMES, PASSED
 
 COLOURS = dict(zip(OUTCOMES, ("#7fc097", "#f2c14e", "#c4432b", "#e58a3c", "#9fb3c8", "#5a5a5a"), strict=True))
 WIDTH, HEIGHT, SIDE = 1.3, 0.5, 2.2
@@ -26,7 +26,7 @@ def draw_map(cells: Sequence[Cell]):
     for cell in cells:
         x, y = methods.index(cell.method), traps.index(cell.trap)
         axes.add_patch(_square(x, y, COLOURS[cell.outcome]))
-        dark = cell.outcome in ("jumped silently", "crashed")
+        dark = cell.outcome in (JUMPED, CRASHED)
         colour = "white" if dark else "black"
         axes.text(x, y - 0.42, _title(cell), ha="center", va="top", fontsize=7, color=colour)
         axes.text(x, y - 0.08, _note(cell), ha="center", va="top", fontsize=4.8, color=colour)

@@ -20,7 +20,7 @@ from petsc4py import PETSc
 
 from ..state import State
 from .linear import SingularTangent
-from .spectrum import diagonal, nearest_to_zero
+from .spectrum import PREFIX, diagonal, nearest_to_zero
 
 ITERATIONS = 12
 CONVERGED = 1e-7  # last correction over the amplitude; with Newton's method the next one is its square
@@ -73,10 +73,11 @@ class Reduction:
         pairs = list(zip(*nearest_to_zero(self.linear, diagonal(self.system.weights), multiplicity + 1), strict=True))
         pairs.sort(key=lambda pair: abs(pair[0]))
         self.modes = [mode for _, mode in pairs[:multiplicity]]
-        self._least_stiffness = abs(pairs[-1][0])
         if len(pairs) <= multiplicity:
-            raise ArithmeticError(f"only {len(pairs)} of the {multiplicity + 1} modes nearest to zero at load "
-                                  f"{self.bifurcation.load:.6g} converge")
+            raise ArithmeticError(f"branches: only {len(pairs)} of the {multiplicity + 1} modes nearest to zero at "
+                                  f"load {self.bifurcation.load:.6g} converge; try "
+                                  f"PETSC_OPTIONS='-{PREFIX}eps_tol 1e-8'")
+        self._least_stiffness = abs(pairs[-1][0])
         self.weighted = [self.system.weights * mode for mode in self.modes]
         self.measures = self._measures(after.increment)
         self.size = max(abs(self.bifurcation.factor), abs(after.load_increment))
@@ -94,7 +95,8 @@ class Reduction:
         rest2 = whole**2 - sum(share**2 for share in shares)
         if rest2 < 1e-4 * whole**2:
             raise ValueError(f"branches: at load {self.bifurcation.load:.6g} the path goes along a null vector; "
-                             "bifurcations that are limit points too cannot be switched")
+                             "bifurcations that are limit points too cannot be switched; come to the other path by "
+                             "an imperfect shape")
         measures = []
         for share, weighted in zip(shares, self.weighted, strict=True):
             measure = weighted.copy()
