@@ -343,6 +343,8 @@ def test_limit_points_have_no_branches(planar_column):
         branches(planar_column.path, planar_column.states, type(point)("limit", 1.0, 0.0, 1))
     with pytest.raises(ValueError, match="give the states of the whole path"):
         branches(planar_column.path, planar_column.states[:1], point)
+    with pytest.raises(ValueError, match="amplitude is -1"):
+        branches(planar_column.path, planar_column.states, point, amplitude=-1.0)
 
 
 @pytest.fixture(scope="module")

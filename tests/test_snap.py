@@ -299,6 +299,8 @@ def test_bad_input(thick_roof):
         snap(thick_roof.path, before, "force")
     with pytest.raises(ValueError, match="side is 0"):
         snap(thick_roof.path, before, side=0)
+    with pytest.raises(ValueError, match="deflection 0 is stable"):
+        snap(thick_roof.path, thick_roof.states[0])
     scene = column().case.scene
     follower = replace(scene, loads=[LineForce(scene.parts[0], (0.0, -1.0), follower=True)])
     path = Path(follower)

@@ -165,6 +165,8 @@ def test_truss():
 def test_no_density():
     with pytest.raises(ValueError, match="Beam on group 'all' has no density.*density="):
         unloaded(column(material=Elastic(1e7)), 1)
+    with pytest.raises(ValueError, match="count is 0"):
+        unloaded(column(material=Elastic(1e7)), 0)
     with pytest.raises(ValueError, match="density is -1"):
         Elastic(1.0, density=-1.0)
 

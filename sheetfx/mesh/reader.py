@@ -16,6 +16,7 @@ from ..compat import model_to_mesh
 from .partition import keep_junctions_whole
 
 RULES = 8
+ORDERS = 1, 2, 3
 
 
 @dataclass(eq=False)
@@ -141,12 +142,14 @@ def read(build: Callable[[], None], dimension: int, order: int = 1, place: Calla
     ----------
     build : function without arguments that fills the gmsh model and names physical groups
     dimension : 2 or 3, of the space that the structure lies in
-    order : of the geometry (2 or more: curved elements)
+    order : of the geometry: 1, 2 or 3 (2 or more: curved elements)
     place : function from coordinates in the gmsh model, shape (n, 3), to those in space, shape (n, 3), for
         structures that are meshed in the plane of their parameters
     """
     import gmsh
 
+    if order not in ORDERS:
+        raise ValueError(f"read: order is {order}; it must be one of {', '.join(map(str, ORDERS))}")
     gmsh.initialize(interruptible=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)

@@ -15,6 +15,7 @@ from typer import Option
 
 from ..benchmark import Form, surface
 from ..case import Case
+from ..checks import require_positive_number
 from ..path import Until
 from ..scene import EdgeForce, Monitor, Scene, Support, symmetry
 from ..section import Elastic, Plate
@@ -37,6 +38,7 @@ def scene(
     step: Annotated[float, Option(help="first arc length")] = 2e-4,
 ) -> Case:
     """Axially compressed panel: several bifurcations within a few percent of the classical load."""
+    require_positive_number("cylinder-panel", ratio=ratio, length=length, to=to, step=step)
     thickness, quarter = RADIUS / ratio, pi / 2
 
     def place(x, y):

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.interpolate import RBFInterpolator
 from scipy.optimize import brentq, minimize_scalar, root
 
+from ..checks import require_positive_number
 from ..state import CriticalPoint, State
 from .critical import state_at
 from .modes import largest_displacement
@@ -71,9 +72,10 @@ def branches(path, states: Sequence[State], point: CriticalPoint, amplitude: flo
     Raises
     ------
     ValueError
-        For a limit point, or if the states around the point are not given.
+        For a limit point, if the amplitude is not positive, or if the states around the point are not given.
     NoBranch
     """
+    require_positive_number("branches", amplitude=amplitude)
     before, after = _step_of(states, point)
     tracer = getattr(path, "tracer", path)
     present = tracer.state

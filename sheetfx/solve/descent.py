@@ -164,9 +164,10 @@ class Fall:
         system.load(self._load)
         system.residual(self._residual)
         size = max(system.reaction, abs(system.factor) * self._load.norm())
+        residual = self._residual.norm() / size if size else 0.0
         self._held.assemble()
-        self.history.append(FallStep(discretisation.scene.copies * self._energy, self._residual.norm() / size,
-                                     self._shift, discretisation.total_load(), self._deflection))
+        self.history.append(FallStep(discretisation.scene.copies * self._energy, residual, self._shift,
+                                     discretisation.total_load(), self._deflection))
         self._listener(self.history[-1])
 
     def _balanced(self) -> bool:

@@ -15,6 +15,7 @@ import ufl
 from petsc4py import PETSc
 
 from .. import forms
+from ..checks import require_positive_number
 from ..discretise import Discretisation
 from ..numbers import as_constants
 from ..shell import Shell, surface_frame
@@ -55,8 +56,9 @@ def frequencies(path, state: State, count: int = 6) -> list[Vibration]:
     Raises
     ------
     ValueError
-        If a part has no density, or the tangent is not symmetric.
+        If a part has no density, the count is not positive, or the tangent is not symmetric.
     """
+    require_positive_number("frequencies", count=count)
     discretisation = path.discretisation
     system = discretisation.system
     if not system.symmetric:
