@@ -54,7 +54,7 @@ def test_the_same_field_on_any_mesh():
 @pytest.mark.parametrize("model, radius", [(arc(), 2.0), (arc(24, 1), 2.0), (cylinder(), 1.0),
                                            (cylinder((6, 6), 3), 1.0)])
 def test_deviations_along_the_normal(model, radius):
-    """It changes the radius of a circle and of a cylinder; 1e-3: at its ends straight cells lean by half their angle."""
+    """They change the radius of a circle and a cylinder; 1e-3: straight cells lean by half their angle at the ends."""
     moved = imperfect(model, lambda x: np.full(len(x), 0.1)).mesh.geometry.x
     across = moved[:, :2] if model.dimension == 2 else moved[:, 1:]
     assert np.abs(np.linalg.norm(across, axis=1) - radius) == pytest.approx(0.1, rel=1e-3)
