@@ -21,7 +21,9 @@ from sheetfx.mesh.reader import Model, read
 from sheetfx.path import Path, Until
 from sheetfx.scene import Beam, LineForce, Monitor, PointForce, Scene, Support, clamp, pin, symmetry
 from sheetfx.section import Elastic, Rectangle
+from sheetfx.solve.branches import Branch, branches
 from sheetfx.solve.control import LoadControl
+from sheetfx.state import CriticalPoint
 
 
 def straight(elements: int, length: float = 1.0, dimension: int = 2) -> Model:
@@ -81,6 +83,17 @@ def ring_under_pressure() -> Scene:
 def follow(scene: Scene, control=None, deflection=None, **case) -> Record:
     """Trace a scene; load control in ten steps unless told otherwise."""
     return trace(Case(scene, control or LoadControl(), Until(deflection=deflection), **case))
+
+
+def buckled_column(dimension: int = 2, width: float = 0.01) -> Record:
+    """Path of `hinged_column` through its first bifurcations."""
+    return follow(hinged_column(dimension, width), LoadControl(step=3.0, target=10.0))
+
+
+def started(record: Record, amplitude: float = 0.05, number: int = 0) -> tuple[CriticalPoint, list[Branch]]:
+    """A bifurcation of a path and its branches."""
+    point = [p for p in record.critical_points if p.kind == "bifurcation"][number]
+    return point, branches(record.path, record.states, point, amplitude)
 
 
 def displacement(record: Record, at: str = "tip") -> np.ndarray:

@@ -1,16 +1,15 @@
-"""Branches of bifurcations against closed forms."""
+"""Branches of simple bifurcations, and of a symmetric double one, against closed forms."""
 
 from dataclasses import replace
-from math import comb, pi, radians
+from math import pi, radians
 
 import numpy as np
 import pytest
-from helpers import follow, hinged_arch, hinged_column, on_two_processes, ring_under_pressure, whole_arch
+from helpers import buckled_column, follow, hinged_arch, on_two_processes, ring_under_pressure, started, whole_arch
 from scipy.integrate import solve_bvp
 from scipy.interpolate import CubicSpline
 from scipy.optimize import minimize_scalar
 from scipy.special import ellipk
-from truss import Truss
 
 from sheetfx import meshes
 from sheetfx.beam import Bar
@@ -18,18 +17,13 @@ from sheetfx.case import trace
 from sheetfx.mesh.imperfection import imperfect
 from sheetfx.mesh.reader import read
 from sheetfx.path import Path, Until
-from sheetfx.scene import Beam, Monitor, PointForce, Scene, Support, pin
-from sheetfx.scenes import plate_buckling, roorda_frame, sinusoidal_arch, star_dome
+from sheetfx.scene import Monitor, PointForce, Scene, Support, pin
+from sheetfx.scenes import plate_buckling, roorda_frame, sinusoidal_arch
 from sheetfx.section import Elastic, Rectangle
 from sheetfx.show.curves import draw_branches
-from sheetfx.solve.branches import branches, zeros_around
+from sheetfx.solve.branches import branches
 from sheetfx.solve.control import ArcLength, LoadControl
 from sheetfx.solve.modes import mode_displacement
-
-
-def column(*options):
-    """Path of the column with its first bifurcation."""
-    return follow(hinged_column(*options), LoadControl(step=3.0, target=10.0))
 
 
 def swaying_arch(model):
@@ -38,18 +32,12 @@ def swaying_arch(model):
 
 @pytest.fixture(scope="module")
 def planar_column():
-    return column(2)
+    return buckled_column(2)
 
 
 @pytest.fixture(scope="module")
 def perfect_arch():
     return swaying_arch(whole_arch(20))
-
-
-def started(record, amplitude=0.05, number=0):
-    bifurcations = [p for p in record.critical_points if p.kind == "bifurcation"]
-    point = bifurcations[number]
-    return point, branches(record.path, record.states, point, amplitude)
 
 
 def test_both_halves_of_a_pitchfork(planar_column):
@@ -122,43 +110,6 @@ def test_paths_go_on_from_branches(planar_column):
         states = [branch.start, *path]
         curve = CubicSpline([abs(s.deflection) for s in states], [s.load for s in states])
         assert curve(modulus / quarter) / point.load == pytest.approx((2 * quarter / pi) ** 2, rel=1e-4)
-
-
-def test_column_that_may_bend_in_any_direction():
-    """The double bifurcation of a square column has one family of branches, in all directions."""
-    record = column(3)
-    point, found = started(record)
-    assert point.multiplicity == 2
-    assert len(found) == 1 and found[0].family
-    loads = [started(column(2))[1][0].start.load, found[0].start.load]
-    assert loads[0] == pytest.approx(loads[1], rel=1e-5)
-
-
-def test_two_bifurcations_close_together():
-    """A column whose section is deeper by 1e-4 than it is wide bends in one plane, then in the other."""
-    record = column(3, 0.010001)
-    points = [p for p in record.critical_points if p.kind == "bifurcation"]
-    assert points[1].load / points[0].load == pytest.approx(1.0001**2, rel=1e-6)
-    for number, (share, unstable) in enumerate([(0, 0), (1, 1)]):
-        point, found = started(record, number=number)
-        assert [b.start.unstable for b in found] == [unstable, unstable]
-        for branch in found:
-            assert abs(branch.start.deflection) == pytest.approx(share * branch.amplitude, rel=1e-3, abs=1e-9)
-            assert (branch.start.load / point.load - 1) / branch.amplitude**2 == pytest.approx(pi**2 / 8, rel=2e-3)
-
-
-def columns(count: int):
-    """Equal pinned columns side by side, all with the same load."""
-    nodes, members = {}, {}
-    for i in range(count):
-        base, middle, tip = f"base{i}", f"middle{i}", f"tip{i}"
-        nodes |= {base: (0, i), middle: (0.5, i), tip: (1, i)}
-        members |= {f"lower{i}": (base, middle, 4), f"upper{i}": (middle, tip, 4)}
-    model = read(lambda: meshes.frame(nodes, members), 2)
-    beam = Beam(model, Rectangle(0.01, 0.01), Elastic(1e9))
-    supports = [s for i in range(count) for s in (pin(model, f"base{i}"), Support(model, f"tip{i}", "y"))]
-    loads = [PointForce(model, f"tip{i}", (-1.0, 0.0)) for i in range(count)]
-    return follow(Scene([beam], supports, loads, Monitor(model, "middle0", "y")), LoadControl(step=3.0, target=10.0))
 
 
 def stayed_column(planar: bool, offset: float = 0.0):
@@ -279,30 +230,6 @@ def test_limit_load_of_an_imperfect_asymmetric_structure(offset):
     assert 1 - limit.load / 1.5 == pytest.approx(2 * np.sqrt(0.75 * offset), rel=0.03)
 
 
-@pytest.mark.parametrize("force, zeros", [
-    (lambda a: np.sin(6 * a), np.arange(12) * pi / 6), (lambda a: np.cos(a) - 0.999, [0.04473, 2 * pi - 0.04473]),
-    (lambda a: 1 - np.cos(a - 2.0), [2.0]), (lambda a: 1 + np.cos(a) / 2, [])])
-def test_zeros_around_a_circle(force, zeros):
-    """Simple ones, two between neighbouring samples, a double one, and none."""
-    angles = 0.1 + 2 * pi * np.arange(48) / 48
-    found = np.mod(zeros_around(force, angles, force(angles)), 2 * pi)
-    assert np.exp(1j * np.sort(found)) == pytest.approx(np.exp(1j * np.array(zeros)), abs=1e-4)
-
-
-@pytest.mark.parametrize("count", [2, 3])
-def test_every_branch_of_a_multiple_bifurcation(count):
-    """Each column stays straight or bends to either side, those that bend equally: 3^n - 1 half-branches.
-
-    With k columns bent at amplitude 1, each has 1 / sqrt(k), and the load has risen by 1 / k of that with one bent.
-    """
-    point, found = started(columns(count))
-    assert point.multiplicity == count
-    assert len(found) == 3**count - 1
-    rises = np.sort([branch.start.load / point.load - 1 for branch in found])[::-1]
-    expected = [1 / k for k in range(1, count + 1) for _ in range(2**k * comb(count, k))]
-    assert rises / rises[0] == pytest.approx(expected, rel=2e-3)
-
-
 def test_branches_of_a_plate():
     """A square plate in compression: Koiter's b from states on the branch of a shell."""
     case = plate_buckling.scene(cells=3, slenderness=100.0)
@@ -329,8 +256,8 @@ def test_picture_of_branches(planar_column):
 
 def test_branches_on_two_processes(planar_column):
     lines = on_two_processes("""
-from test_branches import column, started
-for branch in started(column(2))[1]:
+from helpers import buckled_column, started
+for branch in started(buckled_column(2))[1]:
     print(branch.start.load, abs(branch.start.deflection), branch.start.unstable)""")
     _, found = started(planar_column)
     expected = [[b.start.load, abs(b.start.deflection), b.start.unstable] for b in found]
@@ -345,56 +272,3 @@ def test_limit_points_have_no_branches(planar_column):
         branches(planar_column.path, planar_column.states[:1], point)
     with pytest.raises(ValueError, match="amplitude is -1"):
         branches(planar_column.path, planar_column.states, point, amplitude=-1.0)
-
-
-@pytest.fixture(scope="module")
-def dome():
-    """The star dome up to its first bifurcation and a little further, and the same truss for numpy."""
-    case = star_dome.scene(to=11.0)
-    nodes, members = star_dome.dome()
-    names = list(nodes)
-    free = [i for i, name in enumerate(names) if not name.startswith("outer")]
-    bars = np.array([[names.index(end) for end in ends] for ends in members.values()])
-    load = np.array([[0.0, 0.0, -(names[i] == "apex")] for i in free])
-    truss = Truss(np.array(list(nodes.values())), bars, free, load)
-    return trace(case), truss, [names[i] for i in free]
-
-
-def displacements(record, state, names):
-    """Displacements of named nodes, one in each row."""
-    record.show(state)
-    model = record.case.scene.parts[0].model
-    kinematics = record.path.discretisation.kinematics(model)
-    return np.array([kinematics.displacement(model, name) for name in names])
-
-
-def test_branches_of_the_star_dome(dome):
-    """Twelve half-branches, 30 degrees apart and of two kinds; their starts are equilibria of the truss in numpy."""
-    record, truss, names = dome
-    point, found = started(record)
-    assert point.multiplicity == 2
-    angles = np.sort([np.degrees(np.arctan2(*branch.direction)) for branch in found])
-    assert np.diff(angles) == pytest.approx(30.0, abs=1e-3)
-    assert sorted(branch.start.unstable for branch in found) == [1] * 6 + [2] * 6
-    for branch in found:
-        moves = displacements(record, branch.start, names)
-        assert truss.equilibrium(branch.start.factor * truss.load, moves) == pytest.approx(moves, abs=1e-9)
-
-
-def test_no_branch_of_the_star_dome_is_missed(dome):
-    """At 0.99 of the load of the bifurcation there are as many equilibria beside the path, found by numpy alone."""
-    record, truss, names = dome
-    point, found = started(record)
-    load = 0.99 * point.load * truss.load
-    path = truss.equilibrium(load, displacements(record, record.nearest(0.99 * point.load), names))
-    modes = np.linalg.eigh(truss.derivatives(path)[1])[1][:, :2]
-    others = []
-    for size in (0.3, 0.5, 0.7):
-        for angle in np.radians(np.arange(0, 360, 5)):
-            sway = size * modes @ (np.cos(angle), np.sin(angle))
-            other = truss.equilibrium(load, path + sway.reshape(path.shape))
-            if other is not None and all(np.linalg.norm(other - known) > 1e-6 for known in [path, *others]):
-                others.append(other)
-    assert len(others) == len(found)
-    unstable = [int((np.linalg.eigvalsh(truss.derivatives(other)[1]) < 0).sum()) for other in others]
-    assert sorted(unstable) == sorted(branch.start.unstable for branch in found)
