@@ -44,7 +44,7 @@ from sheetfx.show.evaluate import ContactPoints, Curves, most_telling, travel, u
 from sheetfx.show.files import paraview
 from sheetfx.show.layout import Sheet
 from sheetfx.show.surfaces import surfaces
-from sheetfx.show.views import Camera, view
+from sheetfx.show.views import Camera, fit_titles, view
 from sheetfx.state import CriticalPoint
 
 RADIUS, COPIES = 3380.6, 2
@@ -137,6 +137,17 @@ def test_long_legends_fit_into_the_picture(tmp_path):
     (legend,) = figure.legends
     box = legend.get_window_extent(figure.canvas.get_renderer())
     assert 1500 < box.width and 0 <= box.x0 and box.x1 <= 1600
+
+
+def test_long_titles_of_views_do_not_overlap():
+    figure = Figure(figsize=(16, 9), dpi=100)
+    FigureCanvasAgg(figure)
+    for i, title in enumerate(("short", "bifurcation point (unstable symmetric): load 0.8331 (drawn at 0.0026) " * 2)):
+        figure.add_axes((0.5 * i, 0.0, 0.5, 0.9)).set_title(title, fontsize=14)
+    fit_titles(figure, 800)
+    renderer = figure.canvas.get_renderer()
+    widths = [axes.title.get_window_extent(renderer).width for axes in figure.axes]
+    assert 700 < max(widths) <= 800
 
 
 def test_contact_forces_add_up_to_the_load(record, tmp_path):

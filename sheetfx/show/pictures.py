@@ -80,7 +80,8 @@ def _draw_surfaces(record: Record, file: Folder) -> None:
     with last_state_kept(record):
         for state, label, _, _ in _choose(record, MOST_VIEWS - 1):
             record.show(state)
-            views.append(view(record, label.replace(": ", "\n", 1)))
+            lines = label.split("; ")
+            views.append(view(record, "\n".join(lines if len(lines) > 1 else label.split(": ", 1))))
     if communicator(record).rank == 0:
         save_picture(lambda place: draw_views(record, views, place), file)
 

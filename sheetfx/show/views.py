@@ -62,6 +62,7 @@ def draw_views(record: Record, views: list[View], file: Folder) -> None:
         axes.imshow(_render(shown, camera, norm), interpolation="antialiased", aspect="auto")
         axes.set_axis_off()
         axes.set_title(shown.title, fontsize=14 if columns < 3 else 11)
+    fit_titles(figure, cell[0])
     bar_axes = figure.add_axes((1 - 0.7 * BAR / SIZE[0], 0.2, 0.015, 0.6))
     bar = figure.colorbar(ScalarMappable(norm, COLOUR_MAP), cax=bar_axes)
     unit = unit_of(record.case.axes[0])
@@ -72,6 +73,14 @@ def draw_views(record: Record, views: list[View], file: Folder) -> None:
              f"heights (z) x {camera.exaggeration}" if camera.exaggeration > 1 else ""]
     figure.text(0.99, 0.015, "; ".join(n for n in notes if n), ha="right", fontsize=11, color="#555555")
     figure.savefig(file, dpi=DPI)
+
+
+def fit_titles(figure, width: float) -> None:
+    """Make the letters of all titles so small that none is wider than a view (pixels)."""
+    titles = [axes.title for axes in figure.axes]
+    widest = max(title.get_window_extent(figure.canvas.get_renderer()).width for title in titles)
+    for title in titles:
+        title.set_fontsize(title.get_fontsize() * min(1.0, 0.96 * width / widest))
 
 
 class Camera:
