@@ -9,13 +9,12 @@ import numpy as np
 
 from ..case import Record
 from ..state import CriticalPoint, State
-from .evaluate import communicator, most_telling, unit_of, with_unit
+from .evaluate import communicator, most_telling, stays, unit_of, with_unit
 from .labels import place_labels
 
 STABLE, UNSTABLE = "#0b4f8a", "#c4432b"
 MARKERS = {"limit": ("o", "limit point"), "bifurcation": ("D", "bifurcation point")}
 MOST_LABELS = 6
-ROUNDING = 1e-6  # of displacements that are zero, over the largest increment of the unknowns
 
 
 def path_curve(record: Record, folder: Folder, name: str = "path.png") -> None:
@@ -124,8 +123,7 @@ def path_knots(states: Sequence[State]) -> tuple[np.ndarray, np.ndarray]:
         unstable += [ends[0], *[True] * (len(inside) - 1), ends[1]] if inside else [ends[1]]
         rows += [*inside, (after.deflection, after.load)]
     knots = np.array(rows)
-    largest = max(np.abs(s.increment).max(initial=0.0) for s in states)
-    if max(abs(s.deflection) for s in states) <= ROUNDING * largest:
+    if stays(states):
         knots[:, 0] = 0.0
     return knots, np.array(unstable, dtype=bool)
 

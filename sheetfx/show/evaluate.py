@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 import numpy as np
@@ -14,9 +14,10 @@ from ..case import Record
 from ..compat import JIT
 from ..contact.fields import ContactFields, ContactState
 from ..mesh.reader import Model
-from ..state import CriticalPoint
+from ..state import CriticalPoint, State
 
 POINTS_PER_CELL = 5
+ROUNDING = 1e-6  # of a displacement that is zero, over the largest increment of the unknowns
 
 
 def communicator(record: Record) -> MPI.Comm:
@@ -35,6 +36,12 @@ def with_unit(value: float, unit: str) -> str:
     else:
         digits = f"{value:.0f}" if 1e4 <= abs(value) < 1e7 else f"{value:.4g}"
     return f"{digits} {unit}".rstrip()
+
+
+def stays(states: Sequence[State]) -> bool:
+    """Whether the monitored displacement is zero but for rounding."""
+    largest = max(np.abs(state.increment).max(initial=0.0) for state in states)
+    return max(abs(state.deflection) for state in states) <= ROUNDING * largest
 
 
 @contextmanager

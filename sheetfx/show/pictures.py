@@ -12,7 +12,7 @@ from ..contact.fields import ContactState
 from ..scene import RigidCylinder, RigidPlane
 from ..state import State
 from .display import save_picture
-from .evaluate import ContactPoints, Curves, communicator, last_state_kept, most_telling, travel, unit_of, with_unit
+from .evaluate import ContactPoints, Curves, communicator, last_state_kept, most_telling, stays, travel, unit_of, with_unit
 from .layout import Sheet
 from .surfaces import has_surfaces
 from .views import draw_views, view
@@ -105,9 +105,10 @@ def _collect(record: Record) -> tuple[np.ndarray | None, list[Shape]]:
 def _choose(record: Record, most: int = len(COLOURS)) -> list[tuple[State, str, str, bool]]:
     """States to draw: label, colour and whether each belongs to a critical point."""
     length, force = (unit_of(a) for a in record.case.axes)
+    still = stays(record.states)
 
     def place(at) -> str:
-        return f"load {with_unit(at.load, force)}, deflection {with_unit(at.deflection, length)}"
+        return f"load {with_unit(at.load, force)}, deflection {with_unit(0.0 if still else at.deflection, length)}"
 
     every = record.critical_points
     points = most_telling(every, most)
@@ -117,7 +118,8 @@ def _choose(record: Record, most: int = len(COLOURS)) -> list[tuple[State, str, 
     labels: dict[int, list[str]] = {}
     for i, point in enumerate(points):
         drawn = states[point.step].deflection
-        behind = f" (drawn at {with_unit(drawn, length)})" if abs(drawn - point.deflection) > 0.005 * reach else ""
+        apart = not still and abs(drawn - point.deflection) > 0.005 * reach
+        behind = f" (drawn at {with_unit(drawn, length)})" if apart else ""
         labels.setdefault(point.step, []).append(
             f"{point.title}{left_out if i == 0 else ''}: {place(point)}{behind}")
     critical = [(states[step], "; ".join(lines), colour, True)
