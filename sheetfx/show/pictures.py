@@ -12,7 +12,17 @@ from ..contact.fields import ContactState
 from ..scene import RigidCylinder, RigidPlane
 from ..state import State
 from .display import save_picture
-from .evaluate import ContactPoints, Curves, communicator, last_state_kept, most_telling, stays, travel, unit_of, with_unit
+from .evaluate import (
+    ContactPoints,
+    Curves,
+    communicator,
+    last_state_kept,
+    most_telling,
+    stays,
+    travel,
+    unit_of,
+    with_unit,
+)
 from .layout import Sheet
 from .surfaces import has_surfaces
 from .views import draw_views, view
