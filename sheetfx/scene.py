@@ -324,6 +324,7 @@ class Scene:
             raise ValueError("Scene: no load; give at least one")
         if not self.supports:
             raise ValueError("Scene: the structure has no support and can move freely; add a support")
+        self._check_motions()
         for model in self.models:
             self._check_spaces([part for part in self.parts if part.model is model])
 
@@ -331,6 +332,13 @@ class Scene:
     def models(self) -> list[Model]:
         """The models of the parts, each once, in order."""
         return list(dict.fromkeys(part.model for part in self.parts))
+
+    def _check_motions(self) -> None:
+        """Refuse motions that prescribe one displacement twice."""
+        moved = [(load.model, load.at, load.component) for load in self.loads if isinstance(load, Motion)]
+        for i, (_, at, component) in enumerate(moved):
+            if moved[i] in moved[:i]:
+                raise ValueError(f"Motion of {at!r}: component {component} is prescribed twice; keep one of the two")
 
     def _check_spaces(self, parts) -> None:
         """Refuse parts of one model that cannot share its unknowns, and rotations where there are none."""

@@ -184,6 +184,14 @@ def test_load_on_supports_only():
         fx.Path(scene)
 
 
+def test_displacement_prescribed_twice():
+    base = scene().scene
+    model = base.parts[0].model
+    motions = [fx.Motion(model, "crown", "y", distance) for distance in (-1.0, 1.0)]
+    with pytest.raises(ValueError, match="Motion of 'crown': component y is prescribed twice; keep one"):
+        Scene(base.parts, base.supports, motions, base.monitor)
+
+
 def test_shell_without_material():
     model = fx.read(lambda: fx.meshes.rectangle((1, 1)), 3)
     with pytest.raises(ValueError, match=r"Shell: material is None, but Plate\(thickness=0.1.*give an Elastic"):
