@@ -14,6 +14,7 @@ from .scene import Monitor
 from .solve.arclength import create
 from .solve.control import StepRule, Tangent
 from .solve.linear import SingularTangent
+from .solve.spectrum import diagonal, nearest_to_zero
 from .state import State
 
 
@@ -116,6 +117,11 @@ class Tracer:
     def _mark_factored(self) -> None:
         """Remember that the last factor is that of the current state."""
         self._factored = self.state, self.total_factorisations
+
+    def spectrum(self, count: int) -> tuple[list[float], list[PETSc.Vec]]:
+        """Eigenvalues of the last factored tangent nearest to zero in the scaled inner product, and modes."""
+        values, modes = nearest_to_zero(self.stepper.linear, diagonal(self.system.weights), count)
+        return values, [self.system.create_vector(mode.array) for mode in modes]
 
     def load_vector(self) -> PETSc.Vec:
         """Derivative of the external forces with respect to the load factor, in the current state."""
@@ -229,3 +235,8 @@ class Tracer:
         """Inner product of increments of load factor and unknowns in the control's measure."""
         (a, left), (b, right) = one, other
         return self.system.comm.allreduce(float(left * self.system.weights.array @ right)) + self._load_weight() * a * b
+
+
+def tracer_of(path) -> Tracer:
+    """The tracer of a Path, or the Tracer given."""
+    return getattr(path, "tracer", path)

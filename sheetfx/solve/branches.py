@@ -15,6 +15,7 @@ from scipy.optimize import brentq, minimize_scalar, root
 
 from ..checks import require_positive_number
 from ..state import CriticalPoint, State
+from ..tracer import tracer_of
 from .critical import state_at
 from .modes import largest_displacement
 from .reduction import NoSolution, Reduction
@@ -77,7 +78,7 @@ def branches(path, states: Sequence[State], point: CriticalPoint, amplitude: flo
     """
     require_positive_number("branches", amplitude=amplitude)
     before, after = _step_of(states, point)
-    tracer = getattr(path, "tracer", path)
+    tracer = tracer_of(path)
     present = tracer.state
     try:
         state_at(tracer, before, after, point)

@@ -9,6 +9,7 @@ from scipy.interpolate import KroghInterpolator
 from scipy.optimize import minimize_scalar
 
 from ..state import CriticalPoint, State
+from ..tracer import tracer_of
 from .koiter import postbuckling
 from .stretch import Jump, Missed, Stretch
 
@@ -58,8 +59,19 @@ def locate(tracer, earlier: State | None, before: State, after: State,
     return tuple(sorted(points, key=lambda p: (p.step, p.length)))
 
 
-def state_at(tracer, before: State, after: State, point: CriticalPoint) -> State:
-    """The state of a critical point of the step from `before` to `after`, again; the tracer ends there."""
+def state_at(path, before: State, after: State, point: CriticalPoint) -> State:
+    """The state of a critical point of the step from `before` to `after`, again; the tracer ends there.
+
+    Parameters
+    ----------
+    path : Path or Tracer that the states belong to
+
+    Raises
+    ------
+    ArithmeticError
+        If it does not converge again.
+    """
+    tracer = tracer_of(path)
     stretch = Stretch(tracer, before, after)
     if abs(point.length - after.length) <= 1e-12 * after.length:
         tracer.factor_at(after)
@@ -84,10 +96,8 @@ def _check(stretch: Stretch) -> None:
             if right - left < SHORTEST * stretch.after.length:
                 raise Jump("tangents within the step do not explain its load")
             middle = (left + right) / 2
-            try:
-                stretch[middle]
-            except Missed:
-                raise Jump("the middle of the step does not converge") from None
+            if not stretch.reach(middle):
+                raise Jump("the middle of the step does not converge")
             pieces += [(left, middle), (middle, right)]
 
 
@@ -168,9 +178,7 @@ def _crossings(stretch: Stretch, left: float, right: float, near: float) -> list
         middle = (left + right) / 2
         if right - left <= 3 * near:
             return [_Crossing(left, one.load, one.deflection)] * count
-        try:
-            stretch[middle]
-        except Missed:
+        if not stretch.reach(middle):
             return []
         return _crossings(stretch, left, middle, near) + _crossings(stretch, middle, right, near)
     numbers = [None] if one.unstable is None else range(*sorted((one.unstable, other.unstable)))
@@ -194,9 +202,7 @@ def _crossing(stretch: Stretch, number: int | None, count: int, left: float, rig
     found = _Crossing(*map(float, KroghInterpolator(values, table)(0.0)))
     if abs(found.length - middle) > reach:
         found = _Crossing(*table[int(np.argmin(np.abs(values)))])
-    try:
-        stretch[found.length]
-    except Missed:
+    if not stretch.reach(found.length):
         found = replace(found, length=middle)
     if stretch.guarded:
         _compare_sides(stretch, found.length, reach, count)
@@ -218,12 +224,8 @@ def _around(stretch: Stretch, middle: float, reach: float) -> list[float]:
         nearest = min(stretch.states, key=lambda s, wanted=wanted: abs(s - wanted))
         if abs(nearest - wanted) < reach / 8:
             lengths.append(nearest)
-        elif 0 < wanted < stretch.after.length:
-            try:
-                stretch[wanted]
-                lengths.append(wanted)
-            except Missed:
-                pass
+        elif 0 < wanted < stretch.after.length and stretch.reach(wanted):
+            lengths.append(wanted)
     return lengths
 
 

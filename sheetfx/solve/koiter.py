@@ -59,8 +59,7 @@ class Energy:
 
     def leave(self) -> None:
         """Put the fields back to the state."""
-        zero = self._system.create_vector()
-        self._system.configure(zero)
+        self._system.configure(self._system.create_vector())
 
 
 @dataclass(frozen=True)
@@ -149,8 +148,7 @@ class _Complement:
 
     def __init__(self, tracer, mode: PETSc.Vec):
         self._solver, self._mode = tracer.stepper.linear, mode
-        self._weighted = mode.duplicate()
-        self._weighted.pointwiseMult(tracer.system.weights, mode)
+        self._weighted = tracer.system.weights * mode
 
     def __call__(self, right: PETSc.Vec) -> PETSc.Vec:
         solution = right.duplicate()

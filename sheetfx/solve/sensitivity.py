@@ -9,9 +9,9 @@ import numpy as np
 from ..discretise import Discretisation
 from ..scene import Scene
 from ..state import CriticalPoint, State
+from ..tracer import tracer_of
 from .critical import state_at
 from .koiter import expansion
-from .spectrum import diagonal, nearest_to_zero
 
 
 def limit_of_imperfect(point: CriticalPoint, amplitude: float, sensitivity: float = 1.0) -> float:
@@ -60,11 +60,24 @@ def imperfection_sensitivity(path, before: State, after: State, point: CriticalP
     before, after : states of the step that the bifurcation lies in
     scene : function from an amplitude to the imperfect structure, on a mesh from `imperfect`
     amplitude : small enough for differences, such as a thousandth of a thickness
+
+    Raises
+    ------
+    ValueError
+        If the point is no simple bifurcation, or the amplitude is not positive.
     """
-    tracer = getattr(path, "tracer", path)
-    state = state_at(tracer, before, after, point)
-    _, modes = nearest_to_zero(tracer.stepper.linear, diagonal(tracer.system.weights), 1)
-    e = expansion(tracer, modes[0], [before, after])
+    if point.kind != "bifurcation" or point.multiplicity > 1:
+        raise ValueError(f"imperfection_sensitivity: the {point.title} at load {point.load:.6g} is no simple "
+                         "bifurcation; give one that is")
+    if not amplitude > 0:
+        raise ValueError(f"imperfection_sensitivity: amplitude is {amplitude}; it must be positive")
+    tracer = tracer_of(path)
+    present = tracer.state
+    try:
+        state = state_at(tracer, before, after, point)
+        e = expansion(tracer, tracer.spectrum(1)[1][0], [before, after])
+    finally:
+        tracer.back_to(present)
     pushes = []
     for sign in (1.0, -1.0):
         imperfect = Discretisation(scene(sign * amplitude))

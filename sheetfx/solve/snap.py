@@ -9,6 +9,7 @@ from itertools import pairwise
 from pathlib import Path as Folder
 
 from ..state import State
+from ..tracer import tracer_of
 from .descent import Fall, FallStep
 
 HOLDS = ("load", "displacement")
@@ -75,7 +76,7 @@ def snap(path, state: State, hold: str = "load", side: int = 1,
     SnapFailure
         If no stable state is found.
     """
-    tracer = getattr(path, "tracer", path)
+    tracer = tracer_of(path)
     _check(tracer, state, hold, side)
     present = tracer.state
     try:

@@ -10,7 +10,6 @@ from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import brentq
 
 from ..state import State
-from .spectrum import diagonal, nearest_to_zero
 
 TURNING = 0.4  # radians between chord and tangents of a piece of path, from which its middle is looked at
 UNEXPLAINED = 0.25  # of the load or the reactions by the steeper tangent, likewise
@@ -59,6 +58,14 @@ class Stretch:
                 raise Jump("a state within the step is off the path")
             self.states[length] = state
         return self.states[length]
+
+    def reach(self, length: float) -> bool:
+        """Have the state at a length, if it converges."""
+        try:
+            self[length]
+        except Missed:
+            return False
+        return True
 
     def neighbours(self, length: float) -> tuple[float, float]:
         """Lengths of the nearest states on both sides."""
@@ -111,7 +118,7 @@ class Stretch:
         residual, correction = system.create_vector(), system.create_vector()
         system.residual(residual)
         tracer.stepper.linear.solve(residual, correction)
-        (value, *_), (mode, *_) = nearest_to_zero(tracer.stepper.linear, diagonal(system.weights), 1)
+        (value, *_), (mode, *_) = tracer.spectrum(1)
         return tracer.distance(0.0, correction.array) + tracer.stepper.rounding * mode.norm() / abs(value)
 
     def explained(self, left: float, right: float) -> bool:
@@ -120,14 +127,12 @@ class Stretch:
         distance = self.distance(left, right)
         return (all(self.tracer.angle(chord, t) <= TURNING for t in tangents)
                 and self._follows(chord[0], [t[0] for t in tangents], distance)
-                and self._follows(*(self._reactions(v) for v in (chord[1], [t[1] for t in tangents])), distance))
+                and self._follows(self._reactions(chord[1]), [self._reactions(t[1]) for t in tangents], distance))
 
-    def _reactions(self, increments):
+    def _reactions(self, increment: np.ndarray) -> np.ndarray:
         """Multipliers of prescribed motions, which the inner product does not weigh, on all processes."""
-        places = self.tracer.system.multiplier_places
-        if isinstance(increments, list):
-            return [self._reactions(i) for i in increments]
-        return np.concatenate(self.tracer.system.comm.allgather(increments[places]))
+        system = self.tracer.system
+        return np.concatenate(system.comm.allgather(increment[system.multiplier_places]))
 
     @staticmethod
     def _follows(change, rates: Sequence, distance: float) -> bool:
@@ -155,9 +160,7 @@ class Stretch:
         found = self._spectra.get(length)
         if found is None or len(found[0]) < count:
             self.tracer.factor_at(self[length])
-            weights = diagonal(self.tracer.system.weights)
-            values, modes = nearest_to_zero(self.tracer.stepper.linear, weights, count)
-            found = self._spectra[length] = values, [self.tracer.system.create_vector(m.array) for m in modes]
+            found = self._spectra[length] = self.tracer.spectrum(count)
         return found
 
     def eigenvalue(self, length: float, number: int | None, count: int) -> float:
