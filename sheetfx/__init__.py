@@ -7,11 +7,11 @@ that the command line starts fast.
 from importlib import import_module as _import_module
 
 _HOMES = {
-    "Bar": "scene", "Beam": "scene", "Contact": "scene", "LineForce": "scene", "Moment": "scene",
-    "Monitor": "scene", "Motion": "scene", "PointForce": "scene", "Push": "scene",
-    "EdgeForce": "scene", "SurfaceForce": "scene", "Pressure": "scene", "Shell": "shell", "ShellForm": "shell",
-    "Plate": "section", "GivenPlate": "section", "ShellStiffness": "section", "RigidCylinder": "scene",
-    "RigidPlane": "scene", "Scene": "scene", "Support": "scene", "clamp": "scene", "pin": "scene",
+    "Bar": "beam", "Beam": "beam", "Contact": "scene", "LineForce": "loads", "Moment": "loads",
+    "Monitor": "scene", "Motion": "loads", "PointForce": "loads", "Push": "loads",
+    "EdgeForce": "loads", "SurfaceForce": "loads", "Pressure": "loads", "Shell": "shell", "ShellForm": "shell",
+    "Plate": "section", "GivenPlate": "section", "ShellStiffness": "section", "RigidCylinder": "obstacles",
+    "RigidPlane": "obstacles", "Scene": "scene", "Support": "scene", "clamp": "scene", "pin": "scene",
     "symmetry": "scene", "Elastic": "section", "Rectangle": "section", "Tube": "section", "round_bar": "section",
     "Path": "path", "PathFailure": "path", "Until": "path", "Case": "case", "Record": "case", "trace": "case",
     "run": "case", "read": "mesh.reader", "ArcLength": "solve.control", "DisplacementControl": "solve.control",

@@ -15,22 +15,10 @@ from .compat import JIT
 from .contact.enforcement import Enforcement
 from .contact.fields import ContactFields
 from .kinematics import Kinematics, kinematics_of
-from .mesh.reader import Model
+from .loads import EdgeForce, LineForce, Moment, Motion, PointForce, Pressure, Push, SurfaceForce
+from .mesh.reader import COMPONENTS, Model
 from .numbers import lift_numbers
-from .scene import (
-    COMPONENTS,
-    Contact,
-    EdgeForce,
-    LineForce,
-    Moment,
-    Monitor,
-    Motion,
-    PointForce,
-    Pressure,
-    Push,
-    Scene,
-    SurfaceForce,
-)
+from .scene import Contact, Monitor, Scene
 from .supports import fixed_places, turn_nodes
 from .timing import Stopwatch
 from .unknowns import AdditiveField, Block, Unknowns

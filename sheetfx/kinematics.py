@@ -9,8 +9,7 @@ import numpy as np
 from dolfinx import fem
 
 from . import forms
-from .mesh.reader import Model
-from .scene import COMPONENTS
+from .mesh.reader import COMPONENTS, Model
 from .unknowns import AdditiveField, Block, QuaternionField
 
 

@@ -6,15 +6,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-import ufl
 
-from . import forms
 from .beam import Bar, Beam
-from .checks import require_positive
-from .mesh.reader import Model
+from .loads import Moment, Motion
+from .mesh.reader import COMPONENTS, Model
+from .obstacles import RigidCylinder, RigidPlane
 from .shell import Shell
-
-COMPONENTS = {2: ("x", "y", "rz"), 3: ("x", "y", "z", "rx", "ry", "rz")}
 
 
 @dataclass(frozen=True)
@@ -83,61 +80,6 @@ def _axes_from(first: Sequence[float]) -> np.ndarray:
 
 
 @dataclass(frozen=True, eq=False)
-class RigidCylinder:
-    """Rigid cylinder (a circle in the plane of x and y) that may travel along a direction.
-
-    Attributes
-    ----------
-    radius, centre : of the circle
-    travel : direction of its free motion; None: it is fixed
-    """
-
-    radius: float
-    centre: tuple[float, float]
-    travel: tuple[float, float] | None = None
-
-    def __post_init__(self):
-        require_positive(self, "radius")
-
-    def gap(self, x, shift):
-        return forms.interface.cylinder_gap(x, self._centre(shift), self.radius)
-
-    def slip(self, x, shift, x_before, shift_before):
-        return forms.interface.cylinder_slip(x, self._centre(shift), x_before, self._centre(shift_before), self.radius)
-
-    def _centre(self, shift):
-        return [c + s for c, s in zip(self.centre, shift, strict=True)]
-
-
-@dataclass(frozen=True, eq=False)
-class RigidPlane:
-    """Rigid half-plane behind `point`; `normal` points to the free side."""
-
-    point: tuple[float, float]
-    normal: tuple[float, float]
-    travel: tuple[float, float] | None = None
-
-    def __post_init__(self):
-        length = sum(c * c for c in self.normal) ** 0.5
-        if abs(length - 1) > 1e-12:
-            raise ValueError(f"RigidPlane: normal {self.normal} has length {length}; it must be a unit vector")
-
-    def gap(self, x, shift):
-        return forms.interface.plane_gap(x, self._point(shift), self._vector(self.normal))
-
-    def slip(self, x, shift, x_before, shift_before):
-        tangent = self._vector((-self.normal[1], self.normal[0]))
-        return forms.interface.plane_slip(x, self._point(shift), x_before, self._point(shift_before), tangent)
-
-    def _point(self, shift):
-        return self._vector([p + s for p, s in zip(self.point, shift, strict=True)])
-
-    @staticmethod
-    def _vector(components):
-        return forms.vector(components)
-
-
-@dataclass(frozen=True, eq=False)
 class Contact:
     """Unilateral contact, with or without friction, between a beam and a rigid obstacle.
 
@@ -176,117 +118,6 @@ class Contact:
             value = getattr(self, name)
             if value is not None and value < 0:
                 raise ValueError(f"Contact: {name} is {value}; it must not be negative")
-
-
-def _require_components(what: str, given: Sequence[float], count: int) -> None:
-    """Refuse a vector of another length than the structure's space demands."""
-    if len(given) != count:
-        raise ValueError(f"{what} {tuple(map(float, given))} has {len(given)} components; give {count}")
-
-
-@dataclass(frozen=True)
-class PointForce:
-    """Force of fixed direction at each vertex of a named point, for a load factor of 1."""
-
-    model: Model
-    at: str
-    force: tuple[float, ...]
-
-    def __post_init__(self):
-        self.model.at(self.at)
-        _require_components(f"PointForce at {self.at!r}: force", self.force, self.model.dimension)
-
-
-@dataclass(frozen=True)
-class Moment:
-    """Moment at a named point or per length of a named edge, conjugate to the spin.
-
-    One number in the plane, three in space.
-    """
-
-    model: Model
-    at: str
-    moment: float | tuple[float, float, float]
-
-    def __post_init__(self):
-        _require_components(f"Moment at {self.at!r}: moment", np.ravel(self.moment), 2 * self.model.dimension - 3)
-
-
-@dataclass(frozen=True, eq=False)
-class LineForce:
-    """Force per reference length on a beam or on bars; `follower`: components on the turning frame.
-
-    The force is given by numbers, or by a function from the place (UFL vector) to components.
-
-    In space the tangent of a follower force takes rotations between nodes to the first order, which costs
-    an iteration, not accuracy.
-    """
-
-    beam: Beam | Bar
-    force: tuple[float, ...] | Callable
-    follower: bool = False
-
-    def __post_init__(self):
-        if not callable(self.force):
-            _require_components("LineForce: force", self.force, self.beam.model.dimension)
-        if self.follower and isinstance(self.beam, Bar):
-            raise ValueError("LineForce: follower is True, but bars have no cross-section that turns; make it False")
-
-    def components(self) -> Sequence:
-        """Numbers, or UFL expressions of the place."""
-        return self.force(ufl.SpatialCoordinate(self.beam.model.mesh)) if callable(self.force) else self.force
-
-
-@dataclass(frozen=True)
-class EdgeForce:
-    """Force of fixed direction per reference length of a named edge of shells."""
-
-    model: Model
-    at: str
-    force: tuple[float, float, float]
-
-
-@dataclass(frozen=True, eq=False)
-class SurfaceForce:
-    """Force of fixed direction per reference area of a shell."""
-
-    shell: Shell
-    force: tuple[float, float, float]
-
-
-@dataclass(frozen=True, eq=False)
-class Pressure:
-    """Pressure along the current normal of a shell, which follows it as it turns."""
-
-    shell: Shell
-    pressure: float
-
-
-@dataclass(frozen=True, eq=False)
-class Push:
-    """Force on an obstacle along its travel."""
-
-    obstacle: RigidCylinder | RigidPlane
-    force: float
-
-
-@dataclass(frozen=True)
-class Motion:
-    """Prescribed displacement component of a named point, or of all of a named edge; its reaction is an unknown.
-
-    Nodes of the edge where a support fixes the component stay there.
-    """
-
-    model: Model
-    at: str
-    component: str
-    distance: float
-
-    def __post_init__(self):
-        known = COMPONENTS[self.model.dimension][:self.model.dimension]
-        self.model.at(self.at)
-        if self.component not in known:
-            raise ValueError(f"Motion of {self.at!r}: no component {self.component!r}; choose from {' '.join(known)}")
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,8 @@ import numpy as np
 from dolfinx import fem
 
 from .kinematics import Kinematics
-from .scene import COMPONENTS, Support
+from .mesh.reader import COMPONENTS
+from .scene import Support
 from .unknowns import AdditiveField
 
 

@@ -12,7 +12,8 @@ from functools import partial
 import numpy as np
 
 from .case import Case
-from .scene import Motion, Support
+from .loads import Motion
+from .scene import Support
 from .scenes import (
     arch,
     column,

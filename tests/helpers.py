@@ -16,10 +16,12 @@ from scipy.optimize import fsolve
 from scipy.spatial.transform import Rotation
 
 from sheetfx import meshes
+from sheetfx.beam import Beam
 from sheetfx.case import Case, Record, trace
+from sheetfx.loads import LineForce, PointForce
 from sheetfx.mesh.reader import Model, read
 from sheetfx.path import Path, Until
-from sheetfx.scene import Beam, LineForce, Monitor, PointForce, Scene, Support, clamp, pin, symmetry
+from sheetfx.scene import Monitor, Scene, Support, clamp, pin, symmetry
 from sheetfx.section import Elastic, Rectangle
 from sheetfx.solve.branches import Branch, branches
 from sheetfx.solve.control import LoadControl

@@ -22,22 +22,13 @@ from helpers import (
     turn_rigidly,
 )
 
+from sheetfx.beam import Beam
 from sheetfx.case import trace
 from sheetfx.discretise import Discretisation
+from sheetfx.loads import LineForce, Moment, Motion, PointForce, Push
+from sheetfx.obstacles import RigidCylinder
 from sheetfx.path import Path
-from sheetfx.scene import (
-    Beam,
-    Contact,
-    LineForce,
-    Moment,
-    Monitor,
-    Motion,
-    PointForce,
-    Push,
-    RigidCylinder,
-    Scene,
-    clamp,
-)
+from sheetfx.scene import Contact, Monitor, Scene, clamp
 from sheetfx.scenes import bend, deep_arch, lee_frame, roll_up
 from sheetfx.section import Elastic, Rectangle
 from sheetfx.solve.control import ArcLength, DisplacementControl, LoadControl

@@ -14,10 +14,11 @@ from scipy.special import ellipk
 from sheetfx import meshes
 from sheetfx.beam import Bar
 from sheetfx.case import trace
+from sheetfx.loads import PointForce
 from sheetfx.mesh.imperfection import imperfect
 from sheetfx.mesh.reader import read
 from sheetfx.path import Path, Until
-from sheetfx.scene import Monitor, PointForce, Scene, Support, pin
+from sheetfx.scene import Monitor, Scene, Support, pin
 from sheetfx.scenes import plate_buckling, roorda_frame, sinusoidal_arch
 from sheetfx.section import Elastic, Rectangle
 from sheetfx.show.curves import draw_branches

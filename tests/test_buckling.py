@@ -8,11 +8,13 @@ import pytest
 from helpers import follow, hinged_arch, ring_under_pressure, whole_arch
 
 from sheetfx import meshes
+from sheetfx.beam import Beam
 from sheetfx.case import trace
+from sheetfx.loads import LineForce, Motion, PointForce
 from sheetfx.mesh.imperfection import imperfect
 from sheetfx.mesh.reader import read
 from sheetfx.path import Path, Until
-from sheetfx.scene import Beam, LineForce, Monitor, Motion, PointForce, Scene, Support, clamp, pin
+from sheetfx.scene import Monitor, Scene, Support, clamp, pin
 from sheetfx.scenes import cylinder_buckling, plate_buckling
 from sheetfx.section import Elastic, round_bar
 from sheetfx.show.modes import draw_modes, mode_files

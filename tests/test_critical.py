@@ -8,10 +8,12 @@ import pytest
 from helpers import hinged_arch, on_two_processes, ring_under_pressure, whole_arch
 
 from sheetfx import meshes
+from sheetfx.beam import Beam
 from sheetfx.case import Case, trace
+from sheetfx.loads import PointForce
 from sheetfx.mesh.reader import read
 from sheetfx.path import PathFailure, Until
-from sheetfx.scene import Beam, Monitor, PointForce, Scene, Support, pin
+from sheetfx.scene import Monitor, Scene, Support, pin
 from sheetfx.section import Elastic, Rectangle
 from sheetfx.solve.control import ArcLength, LoadControl
 from sheetfx.solve.critical import state_at

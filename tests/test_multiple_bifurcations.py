@@ -8,9 +8,11 @@ from helpers import buckled_column, follow, started
 from truss import Truss
 
 from sheetfx import meshes
+from sheetfx.beam import Beam
 from sheetfx.case import trace
+from sheetfx.loads import PointForce
 from sheetfx.mesh.reader import read
-from sheetfx.scene import Beam, Monitor, PointForce, Scene, Support, pin
+from sheetfx.scene import Monitor, Scene, Support, pin
 from sheetfx.scenes import star_dome
 from sheetfx.section import Elastic, Rectangle
 from sheetfx.solve.branches import zeros_around

@@ -12,9 +12,10 @@ from helpers import distance, energy_and_residual, move_at_random, response, tan
 from sheetfx import meshes
 from sheetfx.discretise import Discretisation
 from sheetfx.forms.shell import ShellStrains
+from sheetfx.loads import EdgeForce, PointForce, Pressure, SurfaceForce
 from sheetfx.mesh.reader import read
 from sheetfx.path import Path
-from sheetfx.scene import EdgeForce, Monitor, PointForce, Pressure, Scene, Support, SurfaceForce, clamp, symmetry
+from sheetfx.scene import Monitor, Scene, Support, clamp, symmetry
 from sheetfx.section import Elastic, GivenPlate, Plate, ShellStiffness
 from sheetfx.shell import FORMS, TRIANGLE, Shell
 from sheetfx.solve.control import LoadControl

@@ -10,8 +10,9 @@ import pytest
 from helpers import cantilever, energy_and_residual, follow, hinged_column, on_two_processes, straight
 from scipy.optimize import brentq
 
+from sheetfx.loads import LineForce, Motion, PointForce
 from sheetfx.path import Path, Until
-from sheetfx.scene import LineForce, Motion, PointForce, Support
+from sheetfx.scene import Support
 from sheetfx.scenes import arch, cylinder_buckling, deep_arch, lee_frame, roof, star_dome, von_mises_truss
 from sheetfx.show.snaps import falls_curve
 from sheetfx.solve.branches import branches

@@ -8,9 +8,11 @@ import pytest
 from helpers import cantilever, follow, on_two_processes, straight
 
 from sheetfx import meshes
+from sheetfx.beam import Beam
+from sheetfx.loads import EdgeForce, LineForce, Motion, PointForce
 from sheetfx.mesh.reader import read
 from sheetfx.path import Path
-from sheetfx.scene import Beam, EdgeForce, LineForce, Monitor, Motion, PointForce, Scene, Support, clamp, pin
+from sheetfx.scene import Monitor, Scene, Support, clamp, pin
 from sheetfx.scenes import plate_buckling, von_mises_truss
 from sheetfx.section import Elastic, Plate, Rectangle
 from sheetfx.shell import Shell

@@ -17,6 +17,7 @@ from .partition import keep_junctions_whole
 
 RULES = 8
 ORDERS = 1, 2, 3
+COMPONENTS = {2: ("x", "y", "rz"), 3: ("x", "y", "z", "rx", "ry", "rz")}  # of displacement and rotation, by dimension
 
 
 @dataclass(eq=False)

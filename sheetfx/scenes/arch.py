@@ -10,10 +10,13 @@ from mpi4py import MPI
 from typer import Option
 
 from .. import meshes
+from ..beam import Beam
 from ..case import Case, Record, trace
+from ..loads import PointForce, Push
 from ..mesh.reader import Model, read
+from ..obstacles import RigidCylinder
 from ..path import Until
-from ..scene import Beam, Contact, Monitor, PointForce, Push, RigidCylinder, Scene, clamp, symmetry
+from ..scene import Contact, Monitor, Scene, clamp, symmetry
 from ..section import Elastic, Rectangle
 from ..show import contact as contact_pictures
 from ..show.curves import path_curve

@@ -14,9 +14,11 @@ import numpy as np
 from typer import Option
 
 from .. import meshes
+from ..beam import Beam
 from ..case import Case, Record
+from ..loads import PointForce
 from ..mesh.reader import Model, read
-from ..scene import Beam, Monitor, PointForce, Scene, clamp
+from ..scene import Monitor, Scene, clamp
 from ..section import Elastic, Rectangle
 from ..show.curves import path_curve
 from ..show.files import paraview

@@ -8,7 +8,8 @@ from typer import Option
 
 from ..benchmark import Cells, Form, Published, Reading, Steps, benchmark, members, surface
 from ..case import Case
-from ..scene import EdgeForce, clamp
+from ..loads import EdgeForce
+from ..scene import clamp
 from ..section import Elastic, Plate
 from ..shell import Shell
 

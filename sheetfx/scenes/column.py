@@ -12,10 +12,12 @@ from typing import Annotated
 from typer import Option
 
 from .. import meshes
+from ..beam import Beam
 from ..case import Case, Record
 from ..checks import require_positive_number
+from ..loads import PointForce
 from ..mesh.reader import read
-from ..scene import Beam, Monitor, PointForce, Scene, Support
+from ..scene import Monitor, Scene, Support
 from ..section import Elastic, Rectangle
 from ..show.curves import path_curve
 from ..show.files import paraview

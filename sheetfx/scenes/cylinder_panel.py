@@ -16,8 +16,9 @@ from typer import Option
 from ..benchmark import Form, surface
 from ..case import Case
 from ..checks import require_positive_number
+from ..loads import EdgeForce
 from ..path import Until
-from ..scene import EdgeForce, Monitor, Scene, Support, symmetry
+from ..scene import Monitor, Scene, Support, symmetry
 from ..section import Elastic, Plate
 from ..shell import Shell
 from ..show.curves import path_curve

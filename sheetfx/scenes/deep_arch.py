@@ -18,10 +18,12 @@ from typing import Annotated
 from typer import Option
 
 from .. import meshes
+from ..beam import Beam
 from ..case import Case, Record
+from ..loads import PointForce
 from ..mesh.reader import read
 from ..path import Until
-from ..scene import Beam, Monitor, PointForce, Scene, clamp, pin, symmetry
+from ..scene import Monitor, Scene, clamp, pin, symmetry
 from ..section import Elastic, Rectangle
 from ..show.curves import path_curve
 from ..show.files import paraview

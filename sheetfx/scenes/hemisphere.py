@@ -13,7 +13,8 @@ from typer import Option
 
 from ..benchmark import Cells, Form, Published, Reading, Steps, at_load, benchmark, members, slopes, surface
 from ..case import Case
-from ..scene import PointForce, Support, symmetry
+from ..loads import PointForce
+from ..scene import Support, symmetry
 from ..section import Elastic, Plate
 from ..shell import Shell
 

@@ -8,7 +8,7 @@ from typer import Option
 
 from ..benchmark import Cells, Form, LinearSteps, Reading, ShearFactor, benchmark, members, slopes
 from ..case import Case
-from ..scene import PointForce
+from ..loads import PointForce
 from ..section import Elastic, Plate
 from ..shell import Shell
 from .diaphragm_cylinder import eighth

@@ -17,8 +17,9 @@ from typer import Option
 
 from ..benchmark import Form, surface
 from ..case import Case, Record
+from ..loads import EdgeForce
 from ..path import Until
-from ..scene import EdgeForce, Monitor, Scene, Support
+from ..scene import Monitor, Scene, Support
 from ..section import Elastic, Plate
 from ..shell import Shell
 from ..show.modes import draw_modes, mode_files

@@ -9,7 +9,8 @@ from typer import Option
 
 from ..benchmark import Cells, Form, Published, Reading, Steps, benchmark, cylinder, members
 from ..case import Case
-from ..scene import PointForce, symmetry
+from ..loads import PointForce
+from ..scene import symmetry
 from ..section import Elastic, Plate
 from ..shell import Shell
 

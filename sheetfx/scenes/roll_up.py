@@ -8,10 +8,12 @@ from typing import Annotated
 from typer import Option
 
 from .. import meshes
+from ..beam import Beam
 from ..benchmark import surface
 from ..case import Case, Record
+from ..loads import Moment
 from ..mesh.reader import Model, read
-from ..scene import Beam, Moment, Monitor, Scene, Support, clamp, symmetry
+from ..scene import Monitor, Scene, Support, clamp, symmetry
 from ..section import Elastic, Plate, Rectangle
 from ..shell import FORMS, Shell
 from ..show.curves import path_curve

@@ -9,7 +9,8 @@ from typer import Option
 
 from ..benchmark import Cells, Form, LinearSteps, Reading, ShearFactor, benchmark, cylinder, members, slopes
 from ..case import Case
-from ..scene import Support, SurfaceForce, symmetry
+from ..loads import SurfaceForce
+from ..scene import Support, symmetry
 from ..section import Elastic, Plate
 from ..shell import Shell
 

@@ -9,8 +9,9 @@ from typer import Option
 
 from ..benchmark import Cells, FirstArc, Form, Published, Reading, benchmark, cylinder, members
 from ..case import Case
+from ..loads import PointForce
 from ..path import Until
-from ..scene import PointForce, clamp, symmetry
+from ..scene import clamp, symmetry
 from ..section import Elastic, Plate
 from ..shell import Shell
 from ..solve.control import ArcLength

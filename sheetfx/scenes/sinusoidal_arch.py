@@ -16,11 +16,13 @@ import ufl
 from typer import Option
 
 from .. import meshes
+from ..beam import Beam
 from ..case import Case
 from ..checks import require_positive_number
+from ..loads import LineForce
 from ..mesh.reader import read
 from ..path import Until
-from ..scene import Beam, LineForce, Monitor, Scene, pin
+from ..scene import Monitor, Scene, pin
 from ..section import Elastic, Rectangle
 from ..show.curves import path_curve
 from ..show.files import paraview

@@ -14,9 +14,10 @@ from .. import meshes
 from ..beam import Bar
 from ..case import Case
 from ..checks import require_positive_number
+from ..loads import PointForce
 from ..mesh.reader import read
 from ..path import Until
-from ..scene import Monitor, PointForce, Scene, pin
+from ..scene import Monitor, Scene, pin
 from ..section import Elastic, Rectangle
 from ..show.curves import path_curve
 from ..show.files import paraview

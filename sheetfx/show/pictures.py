@@ -9,7 +9,7 @@ import numpy as np
 
 from ..case import Record
 from ..contact.fields import ContactState
-from ..scene import RigidCylinder, RigidPlane
+from ..obstacles import RigidCylinder, RigidPlane
 from ..state import State
 from .display import save_picture
 from .evaluate import (
