@@ -273,3 +273,7 @@ def test_limit_points_have_no_branches(planar_column):
         branches(planar_column.path, planar_column.states[:1], point)
     with pytest.raises(ValueError, match="amplitude is -1"):
         branches(planar_column.path, planar_column.states, point, amplitude=-1.0)
+    short = [replace(state, increment=state.increment[:-1]) for state in planar_column.states]
+    with pytest.raises(ValueError, match="give states of this path"):
+        branches(planar_column.path, short, point)
+

@@ -77,8 +77,8 @@ def branches(path, states: Sequence[State], point: CriticalPoint, amplitude: flo
     NoBranch
     """
     require_positive_number("branches", amplitude=amplitude)
-    before, after = _step_of(states, point)
     tracer = tracer_of(path)
+    before, after = _step_of(states, point, len(tracer.x.array))
     present = tracer.state
     try:
         state_at(tracer, before, after, point)
@@ -88,7 +88,8 @@ def branches(path, states: Sequence[State], point: CriticalPoint, amplitude: flo
         tracer.back_to(present)
 
 
-def _step_of(states: Sequence[State], point: CriticalPoint) -> tuple[State, State]:
+def _step_of(states: Sequence[State], point: CriticalPoint, size: int) -> tuple[State, State]:
+    """States before and after a bifurcation, of a path with so many unknowns on this process."""
     if point.kind != "bifurcation":
         raise ValueError(f"branches: a {point.kind} point (load {point.load:.6g}) has no branches; "
                          "the path itself goes on through it")
@@ -96,7 +97,11 @@ def _step_of(states: Sequence[State], point: CriticalPoint) -> tuple[State, Stat
     if not {point.step - 1, point.step} <= set(by_step):
         raise ValueError(f"branches: the states of steps {point.step - 1} and {point.step} around the bifurcation at "
                          f"load {point.load:.6g} are missing; give the states of the whole path")
-    return by_step[point.step - 1], by_step[point.step]
+    found = by_step[point.step - 1], by_step[point.step]
+    if len({len(state.increment) for state in found} | {size}) > 1:
+        raise ValueError(f"branches: the states have {len(found[1].increment)} unknowns and the path has {size}; give "
+                         "states of this path")
+    return found
 
 
 def _found(reduction: Reduction, amplitude: float) -> list[Branch]:
