@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 import numpy as np
 import scifem
 import ufl
@@ -19,6 +22,7 @@ from .loads import EdgeForce, LineForce, Moment, Motion, PointForce, Pressure, P
 from .mesh.reader import COMPONENTS, Model
 from .numbers import lift_numbers
 from .scene import Contact, Monitor, Scene
+from .state import State
 from .supports import fixed_places, turn_nodes
 from .timing import Stopwatch
 from .unknowns import AdditiveField, Block, Unknowns
@@ -284,6 +288,18 @@ class Discretisation:
         for m in self._kept():
             m.x.array[:] = snapshot[m.name]
         self.enforcement.keep()
+
+    @contextmanager
+    def visiting(self, state: State) -> Iterator[None]:
+        """Be at a state with its load factor, and afterwards where it was before."""
+        kept, factor = self.snapshot(), self.system.factor
+        try:
+            self.restore(state.fields)
+            self.system.factor = state.factor
+            yield
+        finally:
+            self.restore(kept)
+            self.system.factor = factor
 
     def _kept(self) -> list[fem.Function]:
         return [c.multiplier for c in self.contacts if c.block is None]

@@ -85,16 +85,10 @@ def buckling(path, state: State, count: int = 6, *, supports: Sequence | None = 
     discretisation = path.discretisation
     if supports is not None:
         discretisation = Discretisation(replace(discretisation.scene, supports=supports))
-    system = discretisation.system
-    kept, factor = discretisation.snapshot(), system.factor
-    try:
-        discretisation.restore(state.fields)
+    with discretisation.visiting(state):
         problem = _Problem(discretisation, state, state.step > 0 if prebuckling is None else prebuckling)
         found = _complete(problem, count, tolerance)
         return problem.describe(found, tolerance)
-    finally:
-        discretisation.restore(kept)
-        system.factor = factor
 
 
 class _Problem:

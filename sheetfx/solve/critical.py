@@ -40,8 +40,9 @@ def locate(tracer, earlier: State | None, before: State, after: State,
         If the states of the step do not lie on one smooth piece of path.
     """
     stretch = Stretch(tracer, before, after)
-    if stretch.guarded and most is not None and _hidden(before, after) > most:
-        raise Jump(f"{_hidden(before, after)} bifurcations lie in one step")
+    hidden = _hidden(before, after)
+    if stretch.guarded and most is not None and hidden > most:
+        raise Jump(f"{hidden} bifurcations lie in one step")
     if tracer.discretisation.contacts:
         limits = _turning_loads(stretch, earlier)
     else:

@@ -40,22 +40,24 @@ class Energy:
             self._system.residual(out)
         return out
 
-    def hessian(self, x: PETSc.Vec, load: float, mode: PETSc.Vec) -> PETSc.Vec:
-        """Its product with a mode, where the load factor has changed by `load`."""
-        out, system = x.duplicate(), self._system
+    def hessian(self, x: PETSc.Vec, load: float, modes: Sequence[PETSc.Vec]) -> list[PETSc.Vec]:
+        """Its products with modes, where the load factor has changed by `load`."""
+        system, products = self._system, [x.duplicate() for _ in modes]
         with system.additive_increments():
             system.factor = self._factor + load
             system.configure(x)
             system.extrapolate_stress()
-            system.tangent().mult(mode, out)
+            matrix = system.tangent()
+            for mode, product in zip(modes, products, strict=True):
+                matrix.mult(mode, product)
             system.factor = self._factor
-        return out
+        return products
 
-    def third(self, mode: PETSc.Vec, along: PETSc.Vec, load: float = 0.0) -> PETSc.Vec:
-        """Change of the Hessian's product with a mode along an increment of unknowns and load factor."""
+    def third(self, modes: Sequence[PETSc.Vec], along: PETSc.Vec, load: float = 0.0) -> list[PETSc.Vec]:
+        """Change of the Hessian's products with modes along an increment of unknowns and load factor."""
         step = STEP / max(self._tracer.distance(0.0, along.array), 1e-300)
-        ahead, behind = (self.hessian(sign * step * along, sign * step * load, mode) for sign in (1.0, -1.0))
-        return (ahead - behind) / (2 * step)
+        ahead, behind = (self.hessian(sign * step * along, sign * step * load, modes) for sign in (1.0, -1.0))
+        return [(one - other) / (2 * step) for one, other in zip(ahead, behind, strict=True)]
 
     def leave(self) -> None:
         """Put the fields back to the state."""
@@ -92,14 +94,13 @@ def expansion(tracer, mode: PETSc.Vec, neighbours: Sequence[State]) -> Expansion
     size = 1 / tracer.distance(0.0, unit.array)
     mode = size * unit
     energy, solve = Energy(tracer), _Complement(tracer, mode)
-    third = energy.third(mode, mode)
+    (third,) = energy.third([mode], mode)
     cubic = mode.dot(third)
     slope = solve(tracer.load_vector())
-    stiffness = mode.dot(energy.third(mode, slope, 1.0))
-    bend = mode.dot(energy.third(slope, slope, 1.0))
+    stiffness, bend = (mode.dot(change) for change in energy.third([mode, slope], slope, 1.0))
     quartic = 24 * _quartic(energy, mode, solve(-0.5 * third))
     energy.leave()
-    along = sum(_component(tracer, mode, s.response) for s in neighbours) / len(neighbours)
+    along = sum(tracer.inner((0.0, mode.array), (0.0, s.response)) for s in neighbours) / len(neighbours)
     return Expansion(mode, size, cubic, stiffness + cubic * _fundamental(cubic, stiffness, bend, along), quartic)
 
 
@@ -124,13 +125,6 @@ def postbuckling(tracer, state: State, modes: Sequence[PETSc.Vec], point: Critic
         return replace(point, name="asymmetric", slope=first / state.factor)
     point = replace(point, name="stable symmetric" if e.quartic > 0 else "unstable symmetric", slope=0.0)
     return replace(point, curvature=second / state.factor) if reach > RESOLVED * e.size else point
-
-
-def _component(tracer, mode: PETSc.Vec, array: np.ndarray) -> float:
-    """Share of a mode in an increment."""
-    vector = mode.duplicate()
-    vector.array[:] = array
-    return tracer.tangent.inner(mode, vector)
 
 
 def _fundamental(cubic: float, stiffness: float, bend: float, seen: float) -> float:

@@ -20,7 +20,7 @@ from petsc4py import PETSc
 
 from ..state import State
 from .linear import SingularTangent
-from .spectrum import PREFIX, diagonal, nearest_to_zero
+from .spectrum import PREFIX
 
 ITERATIONS = 12
 CONVERGED = 1e-7  # last correction over the amplitude; with Newton's method the next one is its square
@@ -70,8 +70,7 @@ class Reduction:
     def __init__(self, tracer, multiplicity: int, after: State):
         self.tracer, self.system, self.bifurcation = tracer, tracer.system, tracer.state
         self.linear = tracer.stepper.linear
-        pairs = list(zip(*nearest_to_zero(self.linear, diagonal(self.system.weights), multiplicity + 1), strict=True))
-        pairs.sort(key=lambda pair: abs(pair[0]))
+        pairs = sorted(zip(*tracer.spectrum(multiplicity + 1), strict=True), key=lambda pair: abs(pair[0]))
         self.modes = [mode for _, mode in pairs[:multiplicity]]
         if len(pairs) <= multiplicity:
             raise ArithmeticError(f"branches: only {len(pairs)} of the {multiplicity + 1} modes nearest to zero at "

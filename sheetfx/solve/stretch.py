@@ -118,8 +118,11 @@ class Stretch:
         residual, correction = system.create_vector(), system.create_vector()
         system.residual(residual)
         tracer.stepper.linear.solve(residual, correction)
+        distance = tracer.distance(0.0, correction.array)
+        if not tracer.stepper.rounding:
+            return distance
         (value, *_), (mode, *_) = tracer.spectrum(1)
-        return tracer.distance(0.0, correction.array) + tracer.stepper.rounding * mode.norm() / abs(value)
+        return distance + tracer.stepper.rounding * mode.norm() / abs(value)
 
     def explained(self, left: float, right: float) -> bool:
         """Whether the tangents at the ends of a piece lead along it, and their mean gives its load and reactions."""

@@ -60,18 +60,11 @@ def frequencies(path, state: State, count: int = 6) -> list[Vibration]:
     """
     require_positive_number("frequencies", count=count)
     discretisation = path.discretisation
-    system = discretisation.system
-    if not system.symmetric:
+    if not discretisation.system.symmetric:
         raise ValueError("frequencies: the tangent is not symmetric (friction, pressure, follower forces or moments in "
                          "space), so that they can be complex; use loads of fixed direction")
-    kept, factor = discretisation.snapshot(), system.factor
-    try:
-        discretisation.restore(state.fields)
-        system.factor = state.factor
+    with discretisation.visiting(state):
         return _about_current(discretisation, count)
-    finally:
-        discretisation.restore(kept)
-        system.factor = factor
 
 
 def _about_current(discretisation: Discretisation, count: int) -> list[Vibration]:
