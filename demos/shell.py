@@ -18,9 +18,9 @@ import numpy as np
 from ufl import as_matrix, as_vector, dot
 
 import sheetfx as fx
-from sheetfx.benchmark import at_load, read_off
 from sheetfx.forms.shell import ShellStrains
 from sheetfx.scenes import hemisphere
+from sheetfx.scenes._benchmark import at_load, read_off
 
 QUICK = bool(os.environ.get("SHEETFX_QUICK"))
 

@@ -18,7 +18,7 @@ import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 
 import sheetfx as fx
-from sheetfx.shell import FORMS, TRIANGLE
+from sheetfx.model.shell import FORMS, TRIANGLE
 
 QUICK = bool(os.environ.get("SHEETFX_QUICK"))
 

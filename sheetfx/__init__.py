@@ -7,20 +7,20 @@ that the command line starts fast.
 from importlib import import_module as _import_module
 
 _HOMES = {
-    "Bar": "beam", "Beam": "beam", "Contact": "scene", "LineForce": "loads", "Moment": "loads",
-    "Monitor": "scene", "Motion": "loads", "PointForce": "loads", "Push": "loads",
-    "EdgeForce": "loads", "SurfaceForce": "loads", "Pressure": "loads", "Shell": "shell", "ShellForm": "shell",
-    "Plate": "section", "GivenPlate": "section", "ShellStiffness": "section", "RigidCylinder": "obstacles",
-    "RigidPlane": "obstacles", "Scene": "scene", "Support": "scene", "clamp": "scene", "pin": "scene",
-    "symmetry": "scene", "Elastic": "section", "Rectangle": "section", "Tube": "section", "round_bar": "section",
+    "Bar": "model.beam", "Beam": "model.beam", "Contact": "model.scene", "LineForce": "model.loads", "Moment": "model.loads",
+    "Monitor": "model.scene", "Motion": "model.loads", "PointForce": "model.loads", "Push": "model.loads",
+    "EdgeForce": "model.loads", "SurfaceForce": "model.loads", "Pressure": "model.loads", "Shell": "model.shell", "ShellForm": "model.shell",
+    "Plate": "model.section", "GivenPlate": "model.section", "ShellStiffness": "model.section", "RigidCylinder": "model.obstacles",
+    "RigidPlane": "model.obstacles", "Scene": "model.scene", "Support": "model.scene", "clamp": "model.scene", "pin": "model.scene",
+    "symmetry": "model.scene", "Elastic": "model.section", "Rectangle": "model.section", "Tube": "model.section", "round_bar": "model.section",
     "Path": "path", "PathFailure": "path", "Until": "path", "Case": "case", "Record": "case", "trace": "case",
-    "run": "case", "read": "mesh.reader", "ArcLength": "solve.control", "DisplacementControl": "solve.control",
-    "LoadControl": "solve.control", "buckling": "solve.buckling", "BucklingLoad": "solve.buckling",
-    "mode_displacement": "solve.modes", "imperfect": "mesh.imperfection", "branches": "solve.branches",
-    "Branch": "solve.branches", "frequencies": "solve.vibration", "Vibration": "solve.vibration",
-    "snap": "solve.snap", "snaps": "solve.snap", "Snap": "solve.snap", "SnapFailure": "solve.descent",
-    "limit_of_imperfect": "solve.sensitivity", "imperfection_sensitivity": "solve.sensitivity",
-    "state_at": "solve.critical", "measured": "mesh.imperfection", "random_field": "mesh.imperfection",
+    "run": "case", "read": "mesh.reader", "ArcLength": "continuation.control", "DisplacementControl": "continuation.control",
+    "LoadControl": "continuation.control", "buckling": "stability.buckling", "BucklingLoad": "stability.buckling",
+    "mode_displacement": "stability.modes", "imperfect": "mesh.imperfection", "branches": "stability.branches",
+    "Branch": "stability.branches", "frequencies": "stability.vibration", "Vibration": "stability.vibration",
+    "snap": "stability.snap", "snaps": "stability.snap", "Snap": "stability.snap", "SnapFailure": "stability.descent",
+    "limit_of_imperfect": "stability.sensitivity", "imperfection_sensitivity": "stability.sensitivity",
+    "state_at": "stability.critical", "measured": "mesh.imperfection", "random_field": "mesh.imperfection",
 }
 _MODULES = ("forms", "meshes", "show")
 

@@ -7,7 +7,7 @@ import json
 import os
 from pathlib import Path
 
-from .state import State
+from .continuation.state import State
 
 COLUMNS = ("step", "load", "deflection", "factor", "unstable", "load_rate", "iterations", "factorisations",
            "length", "contact_points", "penetration")

@@ -11,20 +11,20 @@ from typing import TYPE_CHECKING
 from mpi4py import MPI
 
 from .archive import Archive
+from .continuation.control import ArcLength, StepRule
+from .continuation.state import CriticalPoint, State
+from .model.scene import Scene
 from .path import Path, PathFailure, Until
-from .scene import Scene
-from .solve.control import ArcLength, StepRule
-from .state import CriticalPoint, State
 
 if TYPE_CHECKING:
-    from .solve.buckling import BucklingLoad
+    from .stability.buckling import BucklingLoad
 
 PARTS = ("compile", "assembly", "factorisation", "solve", "contact", "path", "output")
 
 
 def _linear_buckling(path: Path, state: State) -> list[BucklingLoad]:
     """`solve.buckling.buckling`, imported when first asked for: SLEPc starts slowly."""
-    from .solve.buckling import buckling
+    from .stability.buckling import buckling
 
     return buckling(path, state)
 

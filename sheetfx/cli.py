@@ -2,127 +2,25 @@
 
 from __future__ import annotations
 
-import importlib
-import importlib.util
-import inspect
 import os
-import pkgutil
 import sys
 from pathlib import Path
 from typing import Annotated
 
-import click
 import typer
-from typer.core import TyperGroup
 
-PLAIN = {"add_completion": False, "pretty_exceptions_enable": False}
+from .scenes import load_scene, scene_names
+from .studies.run import PLAIN, run_app
+
 app = typer.Typer(help="Stability of thin sheet-and-bar structures.", no_args_is_help=True, **PLAIN)
-
-
-def scene_names() -> list[str]:
-    """Names of the built-in scenes."""
-    folder = Path(__file__).parent / "scenes"
-    return sorted(m.name.replace("_", "-") for m in pkgutil.iter_modules([str(folder)]))
-
-
-def load_scene(name: str):
-    """The function `scene` of a built-in scene or of a user's script.
-
-    Raises
-    ------
-    ValueError
-        Where there is no such scene or script, or the script cannot be used.
-    """
-    if name.endswith(".py"):
-        file = Path(name)
-        if not file.is_file():
-            raise ValueError(f"cannot read the script {name}: no such file; check the path")
-        spec = importlib.util.spec_from_file_location(file.stem, file)
-        module = importlib.util.module_from_spec(spec)
-        sys.modules[file.stem] = module
-        try:
-            spec.loader.exec_module(module)
-        except SyntaxError as error:
-            raise ValueError(f"cannot read the script {name}: {error}; mend that line") from None
-    elif name in scene_names():
-        module = importlib.import_module(f"sheetfx.scenes.{name.replace('-', '_')}")
-    else:
-        raise ValueError(f"unknown scene {name!r}; choose one of {', '.join(scene_names())}, or a script ending in .py")
-    if not hasattr(module, "scene"):
-        raise ValueError(f"the script {name} has no function `scene` that returns a sheetfx.Case; add one")
-    return module.scene
-
-
-class Scenes(TyperGroup):
-    """Sub-commands of `run`, made from the signature of each scene's function."""
-
-    def list_commands(self, context):
-        return scene_names()
-
-    def get_command(self, context, name):
-        try:
-            function = load_scene(name)
-        except ValueError as error:
-            raise click.UsageError(str(error)) from None
-        single = typer.Typer(**PLAIN)
-        single.command(name=Path(name).stem, help=inspect.getdoc(function))(_runner(name, function))
-        return typer.main.get_command(single)
-
-    def format_commands(self, context, formatter):
-        """List the names without importing every scene."""
-        with formatter.section("Scenes"):
-            formatter.write_text(", ".join(scene_names()) + "; or your own script.py with a function `scene`")
-
-
-run_app = typer.Typer(cls=Scenes)
 app.add_typer(run_app, name="run")
-
-
-@run_app.callback(invoke_without_command=True, no_args_is_help=True)
-def run_group(listing: Annotated[bool, typer.Option("--list", help="Print the names of all scenes.")] = False) -> None:
-    """Trace the path of a scene and write its folder."""
-    if listing:
-        typer.echo("\n".join(scene_names()))
-        raise typer.Exit
-
-
-def _runner(name: str, function):
-    """A command with the options of a scene's function and those of every run."""
-    def command(output: Path | None, resume: bool, **parameters):
-        run_scene(name, function, parameters, output, resume)
-
-    own = [
-        inspect.Parameter("output", inspect.Parameter.KEYWORD_ONLY, default=None, annotation=Annotated[
-            Path | None, typer.Option("-o", "--output", help="Folder of the results; default results/NAME.")]),
-        inspect.Parameter("resume", inspect.Parameter.KEYWORD_ONLY, default=False, annotation=Annotated[
-            bool, typer.Option("--resume", help="Go on with an interrupted run in that folder.")]),
-    ]
-    signature = inspect.signature(function, eval_str=True)
-    scene_parameters = [p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in signature.parameters.values()]
-    command.__signature__ = inspect.Signature(scene_parameters + own)
-    return command
-
-
-def run_scene(name: str, function, parameters: dict, output: Path | None, resume: bool) -> None:
-    """Run one scene with progress on the terminal."""
-    from .case import run
-    from .show.progress import Progress
-
-    folder = output or Path("results") / Path(name).stem
-    with Progress(Path(name).stem, folder) as progress:
-        case = function(**parameters)
-        progress.begin(case)
-        summary = run(case, Path(name).stem, parameters, folder, resume, [progress])
-        progress.report(summary)
-    if summary["status"] != "finished":
-        raise typer.Exit(1)
 
 
 @app.command()
 def warm(scenes: Annotated[list[str] | None, typer.Argument(help="Names of scenes; default all.")] = None) -> None:
     """Compile the forms of scenes and of all shells, so that their first run starts at once."""
-    from .discretise import Discretisation
-    from .shell import FORMS
+    from .discrete.discretisation import Discretisation
+    from .model.shell import FORMS
 
     for name in scenes or scene_names():
         typer.echo(f"compiling the forms of {name}")
@@ -142,8 +40,8 @@ def chart(
     """Draw error against CPU time of a scene's meshes and forms, beside other programs."""
     from rich.console import Console
 
-    from .show.chart import draw_chart, print_table, write_table
-    from .study import family, measure
+    from .studies.chart import family, measure
+    from .studies.chart_picture import draw_chart, print_table, write_table
 
     console, title = Console(highlight=False), Path(name).stem
     reference, members, peers = family(name)
@@ -169,10 +67,10 @@ def failure_map(
     """Draw which method of path following passes which trap, and how the others fail."""
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-    from .failure_map import choose, failure_map, write_map
-    from .methods import METHODS
-    from .show.failure_map import draw_map
-    from .traps import TRAPS
+    from .studies.failure_map import choose, failure_map, write_map
+    from .studies.map_picture import draw_map
+    from .studies.methods import METHODS
+    from .studies.traps import TRAPS
 
     rows, columns = choose("trap", traps, TRAPS), choose("method", methods, METHODS)
     layout = TextColumn("paths"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()

@@ -14,13 +14,13 @@ from dataclasses import dataclass, replace
 from itertools import count
 
 from .checks import require_positive
-from .discretise import Discretisation
-from .scene import Scene
-from .solve.control import ArcLength, LoadControl, StepRule
-from .solve.critical import locate
-from .solve.stretch import Jump
-from .state import CriticalPoint, State
-from .tracer import Tracer
+from .continuation.control import ArcLength, LoadControl, StepRule
+from .continuation.state import CriticalPoint, State
+from .continuation.stretch import Jump
+from .continuation.tracer import Tracer
+from .discrete.discretisation import Discretisation
+from .model.scene import Scene
+from .stability.critical import locate
 
 CROWDED, UNCROWDED = 4, 8  # bifurcations for which a step is cut, and the number of cuts made on their account
 

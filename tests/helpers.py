@@ -16,16 +16,16 @@ from scipy.optimize import fsolve
 from scipy.spatial.transform import Rotation
 
 from sheetfx import meshes
-from sheetfx.beam import Beam
 from sheetfx.case import Case, Record, trace
-from sheetfx.loads import LineForce, PointForce
+from sheetfx.continuation.control import LoadControl
+from sheetfx.continuation.state import CriticalPoint
 from sheetfx.mesh.reader import Model, read
+from sheetfx.model.beam import Beam
+from sheetfx.model.loads import LineForce, PointForce
+from sheetfx.model.scene import Monitor, Scene, Support, clamp, pin, symmetry
+from sheetfx.model.section import Elastic, Rectangle
 from sheetfx.path import Path, Until
-from sheetfx.scene import Monitor, Scene, Support, clamp, pin, symmetry
-from sheetfx.section import Elastic, Rectangle
-from sheetfx.solve.branches import Branch, branches
-from sheetfx.solve.control import LoadControl
-from sheetfx.state import CriticalPoint
+from sheetfx.stability.branches import Branch, branches
 
 
 def straight(elements: int, length: float = 1.0, dimension: int = 2) -> Model:

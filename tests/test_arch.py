@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 
 from sheetfx.case import trace
+from sheetfx.continuation.control import DisplacementControl
 from sheetfx.scenes.arch import quantities, scene
-from sheetfx.solve.control import DisplacementControl
 
 THICKNESS = 4.7625
 CONVERGED = {0.2: 1.0000, 0.4: 1.0000, 0.6: 1.0219, 0.8: 1.1564, 1.0: 1.2920}

@@ -11,10 +11,10 @@ from truss import Truss
 
 import sheetfx as fx
 from sheetfx.case import Case, trace
-from sheetfx.discretise import Discretisation
+from sheetfx.continuation.control import ArcLength, LoadControl
+from sheetfx.discrete.discretisation import Discretisation
 from sheetfx.path import Path
 from sheetfx.scenes import star_dome, von_mises_truss
-from sheetfx.solve.control import ArcLength, LoadControl
 
 STRAINS = {"engineering": fx.forms.bar.engineering, "green": fx.forms.bar.green}
 SECTION, MATERIAL = fx.Rectangle(0.5, 2.0), fx.Elastic(3.0)

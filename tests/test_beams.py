@@ -22,16 +22,16 @@ from helpers import (
     turn_rigidly,
 )
 
-from sheetfx.beam import Beam
 from sheetfx.case import trace
-from sheetfx.discretise import Discretisation
-from sheetfx.loads import LineForce, Moment, Motion, PointForce, Push
-from sheetfx.obstacles import RigidCylinder
+from sheetfx.continuation.control import ArcLength, DisplacementControl, LoadControl
+from sheetfx.discrete.discretisation import Discretisation
+from sheetfx.model.beam import Beam
+from sheetfx.model.loads import LineForce, Moment, Motion, PointForce, Push
+from sheetfx.model.obstacles import RigidCylinder
+from sheetfx.model.scene import Contact, Monitor, Scene, clamp
+from sheetfx.model.section import Elastic, Rectangle
 from sheetfx.path import Path
-from sheetfx.scene import Contact, Monitor, Scene, clamp
 from sheetfx.scenes import bend, deep_arch, lee_frame, roll_up
-from sheetfx.section import Elastic, Rectangle
-from sheetfx.solve.control import ArcLength, DisplacementControl, LoadControl
 
 BENDING = 0.1**4 / 12 * 1.2e5
 

@@ -12,19 +12,19 @@ from scipy.optimize import minimize_scalar
 from scipy.special import ellipk
 
 from sheetfx import meshes
-from sheetfx.beam import Bar
 from sheetfx.case import trace
-from sheetfx.loads import PointForce
+from sheetfx.continuation.control import ArcLength, LoadControl
 from sheetfx.mesh.imperfection import imperfect
 from sheetfx.mesh.reader import read
+from sheetfx.model.beam import Bar
+from sheetfx.model.loads import PointForce
+from sheetfx.model.scene import Monitor, Scene, Support, pin
+from sheetfx.model.section import Elastic, Rectangle
 from sheetfx.path import Path, Until
-from sheetfx.scene import Monitor, Scene, Support, pin
 from sheetfx.scenes import plate_buckling, roorda_frame, sinusoidal_arch
-from sheetfx.section import Elastic, Rectangle
 from sheetfx.show.curves import draw_branches
-from sheetfx.solve.branches import branches
-from sheetfx.solve.control import ArcLength, LoadControl
-from sheetfx.solve.modes import mode_displacement
+from sheetfx.stability.branches import branches
+from sheetfx.stability.modes import mode_displacement
 
 
 def swaying_arch(model):

@@ -8,19 +8,19 @@ import pytest
 from helpers import follow, hinged_arch, ring_under_pressure, whole_arch
 
 from sheetfx import meshes
-from sheetfx.beam import Beam
 from sheetfx.case import trace
-from sheetfx.loads import LineForce, Motion, PointForce
+from sheetfx.continuation.control import ArcLength, LoadControl
 from sheetfx.mesh.imperfection import imperfect
 from sheetfx.mesh.reader import read
+from sheetfx.model.beam import Beam
+from sheetfx.model.loads import LineForce, Motion, PointForce
+from sheetfx.model.scene import Monitor, Scene, Support, clamp, pin
+from sheetfx.model.section import Elastic, round_bar
 from sheetfx.path import Path, Until
-from sheetfx.scene import Monitor, Scene, Support, clamp, pin
 from sheetfx.scenes import cylinder_buckling, plate_buckling
-from sheetfx.section import Elastic, round_bar
 from sheetfx.show.modes import draw_modes, mode_files
-from sheetfx.solve.buckling import buckling, clusters
-from sheetfx.solve.control import ArcLength, LoadControl
-from sheetfx.solve.modes import mode_displacement
+from sheetfx.stability.buckling import buckling, clusters
+from sheetfx.stability.modes import mode_displacement
 
 COLUMN = Elastic(1e7, 0.3)
 EULER = pi**2 * 1e7 * pi * 0.01**4 / 64

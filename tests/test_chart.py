@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from sheetfx.study import Member, Peer, Point, Unusable, error_percent, measure, options, rivals
+from sheetfx.studies.chart import Member, Peer, Point, Unusable, error_percent, measure, options, rivals
 
 SCRIPT = '''
 from sheetfx.scenes.bend import scene as bend

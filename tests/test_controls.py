@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from sheetfx.case import trace
+from sheetfx.continuation.control import SIGNS, ArcLength, DisplacementControl, LoadControl
+from sheetfx.model.scene import Monitor
 from sheetfx.path import Path, PathFailure
-from sheetfx.scene import Monitor
 from sheetfx.scenes import arch, lee_frame, roll_up
-from sheetfx.solve.control import SIGNS, ArcLength, DisplacementControl, LoadControl
 
 COUNTING = "current stiffness with displacement extremes"
 

@@ -8,15 +8,15 @@ import pytest
 from helpers import hinged_arch, on_two_processes, ring_under_pressure, whole_arch
 
 from sheetfx import meshes
-from sheetfx.beam import Beam
 from sheetfx.case import Case, trace
-from sheetfx.loads import PointForce
+from sheetfx.continuation.control import ArcLength, LoadControl
 from sheetfx.mesh.reader import read
+from sheetfx.model.beam import Beam
+from sheetfx.model.loads import PointForce
+from sheetfx.model.scene import Monitor, Scene, Support, pin
+from sheetfx.model.section import Elastic, Rectangle
 from sheetfx.path import PathFailure, Until
-from sheetfx.scene import Monitor, Scene, Support, pin
-from sheetfx.section import Elastic, Rectangle
-from sheetfx.solve.control import ArcLength, LoadControl
-from sheetfx.solve.critical import state_at
+from sheetfx.stability.critical import state_at
 
 STEPS = (1 / 16, 1 / 4, 1, 4, 16)
 

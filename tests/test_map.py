@@ -11,13 +11,13 @@ import pytest
 from mpi4py import MPI
 
 from sheetfx.archive import Archive
-from sheetfx.failure_map import REFERENCE, choose, trace, within
-from sheetfx.judgement import BACK, JUMPED, PASSED, STALLED, WRONG, Judge, Trail
-from sheetfx.methods import METHODS
+from sheetfx.continuation.state import CriticalPoint
 from sheetfx.path import Path, Until
 from sheetfx.scenes import arch
-from sheetfx.state import CriticalPoint
-from sheetfx.traps import TRAPS, Expected, Trap
+from sheetfx.studies.failure_map import REFERENCE, choose, trace, within
+from sheetfx.studies.judgement import BACK, JUMPED, PASSED, STALLED, WRONG, Judge, Trail
+from sheetfx.studies.methods import METHODS
+from sheetfx.studies.traps import TRAPS, Expected, Trap
 
 TILTING = Trap(
     "tilting-arch", "The determinant is positive again behind the bifurcation.",

@@ -8,15 +8,15 @@ from helpers import buckled_column, follow, started
 from truss import Truss
 
 from sheetfx import meshes
-from sheetfx.beam import Beam
 from sheetfx.case import trace
-from sheetfx.loads import PointForce
+from sheetfx.continuation.control import LoadControl
 from sheetfx.mesh.reader import read
-from sheetfx.scene import Monitor, Scene, Support, pin
+from sheetfx.model.beam import Beam
+from sheetfx.model.loads import PointForce
+from sheetfx.model.scene import Monitor, Scene, Support, pin
+from sheetfx.model.section import Elastic, Rectangle
 from sheetfx.scenes import star_dome
-from sheetfx.section import Elastic, Rectangle
-from sheetfx.solve.branches import zeros_around
-from sheetfx.solve.control import LoadControl
+from sheetfx.stability.branches import zeros_around
 
 
 def test_column_that_may_bend_in_any_direction():

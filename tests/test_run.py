@@ -15,10 +15,10 @@ from petsc4py import PETSc
 import sheetfx as fx
 from sheetfx.archive import Archive
 from sheetfx.case import Case, run, trace
-from sheetfx.loads import PointForce
-from sheetfx.obstacles import RigidCylinder
+from sheetfx.model.loads import PointForce
+from sheetfx.model.obstacles import RigidCylinder
+from sheetfx.model.scene import Contact, Monitor, Scene, Support
 from sheetfx.path import PathFailure, Until
-from sheetfx.scene import Contact, Monitor, Scene, Support
 from sheetfx.scenes.arch import arch_model, scene
 
 SMALL = {"ratio": 1.0, "elements": 40, "layer": 10.8, "to": 12.0}

@@ -7,11 +7,11 @@ import pytest
 from helpers import hinged_arch, whole_arch
 
 from sheetfx.case import Case, trace
+from sheetfx.continuation.control import ArcLength
+from sheetfx.continuation.state import CriticalPoint
 from sheetfx.mesh.imperfection import imperfect
 from sheetfx.path import Until
-from sheetfx.solve.control import ArcLength
-from sheetfx.solve.sensitivity import imperfection_sensitivity, limit_of_imperfect
-from sheetfx.state import CriticalPoint
+from sheetfx.stability.sensitivity import imperfection_sensitivity, limit_of_imperfect
 
 HALF, DEPTH = radians(7.338), 4.7625
 

@@ -10,15 +10,15 @@ import ufl
 from helpers import distance, energy_and_residual, move_at_random, response, tangents, turn_rigidly
 
 from sheetfx import meshes
-from sheetfx.discretise import Discretisation
+from sheetfx.continuation.control import LoadControl
+from sheetfx.discrete.discretisation import Discretisation
 from sheetfx.forms.shell import ShellStrains
-from sheetfx.loads import EdgeForce, PointForce, Pressure, SurfaceForce
 from sheetfx.mesh.reader import read
+from sheetfx.model.loads import EdgeForce, PointForce, Pressure, SurfaceForce
+from sheetfx.model.scene import Monitor, Scene, Support, clamp, symmetry
+from sheetfx.model.section import Elastic, GivenPlate, Plate, ShellStiffness
+from sheetfx.model.shell import FORMS, TRIANGLE, Shell
 from sheetfx.path import Path
-from sheetfx.scene import Monitor, Scene, Support, clamp, symmetry
-from sheetfx.section import Elastic, GivenPlate, Plate, ShellStiffness
-from sheetfx.shell import FORMS, TRIANGLE, Shell
-from sheetfx.solve.control import LoadControl
 
 SHAPES = ("square", "distorted", "curved")
 PANEL = {"a": (0, 0, 0), "b": (1, 0, 0), "c": (1, 1, 0), "d": (0, 1, 0)}

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sheetfx.benchmark import at_load
 from sheetfx.case import trace
 from sheetfx.scenes import (
     cantilever,
@@ -19,6 +18,7 @@ from sheetfx.scenes import (
     semi_cylinder,
     slit_annulus,
 )
+from sheetfx.scenes._benchmark import at_load
 
 
 def run(module, **parameters):

@@ -37,15 +37,15 @@ from sheetfx import (
     trace,
 )
 from sheetfx.archive import Archive
-from sheetfx.cli import load_scene
-from sheetfx.shell import FORMS, TRIANGLE
+from sheetfx.continuation.state import CriticalPoint
+from sheetfx.model.shell import FORMS, TRIANGLE
+from sheetfx.scenes import load_scene
 from sheetfx.show import contact, curves, display, pictures
 from sheetfx.show.evaluate import ContactPoints, Curves, most_telling, travel, unit_of, with_unit
 from sheetfx.show.files import paraview
 from sheetfx.show.layout import Sheet
 from sheetfx.show.surfaces import surfaces
 from sheetfx.show.views import Camera, fit_titles, view
-from sheetfx.state import CriticalPoint
 
 RADIUS, COPIES = 3380.6, 2
 

@@ -10,17 +10,17 @@ import pytest
 from helpers import cantilever, energy_and_residual, follow, hinged_column, on_two_processes, straight
 from scipy.optimize import brentq
 
-from sheetfx.loads import LineForce, Motion, PointForce
+from sheetfx.continuation.control import ArcLength, DisplacementControl, LoadControl
+from sheetfx.continuation.state import State
+from sheetfx.model.loads import LineForce, Motion, PointForce
+from sheetfx.model.scene import Support
 from sheetfx.path import Path, Until
-from sheetfx.scene import Support
 from sheetfx.scenes import arch, cylinder_buckling, deep_arch, lee_frame, roof, star_dome, von_mises_truss
 from sheetfx.show.snaps import falls_curve
-from sheetfx.solve.branches import branches
-from sheetfx.solve.control import ArcLength, DisplacementControl, LoadControl
-from sheetfx.solve.critical import state_at
-from sheetfx.solve.descent import SnapFailure
-from sheetfx.solve.snap import snap, snaps
-from sheetfx.state import State
+from sheetfx.stability.branches import branches
+from sheetfx.stability.critical import state_at
+from sheetfx.stability.descent import SnapFailure
+from sheetfx.stability.snap import snap, snaps
 
 
 def beyond_limit(record):

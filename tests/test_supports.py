@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 import sheetfx as fx
 from sheetfx.case import Case, trace
-from sheetfx.solve.control import LoadControl
+from sheetfx.continuation.control import LoadControl
 
 RADIUS = 10.0
 

@@ -8,17 +8,17 @@ import pytest
 from helpers import cantilever, follow, on_two_processes, straight
 
 from sheetfx import meshes
-from sheetfx.beam import Beam
-from sheetfx.loads import EdgeForce, LineForce, Motion, PointForce
+from sheetfx.continuation.control import LoadControl
 from sheetfx.mesh.reader import read
+from sheetfx.model.beam import Beam
+from sheetfx.model.loads import EdgeForce, LineForce, Motion, PointForce
+from sheetfx.model.scene import Monitor, Scene, Support, clamp, pin
+from sheetfx.model.section import Elastic, Plate, Rectangle
+from sheetfx.model.shell import Shell
 from sheetfx.path import Path
-from sheetfx.scene import Monitor, Scene, Support, clamp, pin
 from sheetfx.scenes import plate_buckling, von_mises_truss
-from sheetfx.section import Elastic, Plate, Rectangle
-from sheetfx.shell import Shell
-from sheetfx.solve.control import LoadControl
-from sheetfx.solve.modes import mode_displacement
-from sheetfx.solve.vibration import frequencies
+from sheetfx.stability.modes import mode_displacement
+from sheetfx.stability.vibration import frequencies
 
 STEEL, SECTION = Elastic(1e7, 0.3, density=2.0), Rectangle(0.02, 0.01)
 BENDING, MASS = 1e7 * 0.02 * 0.01**3 / 12, 2.0 * 0.02 * 0.01

@@ -9,15 +9,6 @@ from scipy.sparse.csgraph import connected_components
 from .reader import Model
 
 
-def advice_on_supports(scene) -> str:
-    """What to do about a structure that can move freely: names a piece without support where there is one."""
-    for model in scene.models:
-        loose = pieces_without(model, [support.at for support in scene.supports if support.model is model])
-        if loose:
-            return f"nothing supports the piece with {loose[0]}; add a support or join it to the rest"
-    return "check that the supports hold all rigid motions of every part"
-
-
 def pieces_without(model: Model, places: list[str]) -> list[str]:
     """Names of groups and points on each connected piece of a model that has none of the named places."""
     topology, comm = model.mesh.topology, model.mesh.comm

@@ -10,19 +10,19 @@ from mpi4py import MPI
 from typer import Option
 
 from .. import meshes
-from ..beam import Beam
 from ..case import Case, Record, trace
-from ..loads import PointForce, Push
+from ..continuation.control import ArcLength
 from ..mesh.reader import Model, read
-from ..obstacles import RigidCylinder
+from ..model.beam import Beam
+from ..model.loads import PointForce, Push
+from ..model.obstacles import RigidCylinder
+from ..model.scene import Contact, Monitor, Scene, clamp, symmetry
+from ..model.section import Elastic, Rectangle
 from ..path import Until
-from ..scene import Contact, Monitor, Scene, clamp, symmetry
-from ..section import Elastic, Rectangle
 from ..show import contact as contact_pictures
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
-from ..solve.control import ArcLength
 
 RADIUS, WIDTH, MODULUS = 3380.6, 25.4, 72395.0
 

@@ -14,16 +14,16 @@ import numpy as np
 from typer import Option
 
 from .. import meshes
-from ..beam import Beam
 from ..case import Case, Record
-from ..loads import PointForce
+from ..continuation.control import LoadControl
 from ..mesh.reader import Model, read
-from ..scene import Monitor, Scene, clamp
-from ..section import Elastic, Rectangle
+from ..model.beam import Beam
+from ..model.loads import PointForce
+from ..model.scene import Monitor, Scene, clamp
+from ..model.section import Elastic, Rectangle
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
-from ..solve.control import LoadControl
 
 RADIUS = 100.0
 

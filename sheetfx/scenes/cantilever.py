@@ -6,12 +6,12 @@ from typing import Annotated
 
 from typer import Option
 
-from ..benchmark import Cells, Form, Published, Reading, Steps, benchmark, members, surface
 from ..case import Case
-from ..loads import EdgeForce
-from ..scene import clamp
-from ..section import Elastic, Plate
-from ..shell import Shell
+from ..model.loads import EdgeForce
+from ..model.scene import clamp
+from ..model.section import Elastic, Plate
+from ..model.shell import Shell
+from ._benchmark import Cells, Form, Published, Reading, Steps, benchmark, members, surface
 
 LENGTH, WIDTH = 10.0, 1.0
 READINGS = {"w_tip": Reading("tip", "z"), "u_tip": Reading("tip", "x", -1.0)}

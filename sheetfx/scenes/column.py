@@ -12,17 +12,17 @@ from typing import Annotated
 from typer import Option
 
 from .. import meshes
-from ..beam import Beam
 from ..case import Case, Record
 from ..checks import require_positive_number
-from ..loads import PointForce
+from ..continuation.control import LoadControl
 from ..mesh.reader import read
-from ..scene import Monitor, Scene, Support
-from ..section import Elastic, Rectangle
+from ..model.beam import Beam
+from ..model.loads import PointForce
+from ..model.scene import Monitor, Scene, Support
+from ..model.section import Elastic, Rectangle
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
-from ..solve.control import LoadControl
 
 LENGTH = 1.0
 ENDS = {"pinned-pinned": ("x y", "y"), "clamped-free": ("x y rz", ""), "clamped-pinned": ("x y rz", "y"),

@@ -15,15 +15,15 @@ import numpy as np
 from scipy.linalg import eigh
 from typer import Option
 
-from ..benchmark import Form, surface
 from ..case import Case, Record
-from ..loads import EdgeForce
+from ..model.loads import EdgeForce
+from ..model.scene import Monitor, Scene, Support, symmetry
+from ..model.section import Elastic, Plate
+from ..model.shell import Shell
 from ..path import Until
-from ..scene import Monitor, Scene, Support, symmetry
-from ..section import Elastic, Plate
-from ..shell import Shell
 from ..show.modes import draw_modes, mode_files
-from ..solve.buckling import buckling
+from ..stability.buckling import buckling
+from ._benchmark import Form, surface
 
 RADIUS, MATERIAL = 1000.0, Elastic(70000.0, 0.3)
 

@@ -13,18 +13,18 @@ from typing import Annotated
 import numpy as np
 from typer import Option
 
-from ..benchmark import Form, surface
 from ..case import Case
 from ..checks import require_positive_number
-from ..loads import EdgeForce
+from ..continuation.control import ArcLength
+from ..model.loads import EdgeForce
+from ..model.scene import Monitor, Scene, Support, symmetry
+from ..model.section import Elastic, Plate
+from ..model.shell import Shell
 from ..path import Until
-from ..scene import Monitor, Scene, Support, symmetry
-from ..section import Elastic, Plate
-from ..shell import Shell
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
-from ..solve.control import ArcLength
+from ._benchmark import Form, surface
 from .column import quantities
 
 RADIUS, POISSON = 1.0, 0.3

@@ -18,17 +18,17 @@ from typing import Annotated
 from typer import Option
 
 from .. import meshes
-from ..beam import Beam
 from ..case import Case, Record
-from ..loads import PointForce
+from ..continuation.control import ArcLength
 from ..mesh.reader import read
+from ..model.beam import Beam
+from ..model.loads import PointForce
+from ..model.scene import Monitor, Scene, clamp, pin, symmetry
+from ..model.section import Elastic, Rectangle
 from ..path import Until
-from ..scene import Monitor, Scene, clamp, pin, symmetry
-from ..section import Elastic, Rectangle
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
-from ..solve.control import ArcLength
 
 RADIUS, MODULUS = 100.0, 1.2e6
 

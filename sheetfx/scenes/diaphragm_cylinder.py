@@ -7,15 +7,15 @@ from typing import Annotated
 
 from typer import Option
 
-from ..benchmark import Cells, FirstArc, Form, Published, Reading, benchmark, cylinder, members
 from ..case import Case
-from ..loads import PointForce
+from ..continuation.control import ArcLength
 from ..mesh.reader import Model
+from ..model.loads import PointForce
+from ..model.scene import Support, symmetry
+from ..model.section import Elastic, Plate
+from ..model.shell import Shell
 from ..path import Until
-from ..scene import Support, symmetry
-from ..section import Elastic, Plate
-from ..shell import Shell
-from ..solve.control import ArcLength
+from ._benchmark import Cells, FirstArc, Form, Published, Reading, benchmark, cylinder, members
 
 READINGS = {"w_A": Reading("A", "z", -1.0), "u_B": Reading("B", "y")}
 PUBLISHED = Published("Sze, Liu and Lo (2004)", 24000.0, (

@@ -11,12 +11,12 @@ from typing import Annotated
 import numpy as np
 from typer import Option
 
-from ..benchmark import Cells, Form, Published, Reading, Steps, at_load, benchmark, members, slopes, surface
 from ..case import Case
-from ..loads import PointForce
-from ..scene import Support, symmetry
-from ..section import Elastic, Plate
-from ..shell import Shell
+from ..model.loads import PointForce
+from ..model.scene import Support, symmetry
+from ..model.section import Elastic, Plate
+from ..model.shell import Shell
+from ._benchmark import Cells, Form, Published, Reading, Steps, at_load, benchmark, members, slopes, surface
 
 RADIUS, HOLE = 10.0, radians(18.0)
 READINGS = {"u_A": Reading("A", "x"), "u_B": Reading("B", "y", -1.0)}

@@ -11,18 +11,18 @@ from typing import Annotated
 from typer import Option
 
 from .. import meshes
-from ..beam import Beam
 from ..case import Case, Record
-from ..loads import PointForce
+from ..continuation.control import ArcLength
 from ..mesh.reader import read
+from ..model.beam import Beam
+from ..model.loads import PointForce
+from ..model.scene import Monitor, Scene, pin
+from ..model.section import Elastic, Rectangle
 from ..path import Until
-from ..scene import Monitor, Scene, pin
-from ..section import Elastic, Rectangle
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
 from ..show.snaps import falls_curve
-from ..solve.control import ArcLength
 
 SIDE, LOAD_FROM_CORNER = 120.0, 24.0
 SECTION, MATERIAL = Rectangle(3.0, 2.0), Elastic(7.2e6, 0.3)

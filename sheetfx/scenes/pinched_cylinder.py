@@ -6,11 +6,11 @@ from typing import Annotated
 
 from typer import Option
 
-from ..benchmark import Cells, Form, LinearSteps, Reading, ShearFactor, benchmark, members, slopes
 from ..case import Case
-from ..loads import PointForce
-from ..section import Elastic, Plate
-from ..shell import Shell
+from ..model.loads import PointForce
+from ..model.section import Elastic, Plate
+from ..model.shell import Shell
+from ._benchmark import Cells, Form, LinearSteps, Reading, ShearFactor, benchmark, members, slopes
 from .diaphragm_cylinder import eighth
 
 READINGS = {"deflection": Reading("A", "z", -1.0)}

@@ -15,15 +15,15 @@ from numpy.polynomial import Legendre
 from scipy.linalg import eigh
 from typer import Option
 
-from ..benchmark import Form, surface
 from ..case import Case, Record
-from ..loads import EdgeForce
+from ..model.loads import EdgeForce
+from ..model.scene import Monitor, Scene, Support
+from ..model.section import Elastic, Plate
+from ..model.shell import Shell
 from ..path import Until
-from ..scene import Monitor, Scene, Support
-from ..section import Elastic, Plate
-from ..shell import Shell
 from ..show.modes import draw_modes, mode_files
-from ..solve.buckling import buckling
+from ..stability.buckling import buckling
+from ._benchmark import Form, surface
 
 SUPPORTED, CLAMPED, FREE = "supported", "clamped", "free"
 EDGES = {

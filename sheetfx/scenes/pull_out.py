@@ -7,12 +7,12 @@ from typing import Annotated
 
 from typer import Option
 
-from ..benchmark import Cells, Form, Published, Reading, Steps, benchmark, cylinder, members
 from ..case import Case
-from ..loads import PointForce
-from ..scene import symmetry
-from ..section import Elastic, Plate
-from ..shell import Shell
+from ..model.loads import PointForce
+from ..model.scene import symmetry
+from ..model.section import Elastic, Plate
+from ..model.shell import Shell
+from ._benchmark import Cells, Form, Published, Reading, Steps, benchmark, cylinder, members
 
 RADIUS, LENGTH = 4.953, 10.35
 READINGS = {"w_A": Reading("A", "z"), "u_B": Reading("B", "y", -1.0), "u_C": Reading("C", "y", -1.0)}

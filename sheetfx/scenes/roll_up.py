@@ -8,18 +8,18 @@ from typing import Annotated
 from typer import Option
 
 from .. import meshes
-from ..beam import Beam
-from ..benchmark import surface
 from ..case import Case, Record
-from ..loads import Moment
+from ..continuation.control import LoadControl
 from ..mesh.reader import Model, read
-from ..scene import Monitor, Scene, Support, clamp, symmetry
-from ..section import Elastic, Plate, Rectangle
-from ..shell import FORMS, Shell
+from ..model.beam import Beam
+from ..model.loads import Moment
+from ..model.scene import Monitor, Scene, Support, clamp, symmetry
+from ..model.section import Elastic, Plate, Rectangle
+from ..model.shell import FORMS, Shell
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
-from ..solve.control import LoadControl
+from ._benchmark import surface
 
 LENGTH = 12.0
 SECTION, MATERIAL = Rectangle(1.0, 0.1), Elastic(1.2e6, 0.0)

@@ -9,14 +9,14 @@ from typing import Annotated
 
 from typer import Option
 
-from ..benchmark import Cells, FirstArc, Form, Published, Reading, benchmark, cylinder, members
 from ..case import Case
-from ..loads import PointForce
+from ..continuation.control import ArcLength
+from ..model.loads import PointForce
+from ..model.scene import Support, symmetry
+from ..model.section import Elastic, Plate
+from ..model.shell import Shell
 from ..path import Until
-from ..scene import Support, symmetry
-from ..section import Elastic, Plate
-from ..shell import Shell
-from ..solve.control import ArcLength
+from ._benchmark import Cells, FirstArc, Form, Published, Reading, benchmark, cylinder, members
 from .lee_frame import quantities
 
 RADIUS, LENGTH, HALF_ANGLE = 2540.0, 508.0, 0.1

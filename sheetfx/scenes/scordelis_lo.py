@@ -7,12 +7,12 @@ from typing import Annotated
 
 from typer import Option
 
-from ..benchmark import Cells, Form, LinearSteps, Reading, ShearFactor, benchmark, cylinder, members, slopes
 from ..case import Case
-from ..loads import SurfaceForce
-from ..scene import Support, symmetry
-from ..section import Elastic, Plate
-from ..shell import Shell
+from ..model.loads import SurfaceForce
+from ..model.scene import Support, symmetry
+from ..model.section import Elastic, Plate
+from ..model.shell import Shell
+from ._benchmark import Cells, Form, LinearSteps, Reading, ShearFactor, benchmark, cylinder, members, slopes
 
 RADIUS, LENGTH, HALF_ANGLE = 25.0, 50.0, radians(40.0)
 READINGS = {"deflection": Reading("middle", "z", -1.0)}

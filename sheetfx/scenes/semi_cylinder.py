@@ -7,14 +7,14 @@ from typing import Annotated
 
 from typer import Option
 
-from ..benchmark import Cells, FirstArc, Form, Published, Reading, benchmark, cylinder, members
 from ..case import Case
-from ..loads import PointForce
+from ..continuation.control import ArcLength
+from ..model.loads import PointForce
+from ..model.scene import clamp, symmetry
+from ..model.section import Elastic, Plate
+from ..model.shell import Shell
 from ..path import Until
-from ..scene import clamp, symmetry
-from ..section import Elastic, Plate
-from ..shell import Shell
-from ..solve.control import ArcLength
+from ._benchmark import Cells, FirstArc, Form, Published, Reading, benchmark, cylinder, members
 
 RADIUS, LENGTH = 101.6, 304.8
 READINGS = {"w_A": Reading("A", "z", -1.0)}

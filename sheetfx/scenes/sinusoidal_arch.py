@@ -16,18 +16,18 @@ import ufl
 from typer import Option
 
 from .. import meshes
-from ..beam import Beam
 from ..case import Case
 from ..checks import require_positive_number
-from ..loads import LineForce
+from ..continuation.control import ArcLength
 from ..mesh.reader import read
+from ..model.beam import Beam
+from ..model.loads import LineForce
+from ..model.scene import Monitor, Scene, pin
+from ..model.section import Elastic, Rectangle
 from ..path import Until
-from ..scene import Monitor, Scene, pin
-from ..section import Elastic, Rectangle
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
-from ..solve.control import ArcLength
 from .lee_frame import quantities
 
 SPAN = 100.0

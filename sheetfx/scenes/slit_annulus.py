@@ -8,12 +8,12 @@ from typing import Annotated
 import numpy as np
 from typer import Option
 
-from ..benchmark import Form, Published, Reading, Steps, benchmark, members, surface
 from ..case import Case
-from ..loads import EdgeForce
-from ..scene import clamp
-from ..section import Elastic, Plate
-from ..shell import Shell
+from ..model.loads import EdgeForce
+from ..model.scene import clamp
+from ..model.section import Elastic, Plate
+from ..model.shell import Shell
+from ._benchmark import Form, Published, Reading, Steps, benchmark, members, surface
 
 INNER, OUTER = 6.0, 10.0
 READINGS = {"w_A": Reading("A", "z"), "w_B": Reading("B", "z")}

@@ -11,18 +11,18 @@ from typing import Annotated
 from typer import Option
 
 from .. import meshes
-from ..beam import Bar
 from ..case import Case
 from ..checks import require_positive_number
-from ..loads import PointForce
+from ..continuation.control import ArcLength
 from ..mesh.reader import read
+from ..model.beam import Bar
+from ..model.loads import PointForce
+from ..model.scene import Monitor, Scene, pin
+from ..model.section import Elastic, Rectangle
 from ..path import Until
-from ..scene import Monitor, Scene, pin
-from ..section import Elastic, Rectangle
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
-from ..solve.control import ArcLength
 from .lee_frame import quantities
 
 

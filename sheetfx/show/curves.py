@@ -8,7 +8,7 @@ from pathlib import Path as Folder
 import numpy as np
 
 from ..case import Record
-from ..state import CriticalPoint, State
+from ..continuation.state import CriticalPoint, State
 from .evaluate import communicator, most_telling, stays, unit_of, with_unit
 from .labels import place_labels
 

@@ -12,9 +12,9 @@ from mpi4py import MPI
 
 from ..case import Record
 from ..compat import JIT
-from ..contact.fields import ContactFields, ContactState
+from ..continuation.state import CriticalPoint, State
+from ..discrete.contact import ContactFields, ContactState
 from ..mesh.reader import Model
-from ..state import CriticalPoint, State
 
 POINTS_PER_CELL = 5
 ROUNDING = 1e-6  # of a displacement that is zero, over the largest increment of the unknowns

@@ -11,7 +11,7 @@ from dolfinx.io import VTKFile
 
 from ..case import Record
 from ..compat import JIT
-from ..kinematics import Kinematics
+from ..discrete.kinematics import Kinematics
 from ..mesh.reader import Model
 from .evaluate import last_state_kept
 

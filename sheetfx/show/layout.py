@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..obstacles import RigidCylinder, RigidPlane
+from ..model.obstacles import RigidCylinder, RigidPlane
 
 DPI, OVERSAMPLING = 100, 2
 EXAGGERATIONS = (3, 4, 5, 6, 8, 10, 15, 20, 30, 50)

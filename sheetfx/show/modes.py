@@ -11,8 +11,8 @@ from dolfinx import fem
 from dolfinx.io import VTKFile
 
 from ..case import Record
-from ..solve.buckling import BucklingLoad
-from ..solve.modes import mode_displacement
+from ..stability.buckling import BucklingLoad
+from ..stability.modes import mode_displacement
 from .display import save_picture
 from .evaluate import Curves, communicator
 from .surfaces import Surface, surfaces

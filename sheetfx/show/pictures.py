@@ -8,9 +8,9 @@ from pathlib import Path as Folder
 import numpy as np
 
 from ..case import Record
-from ..contact.fields import ContactState
-from ..obstacles import RigidCylinder, RigidPlane
-from ..state import State
+from ..continuation.state import State
+from ..discrete.contact import ContactState
+from ..model.obstacles import RigidCylinder, RigidPlane
 from .display import save_picture
 from .evaluate import (
     ContactPoints,

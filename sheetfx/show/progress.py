@@ -12,7 +12,7 @@ from rich.table import Table
 from rich.text import Text
 
 from ..case import Case
-from ..state import State
+from ..continuation.state import State
 
 
 class Progress:

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path as Folder
 
 from ..case import Record
-from ..solve.descent import SnapFailure
-from ..solve.snap import Snap, snaps
+from ..stability.descent import SnapFailure
+from ..stability.snap import Snap, snaps
 from .curves import draw_path
 from .evaluate import communicator
 

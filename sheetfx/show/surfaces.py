@@ -12,7 +12,7 @@ from dolfinx import fem
 from ..case import Record
 from ..compat import JIT
 from ..mesh.reader import Model
-from ..shell import TRIANGLE
+from ..model.shell import TRIANGLE
 from .evaluate import communicator
 
 PIECES = 4

@@ -12,7 +12,7 @@ from truss import SymmetricPath, Truss
 
 from sheetfx.case import trace
 from sheetfx.scenes import column, roorda_frame, star_dome
-from sheetfx.traps import TRAPS
+from sheetfx.studies.traps import TRAPS
 
 
 def loads(name, kind=None):

@@ -8,7 +8,7 @@ import pytest
 
 import sheetfx as fx
 from sheetfx.case import Case, trace
-from sheetfx.traps import TRAPS, Trap
+from sheetfx.studies.traps import TRAPS, Trap
 
 SMALL = [t.name for t in TRAPS.values() if not t.slow and t.points and not t.name.startswith(("punch", "slenderness"))]
 

@@ -1,0 +1,1 @@
+"""Following equilibrium: controls, the corrector, steps from state to state."""

@@ -1,0 +1,169 @@
+"""The corrector of one step of a path, as a SNES type written in Python.
+
+A SNES of `-snes_type python -snes_python_type sheetfx.continuation.arclength.PathStep`; with the prefix of
+a path (default `sheetfx_`) the options `-sheetfx_snes_rtol`, `-sheetfx_snes_max_it`,
+`-sheetfx_snes_monitor`, those of the KSP and PC, and `-sheetfx_snes_python_type` for a variant of one's
+own work as in any SNES.
+"""
+
+from __future__ import annotations
+
+from petsc4py import PETSc
+
+from .control import StepRule, Tangent
+from .linear import DirectSolver
+
+Reason = PETSc.SNES.ConvergedReason
+FARTHEST = 100.0  # increment in the scaled norm (sizes of the structure, radians), beyond which an iteration is lost
+
+
+def create(comm, system, prefix: str, iterations: int) -> PETSc.SNES:
+    """A SNES of this type with at most so many iterations, and options of the given prefix, for a system."""
+    snes = PETSc.SNES().create(comm)
+    snes.setOptionsPrefix(prefix)
+    snes.setTolerances(rtol=1e-8, atol=0.0, stol=0.0, max_it=iterations)
+    snes.setType("python")
+    snes.setPythonType(f"{__name__}.PathStep")
+    snes.setFromOptions()
+    snes.getPythonContext().attach(snes, system)
+    return snes
+
+
+class PathStep:
+    """Newton iteration on equilibrium and a control equation together.
+
+    Each iteration solves the bordered system with one factorisation and two back-substitutions:
+    for the residual and for the load (Batoz and Dhatt 1979). Modified Newton keeps the factor that
+    it finds, of the state that the step starts from.
+
+    Attributes
+    ----------
+    smooth : whether no contact changes the tangent at once
+    rounding : largest residual that was accepted because rounding keeps it from falling
+    """
+
+    def __init__(self):
+        self.system = None
+        self.control: StepRule | None = None
+        self.history: list[float] = []
+        self.load_increment = self.rounding = 0.0
+        self.smooth = True
+
+    def attach(self, snes: PETSc.SNES, system) -> None:
+        """Let the SNES solve this system; called once."""
+        self.system = system
+        self._residual, self._load = system.create_vector(), system.create_vector()
+        self._part, self._step, self._unit = (system.create_vector() for _ in range(3))
+        snes.setFunction(self._evaluate, self._residual)
+        snes.setJacobian(lambda snes, x, a, p: system.tangent(), system.matrix)
+        self.linear = DirectSolver(snes.getKSP(), system.matrix, system.symmetric)
+
+    def _evaluate(self, snes, x, out) -> None:
+        self.system.configure(x)
+        self.system.residual(out)
+
+    def begin(self, control, tangent: Tangent, length: float, load_increment: float, guess=None) -> None:
+        """Set the step that the next `solve` takes from the converged state.
+
+        Parameters
+        ----------
+        load_increment : of the predictor
+        guess : increments to begin with, this process's part of the vector, for a solution a thousand times more
+            exact than that of a step and corrected at least once, since a small residual leaves much of a mode that
+            is about to buckle; None: along the tangent
+        """
+        self.control, self.tangent, self.length = control, tangent, length
+        self.start, self.load_increment = self.system.factor, load_increment
+        self._predict, self._guess = True, guess
+
+    def continue_step(self) -> None:
+        """Let the next `solve` correct from where the last one ended."""
+        self._predict = False
+
+    def solve(self, snes, b, x) -> None:
+        if self._predict:
+            x.zeroEntries()
+            self._step.zeroEntries()
+            if self._guess is None:
+                self._step.axpy(self.load_increment, self.tangent.solution)
+            else:
+                self._step.array[:] = self._guess
+            self._move(x, self._step)
+        self.history = []
+        snes.setConvergedReason(self._iterate(snes, x))
+
+    def _iterate(self, snes, x) -> int:
+        rtol, _, _, most = snes.getTolerances()
+        rtol *= 1.0 if self._guess is None else 1e-3
+        for iteration in range(most + 1):
+            snes.computeFunction(x, self._residual)
+            self.system.load(self._load)
+            size = max(abs(self.system.factor) * self._load.norm(), self.system.reaction)
+            norm = self._residual.norm()
+            snes.setIterationNumber(iteration)
+            snes.setFunctionNorm(norm)
+            snes.monitor(iteration, norm)
+            self.history.append(norm / size if size else norm)
+            if norm <= rtol * size and (iteration or self._guess is None):
+                return Reason.CONVERGED_FNORM_RELATIVE
+            if iteration > 1 and self._at_rounding(x, norm / size):
+                self.rounding = max(self.rounding, norm)
+                return Reason.CONVERGED_SNORM_RELATIVE
+            if norm != norm or norm > 1e12 * max(size, 1.0) or self.tangent.inner(x, x) > FARTHEST**2:
+                return Reason.DIVERGED_FNORM_NAN
+            if iteration == most:
+                return Reason.DIVERGED_MAX_IT
+            try:
+                self._correct(snes, x)
+            except ArithmeticError:
+                return Reason.DIVERGED_LINEAR_SOLVE
+        return Reason.DIVERGED_MAX_IT
+
+    def _correct(self, snes, x) -> None:
+        if self.control.newton == "full" or self._guess is not None:
+            self.factor(snes, x)
+        with self.system.clock("solve"):
+            self.linear.solve(self._residual, self._part)
+            self._part.scale(-1)
+            self.linear.solve(self._load, self._unit)
+            tangent = Tangent(self._unit, self.tangent.weights, self.tangent.functional,
+                              self.tangent.initial_norm2, self.tangent.current_stiffness)
+            change, part = self.control.correct(self.length, tangent, x, self.load_increment, self._part)
+            damping = self._damping()
+            self._step.zeroEntries()
+            self._step.axpy(damping * part, self._part)
+            self._step.axpy(damping * change, self._unit)
+        self._correction = self.tangent.inner(self._step, self._step) ** 0.5
+        self.load_increment += damping * change
+        self._move(x, self._step)
+
+    def _at_rounding(self, x, residual: float) -> bool:
+        """Whether the residual is rounding: no longer falling, though Newton's steps have become tiny.
+
+        In slender beams the axial force alone rounds to EA times the machine's precision, which can be
+        more than the tolerance allows. Near a bifurcation rounding moves the structure along the mode, so that steps
+        are small only; the residual must then have been the same for four iterations, and nothing be in contact.
+        """
+        step = self._correction / (self.tangent.inner(x, x) ** 0.5 or 1.0)
+        if step <= 1e-9:
+            return residual < 1e-2 and residual > 0.1 * self.history[-2]
+        last = self.history[-4:]
+        steady = len(last) == 4 and max(last) < 2 * min(last)
+        return self.smooth and step <= 1e-4 and residual < 1e-3 and steady
+
+    def _damping(self) -> float:
+        """Half steps where the iteration cycles, as between two sets of contact points."""
+        cycling = len(self.history) > 5 and self.history[-1] > 0.9 * self.history[-3]
+        return 0.5 if cycling else 1.0
+
+    def factor(self, snes, x) -> None:
+        """Assemble and factor the tangent of the current configuration."""
+        snes.computeJacobian(x, self.system.matrix)
+        with self.system.clock("factorisation"):
+            self.linear.factor()
+
+    def _move(self, x, step) -> None:
+        self.system.extrapolate_stress(step)
+        with self.system.clock("solve"):
+            self.system.retract(x, step)
+        self.system.factor = self.start + self.load_increment

@@ -1,0 +1,258 @@
+"""Controls: the equation that is added to equilibrium, one for each way to follow a path.
+
+Each control gives the predictor's load increment and, for a bordered system solved with one
+factor, the load correction that keeps the added equation true.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import copysign, pi, sqrt
+
+from petsc4py import PETSc
+
+from ..checks import require_choice, require_positive
+from .state import State
+
+SIGNS: dict[str, Callable[[State], float]] = {
+    "projection": lambda state: state.load_rate,
+    "determinant": lambda state: state.determinant,
+    "current stiffness": lambda state: state.current_stiffness,
+    "current stiffness with displacement extremes":
+        lambda state: (-1.0) ** state.displacement_extremes * state.current_stiffness,
+}
+
+
+@dataclass(frozen=True)
+class StepRule:
+    """How steps are taken, whatever they are measured in.
+
+    Attributes
+    ----------
+    step : first step, in the control's own measure; None: the control's default
+    smallest, largest : bounds, as multiples of the first step
+    iterations : number of iterations that a step should take; steps grow and shrink with the
+        square root of this over the number taken
+    turn : largest angle in radians between the increment of a step and the tangents at its start and its end (with
+        contact, the increment before); pi: any
+    newton : "full", a new tangent for each iteration, or "modified", the tangent at the start of the step for all
+    passes_limits : of the class, whether a step can go through an extremum of the load
+    """
+
+    step: float | None = None
+    smallest: float = 1e-4
+    largest: float = 8.0
+    iterations: int = 7
+    turn: float = 0.8
+    newton: str = "full"
+
+    def __post_init__(self):
+        require_positive(self, "step", "smallest", "largest", "iterations", "turn")
+        require_choice(self, "newton", ("full", "modified"))
+
+    @property
+    def first(self) -> float:
+        """Length of the first step."""
+        return self.default if self.step is None else self.step
+
+    def growth(self, iterations: int) -> float:
+        """Factor on the next step's length after a step of so many iterations."""
+        return min(2.0, max(0.5, sqrt(self.iterations / max(iterations, 1))))
+
+    passes_limits = True
+
+    @property
+    def guarded(self) -> bool:
+        """Whether steps that leave the smooth path are noticed and cut."""
+        return self.turn < pi
+
+    def clip(self, length: float, factor: float) -> float:
+        """Shorten a step that would pass the control's end."""
+        return length
+
+    def direction(self, state: State) -> float:
+        """Sign of the predictor's load increment."""
+        return 1.0
+
+
+@dataclass(frozen=True)
+class LoadControl(StepRule):
+    """Prescribed increments of the load factor up to `target`; fails at the first limit point.
+
+    `fixed` keeps all steps as long as the first, and takes them without looking for other paths in between.
+    """
+
+    target: float = 1.0
+    fixed: bool = False
+    default = 0.1
+    passes_limits = False
+
+    @property
+    def guarded(self):
+        return super().guarded and not self.fixed
+
+    def growth(self, iterations):
+        return 1.0 if self.fixed else super().growth(iterations)
+
+    def clip(self, length, factor):
+        return min(length, self.target - factor)
+
+    def predict(self, length, sign, tangent):
+        return sign * length
+
+    def correct(self, length, tangent, increment, load_increment, residual_part):
+        return copysign(length, load_increment) - load_increment, 1.0
+
+
+@dataclass(frozen=True)
+class TwoWayRule(StepRule):
+    """Steps on which the load may rise or fall; a sign rule says which.
+
+    Attributes
+    ----------
+    sign : of the predictor's load increment, as in section 4.4.2 of the thesis: that of the "projection" of the
+        tangent on the increment before (4.33); of the "determinant" of the tangent stiffness (4.30), which turns
+        back where bifurcations change it; of the "current stiffness" parameter (Bergan 1980; 4.31), which turns
+        back where the displacement has an extreme; or "current stiffness with displacement extremes", which counts
+        these (4.32)
+    """
+
+    sign: str = "projection"
+
+    def __post_init__(self):
+        super().__post_init__()
+        require_choice(self, "sign", SIGNS)
+
+    def direction(self, state):
+        if self.sign == "determinant" and state.determinant is None:
+            raise ValueError(f"{type(self).__name__}: sign 'determinant' needs a factor by MUMPS, which tells it; "
+                             "choose 'projection'")
+        return copysign(1.0, SIGNS[self.sign](state))
+
+
+@dataclass(frozen=True)
+class DisplacementControl(TwoWayRule):
+    """Prescribed increments of a displacement; fails where it turns back.
+
+    Attributes
+    ----------
+    monitor : scene.Monitor, the displacement that is controlled; None: the one that the scene monitors
+    """
+
+    monitor: object = None
+    default = 1.0
+
+    def predict(self, length, sign, tangent):
+        rate = abs(tangent.controlled(tangent.solution))
+        if not rate:
+            raise ValueError("DisplacementControl: the controlled displacement does not respond to the load; give the "
+                             "control a `monitor` that does")
+        return sign * length / rate
+
+    def correct(self, length, tangent, increment, load_increment, residual_part):
+        target = copysign(length, tangent.controlled(increment))
+        missing = target - tangent.controlled(increment) - tangent.controlled(residual_part)
+        return missing / tangent.controlled(tangent.solution), 1.0
+
+
+@dataclass(frozen=True)
+class ArcLength(TwoWayRule):
+    """Prescribed length of the step in displacements and load (Crisfield 1981).
+
+    |dx|^2 + psi^2 dlambda^2 = s^2 in the scaled inner product, with psi = 0 (cylindrical),
+    psi^2 = |x_P|^2 (spherical) or psi^2 = S_p |x_P|^2 (elliptical), where x_P is the
+    displacement by the unit load at the start of the path and S_p the current stiffness
+    parameter (Bergan 1980; thesis section 4.4.1, with the reference displacement instead of the
+    reference load so that both terms have one unit).
+
+    Where the quadratic has no real root, only that part of the equilibrium correction is used
+    for which it has one.
+
+    Attributes
+    ----------
+    shape : "cylindrical", "spherical" or "elliptical"
+    """
+
+    shape: str = "cylindrical"
+    default = 0.01
+
+    def __post_init__(self):
+        super().__post_init__()
+        require_choice(self, "shape", ("cylindrical", "spherical", "elliptical"))
+
+    def load_weight(self, tangent) -> float:
+        """psi^2."""
+        if self.shape == "cylindrical":
+            return 0.0
+        stiffness = abs(tangent.current_stiffness) if self.shape == "elliptical" else 1.0
+        return stiffness * tangent.initial_norm2
+
+    def predict(self, length, sign, tangent):
+        return sign * length / sqrt(tangent.norm2 + self.load_weight(tangent))
+
+    def correct(self, length, tangent, increment, load_increment, residual_part):
+        weight = self.load_weight(tangent)
+        inner = tangent.inner
+        a = inner(tangent.solution, tangent.solution) + weight
+        xx, xr, rr = (inner(increment, increment), inner(increment, residual_part),
+                      inner(residual_part, residual_part))
+        xf, rf = inner(increment, tangent.solution), inner(residual_part, tangent.solution)
+        base = xx + weight * load_increment**2 - length**2
+
+        def coefficients(part):
+            return xf + part * rf + weight * load_increment, base + 2 * part * xr + part**2 * rr
+
+        part = 1.0
+        b, c = coefficients(part)
+        if b * b < a * c:
+            part = _largest_part(rf**2 - a * rr, (xf + weight * load_increment) * rf - a * xr,
+                                 (xf + weight * load_increment) ** 2 - a * base)
+            b, c = coefficients(part)
+        root = sqrt(max(b * b - a * c, 0.0))
+        candidates = ((-b + root) / a, (-b - root) / a)
+        along = xf + weight * load_increment
+        return max(candidates, key=lambda change: change * along), part
+
+
+def _largest_part(a: float, b: float, c: float) -> float:
+    """Largest part in [0, 1] with a part^2 + 2 b part + c >= 0, where c is not negative."""
+    c = max(c, 0.0)
+    root = sqrt(max(b * b - a * c, 0.0))
+    roots = [(-b + root) / a, (-b - root) / a] if a else [-c / (2 * b)] if b else []
+    inside = [r for r in roots if 0 <= r <= 1]
+    return max(inside, default=0.0)
+
+
+@dataclass
+class Tangent:
+    """Response of a state to a unit of load, and the measures of the controls.
+
+    Attributes
+    ----------
+    solution : displacement by a unit of load with the current factor
+    weights : diagonal of the inner product
+    functional : vector whose product with an increment is the controlled displacement
+    initial_norm2 : squared norm of the first state's solution
+    current_stiffness : Bergan's current stiffness parameter
+    """
+
+    solution: PETSc.Vec
+    weights: PETSc.Vec
+    functional: PETSc.Vec
+    initial_norm2: float = 1.0
+    current_stiffness: float = 1.0
+
+    def __post_init__(self):
+        self._work = self.weights.duplicate()
+
+    def inner(self, a: PETSc.Vec, b: PETSc.Vec) -> float:
+        self._work.pointwiseMult(self.weights, a)
+        return self._work.dot(b)
+
+    @property
+    def norm2(self) -> float:
+        return self.inner(self.solution, self.solution)
+
+    def controlled(self, increment: PETSc.Vec) -> float:
+        return self.functional.dot(increment)

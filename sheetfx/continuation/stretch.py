@@ -1,0 +1,207 @@
+"""A piece of path between two converged states, searched by repeating the step with other lengths."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from math import copysign
+
+import numpy as np
+from scipy.interpolate import CubicHermiteSpline
+from scipy.optimize import brentq
+
+from .state import State
+
+TURNING = 0.4  # radians between chord and tangents of a piece of path, from which its middle is looked at
+UNEXPLAINED = 0.25  # of the load or the reactions by the steeper tangent, likewise
+STRAY = 0.3  # of the distance between its neighbours, by which a state may miss their interpolation
+
+
+class Jump(ArithmeticError):
+    """The states of a step do not lie on one smooth piece of path: the step is too long or has left its branch."""
+
+
+class Missed(ArithmeticError):
+    """A step of a shorter length does not converge."""
+
+
+class Stretch:
+    """The piece of path from a state to another one, searched by repeating the step with other lengths.
+
+    It is guarded against states off the path where the control is, but for contact, with which tangents waver.
+    """
+
+    def __init__(self, tracer, before: State, after: State):
+        self.tracer, self.before, self.after = tracer, before, after
+        self.wavering = bool(tracer.discretisation.contacts)
+        self.guarded = tracer.control.guarded and not self.wavering
+        self.states = {0.0: before, after.length: after}
+        self._spectra: dict[float, tuple[list[float], list]] = {}
+
+    def __getitem__(self, length: float) -> State:
+        """State at a length of the step.
+
+        Raises
+        ------
+        Jump, Missed
+        """
+        if length not in self.states:
+            left, right = self.neighbours(length)
+            guess = self._interpolated(left, right, length)
+            self.tracer.back_to(self.before)
+            state = None if self.wavering else self.tracer.attempt(length, guess)
+            state = state or self.tracer.attempt(length)
+            if state is None:
+                raise Missed
+            if self._strays(state, guess, left, right):
+                if not self.guarded:
+                    raise Missed
+                raise Jump("a state within the step is off the path")
+            self.states[length] = state
+        return self.states[length]
+
+    def reach(self, length: float) -> bool:
+        """Have the state at a length, if it converges."""
+        try:
+            self[length]
+        except Missed:
+            return False
+        return True
+
+    def neighbours(self, length: float) -> tuple[float, float]:
+        """Lengths of the nearest states on both sides."""
+        return max(s for s in self.states if s < length), min(s for s in self.states if s > length)
+
+    def pairs(self) -> list[tuple[float, float]]:
+        """Lengths of neighbouring states."""
+        lengths = sorted(self.states)
+        return list(zip(lengths[:-1], lengths[1:], strict=True))
+
+    def _increments(self, length: float) -> tuple[float, np.ndarray]:
+        """Of load factor and unknowns since the step began."""
+        state = self.states[length]
+        return (0.0, np.zeros_like(state.increment)) if state is self.before else state.direction
+
+    def _interpolated(self, left: float, right: float, length: float) -> tuple[float, np.ndarray]:
+        """Increments at a length by Hermite's cubic with the tangents of two states, as fast as their distance asks.
+
+        Where tangents waver, on the chord.
+        """
+        if self.wavering:
+            (load, x), part = self._chord(left, right), (length - left) / (right - left)
+            start_load, start_x = self._increments(left)
+            return start_load + part * load, start_x + part * x
+        rate = self.distance(left, right) / (right - left)
+        values, slopes = ([np.append(x, load) for load, x in vectors] for vectors in (
+            map(self._increments, (left, right)), (self.states[s].tangent for s in (left, right))))
+        found = CubicHermiteSpline((left, right), values, rate * np.array(slopes))(length)
+        return float(found[-1]), found[:-1]
+
+    def distance(self, left: float, right: float) -> float:
+        return self.tracer.distance(*self._chord(left, right))
+
+    def _chord(self, left: float, right: float) -> tuple[float, np.ndarray]:
+        (a, x), (b, y) = self._increments(left), self._increments(right)
+        return b - a, y - x
+
+    def along(self, mode: np.ndarray, left: float, right: float) -> tuple[float, float]:
+        """Component along a mode of a piece, and of what its tangents make of it."""
+        def component(increment):
+            return self.tracer.inner((0.0, mode), (0.0, increment))
+
+        rates = [component(self.states[s].tangent[1]) for s in (left, right)]
+        return component(self._chord(left, right)[1]), self.distance(left, right) * sum(rates) / 2
+
+    def uncertainty(self, state: State) -> float:
+        """Distance by which the residual that a state has converged to, and rounding, may have it off the path."""
+        tracer, system = self.tracer, self.tracer.system
+        tracer.factor_at(state)
+        residual, correction = system.create_vector(), system.create_vector()
+        system.residual(residual)
+        tracer.stepper.linear.solve(residual, correction)
+        distance = tracer.distance(0.0, correction.array)
+        if not tracer.stepper.rounding:
+            return distance
+        (value, *_), (mode, *_) = tracer.spectrum(1)
+        return distance + tracer.stepper.rounding * mode.norm() / abs(value)
+
+    def explained(self, left: float, right: float) -> bool:
+        """Whether the tangents at the ends of a piece lead along it, and their mean gives its load and reactions."""
+        chord, tangents = self._chord(left, right), [self.states[s].tangent for s in (left, right)]
+        distance = self.distance(left, right)
+        return (all(self.tracer.angle(chord, t) <= TURNING for t in tangents)
+                and self._follows(chord[0], [t[0] for t in tangents], distance)
+                and self._follows(self._reactions(chord[1]), [self._reactions(t[1]) for t in tangents], distance))
+
+    def _reactions(self, increment: np.ndarray) -> np.ndarray:
+        """Multipliers of prescribed motions, which the inner product does not weigh, on all processes."""
+        system = self.tracer.system
+        return np.concatenate(system.comm.allgather(increment[system.multiplier_places]))
+
+    @staticmethod
+    def _follows(change, rates: Sequence, distance: float) -> bool:
+        """Whether a change along a piece is what the mean of its rates at both ends makes of it."""
+        error = np.linalg.norm(change - distance * (rates[0] + rates[1]) / 2)
+        return error <= UNEXPLAINED * distance * max(map(np.linalg.norm, rates))
+
+    def _strays(self, state: State, guess, left: float, right: float) -> bool:
+        """Whether a state is further from the interpolation between its neighbours than they explain, and rounding.
+
+        Contact elsewhere changes the load more than the displacements.
+        """
+        distance, off = self.distance(left, right), state.load_increment - guess[0]
+        if self.wavering:
+            rates = [abs(self.states[s].load_rate) for s in (left, right)]
+            if abs(off) > STRAY * distance * max(rates):
+                return True
+        elif not self.guarded:
+            return False
+        off = self.tracer.distance(off, state.increment - guess[1])
+        return off > STRAY * distance and (self.wavering or off > 10 * self.uncertainty(state))
+
+    def spectrum(self, length: float, count: int) -> tuple[list[float], list]:
+        """Eigenvalues of the tangent nearest to zero, and modes, at a length."""
+        found = self._spectra.get(length)
+        if found is None or len(found[0]) < count:
+            self.tracer.factor_at(self[length])
+            found = self._spectra[length] = self.tracer.spectrum(count)
+        return found
+
+    def eigenvalue(self, length: float, number: int | None, count: int) -> float:
+        """The eigenvalue of the tangent with so many below it, or an end of the `count` nearest to zero.
+
+        Where they are not counted (None), the one nearest to zero with the sign of the determinant.
+        """
+        values = self.spectrum(length, count)[0]
+        if number is None:
+            return self[length].determinant * min(map(abs, values))
+        place = number - self[length].unstable + sum(v < 0 for v in values)
+        return values[place] if 0 <= place < len(values) else copysign(max(map(abs, values)), place)
+
+    def root(self, function: Callable[[float], float], left: float, right: float, exact: float) -> dict[float, float]:
+        """Values of a function of the state, at lengths that close in on its root between two others.
+
+        Parameters
+        ----------
+        exact : relative error of the load at which to stop
+        """
+        known = {}
+
+        def stopped(length):
+            value = known[length] = function(length)
+            slopes = [abs((known[s] - value) / (s - length)) for s in known if s not in (length, left, right)]
+            slope = max(slopes, default=0.0)
+            state = self.states[length]
+            size = max(abs(state.factor), abs(self.after.load_increment))
+            return 0.0 if slope and self._load_change(state, value / slope) < exact * size else value
+
+        try:
+            brentq(stopped, left, right, xtol=1e-12 * self.after.length, rtol=1e-14)
+        except Missed:
+            pass
+        return dict(sorted(known.items(), key=lambda item: abs(item[1])))
+
+    def _load_change(self, state: State, length: float) -> float:
+        """Change of the load factor within a small length, to the second order where the load is stationary."""
+        rate = self.distance(0.0, self.after.length) / self.after.length * length
+        bend = abs(self.after.load_rate - self.before.load_rate) / self.distance(0.0, self.after.length)
+        return abs(state.load_rate * rate) + bend * rate**2

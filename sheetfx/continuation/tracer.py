@@ -1,0 +1,242 @@
+"""Steps along a path from one converged state to the next, and back."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import acos, inf, sqrt
+
+import numpy as np
+from petsc4py import PETSc
+
+from ..discrete.discretisation import Discretisation
+from ..model.advice import advice_on_supports
+from ..model.scene import Monitor
+from .arclength import create
+from .control import StepRule, Tangent
+from .linear import SingularTangent
+from .spectrum import diagonal, nearest_to_zero
+from .state import State
+
+
+class Tracer:
+    """Takes single steps from the current state with a SNES, and returns to earlier states."""
+
+    def __init__(self, discretisation: Discretisation, control: StepRule, prefix: str):
+        self.discretisation, self.system, self.control = discretisation, discretisation.system, control
+        self.snes = create(self.system.comm, self.system, prefix, iterations=20 if control.newton == "full" else 100)
+        self.stepper = self.snes.getPythonContext()
+        self.stepper.smooth = not discretisation.contacts
+        self.x = self.system.create_vector()
+        self._response, self._load = self.system.create_vector(), self.system.create_vector()
+        monitor = discretisation.scene.monitor
+        self._monitor = self._functional(monitor)
+        self.tangent = Tangent(self._response, self.system.weights,
+                               self._functional(getattr(control, "monitor", None) or monitor))
+        self._reference: tuple[float, float] | None = None
+        self.iterations = self._most = 0
+        self._factored: tuple[State | None, int] = None, 0
+        discretisation.commit()
+        try:
+            self.state = self._converged(None)
+            self._load.array[:] = np.cos(np.arange(self._load.local_size))
+            self.stepper.linear.check(self._load)
+        except SingularTangent:
+            raise ValueError("the unloaded structure can move freely (its tangent is singular): "
+                             + advice_on_supports(discretisation.scene)) from None
+
+    @property
+    def total_factorisations(self) -> int:
+        return self.stepper.linear.factorisations
+
+    def _functional(self, monitor: Monitor) -> PETSc.Vec:
+        """Vector whose product with increments is a displacement."""
+        return self.system.functional(*self.discretisation.monitored(monitor), monitor.sign)
+
+    def monitored(self, increment: PETSc.Vec) -> float:
+        """Change of the monitored displacement by an increment of the unknowns."""
+        return self._monitor.dot(increment)
+
+    def attempt(self, length: float, guess: tuple[float, np.ndarray] | None = None) -> State | None:
+        """Try one step of a given length from the current state; None if it does not converge.
+
+        Parameters
+        ----------
+        guess : increments of the load factor and of the unknowns (this process's part) to begin with
+        """
+        start, before, spent = self.state, self.total_factorisations, self.iterations
+        for layers in self.discretisation.enforcement.approaches():
+            self._most = 0
+            if guess is None:
+                load_increment = self.control.predict(length, self.control.direction(start), self.tangent)
+                self.stepper.begin(self.control, self.tangent, length, load_increment)
+            else:
+                self.stepper.begin(self.control, self.tangent, length, *guess)
+            if self.discretisation.enforcement.solve(self._correct, layers):
+                try:
+                    self.state = self._converged(start, self.iterations - spent, length, before)
+                    self._mark_factored()
+                    return self.state
+                except SingularTangent:
+                    pass
+            self._undo(start)
+        return None
+
+    def accept(self, load_increment: float, iterations: int = 0) -> State:
+        """Commit the current configuration, which equilibrium was found for by other means than a step.
+
+        Parameters
+        ----------
+        load_increment : of the load factor since the current state; the increments of the unknowns are those in `x`
+
+        Raises
+        ------
+        SingularTangent
+        """
+        before, self.stepper.load_increment, self._most = self.total_factorisations, load_increment, iterations
+        found = self._converged(self.state, iterations, factorisations=before)
+        self.state = replace(found, next_length=0.0)
+        self._mark_factored()
+        return self.state
+
+    def _correct(self) -> bool:
+        self.snes.solve(None, self.x)
+        self.stepper.continue_step()
+        self.iterations += self.snes.getIterationNumber()
+        self._most = max(self._most, self.snes.getIterationNumber())
+        return self.snes.getConvergedReason() > 0
+
+    def factor_at(self, state: State) -> None:
+        """Return to a state and factor its tangent, unless that is the last one factored."""
+        if self.state is not state:
+            self.back_to(state)
+        factored, count = self._factored
+        if factored is not state or count != self.total_factorisations:
+            self._respond()
+            self._mark_factored()
+
+    def _mark_factored(self) -> None:
+        """Remember that the last factor is that of the current state."""
+        self._factored = self.state, self.total_factorisations
+
+    def spectrum(self, count: int) -> tuple[list[float], list[PETSc.Vec]]:
+        """Eigenvalues of the last factored tangent nearest to zero in the scaled inner product, and modes."""
+        values, modes = nearest_to_zero(self.stepper.linear, diagonal(self.system.weights), count)
+        return values, [self.system.create_vector(mode.array) for mode in modes]
+
+    def load_vector(self) -> PETSc.Vec:
+        """Derivative of the external forces with respect to the load factor, in the current state."""
+        self.system.load(self._load)
+        return self._load.copy()
+
+    def _undo(self, start: State) -> None:
+        """Put the fields back to the state that the last attempt started from."""
+        self.system.factor = start.factor
+        self.x.zeroEntries()
+        self.system.configure(self.x)
+        if self.control.newton == "modified":
+            self.system.extrapolate_stress()
+            self.stepper.factor(self.snes, self.x)
+
+    def reason(self) -> str:
+        """Why the last attempt failed."""
+        names = {v: k for k, v in vars(PETSc.SNES.ConvergedReason).items() if isinstance(v, int)}
+        return names.get(self.snes.getConvergedReason(), "contact augmentation did not converge")
+
+    def back_to(self, state: State) -> None:
+        """Return to an earlier state of this path."""
+        self.discretisation.restore(state.fields)
+        self.system.factor = state.factor
+        self._response.array[:] = state.response
+        self.tangent.initial_norm2, self.tangent.current_stiffness = state.reference[0], state.current_stiffness
+        self._reference = state.reference
+        self._undo(state)
+        self.state = state
+
+    def _converged(self, start: State | None, iterations=0, length=0.0, factorisations=0) -> State:
+        """Describe the current configuration with the tangent that led to it, then commit it."""
+        system, tangent = self.system, self.tangent
+        self._respond()
+        weight = self._load_weight()
+        load_increment = self.stepper.load_increment if start else 0.0
+        extremes = start.displacement_extremes + self._passes_extreme(start) if start else 0
+        along = tangent.inner(self.x, self._response) + weight * load_increment
+        sign = -1.0 if start and along < 0 else 1.0
+        pivots, determinant = self.stepper.linear.negative_pivots(), self.stepper.linear.determinant_sign()
+        touching, penetration = self.discretisation.enforcement.summary()
+        increment, deflection = self.x.array.copy(), self.monitored(self.x)
+        self.discretisation.commit()
+        self.x.zeroEntries()
+        return State(
+            step=start.step + 1 if start else 0, factor=system.factor, load=self.discretisation.total_load(),
+            deflection=start.deflection + deflection if start else 0.0,
+            unstable=None if pivots is None else pivots - system.multipliers,
+            determinant=determinant and determinant * (-1) ** system.multipliers,
+            load_rate=sign / sqrt(tangent.norm2 + weight),
+            iterations=iterations, hardest=self._most, factorisations=self.total_factorisations - factorisations,
+            length=length, next_length=length or self.control.first, load_increment=load_increment,
+            current_stiffness=tangent.current_stiffness, displacement_extremes=extremes, reference=self._reference,
+            contact_points=touching, penetration=penetration,
+            increment=increment, response=self._response.array.copy(), fields=self.discretisation.snapshot())
+
+    def _load_weight(self) -> float:
+        weight = getattr(self.control, "load_weight", None)
+        return weight(self.tangent) if weight else 0.0
+
+    def _respond(self) -> None:
+        """Response of the current configuration to a unit of load."""
+        system = self.system
+        system.configure(self.x)
+        system.extrapolate_stress()
+        self.stepper.factor(self.snes, self.x)
+        system.load(self._load)
+        with system.clock("solve"):
+            self.stepper.linear.solve(self._load, self._response)
+        work = self._load.dot(self._response)
+        if self._reference is None:
+            if not self.tangent.norm2 > 0:
+                raise ValueError("Scene: the structure does not respond to its loads; they act on supports only, or "
+                                 "cancel out: move or change them")
+            self._reference = self.tangent.norm2, work
+        self.tangent.initial_norm2 = self._reference[0]
+        self.tangent.current_stiffness = self._reference[1] / work if work else 1.0
+
+    def _passes_extreme(self, start: State) -> bool:
+        """Whether the displacement along the load has had an extreme since a state.
+
+        The current stiffness parameter then changes sign through infinity, not through zero as at an extreme of the
+        load: its value for the chord of the step lies beyond those at both ends.
+        """
+        ends = start.current_stiffness, self.tangent.current_stiffness
+        work = self._load.dot(self.x)
+        chord = self.stepper.load_increment * self._reference[1] / work if work else inf
+        return ends[0] * ends[1] < 0 and not min(ends) < chord < max(ends)
+
+    def turn(self, before: State, after: State) -> float:
+        """Largest angle in radians between the increment of a step and what it should go on from and lead to.
+
+        These are the tangents at its start and its end; with contact, where tangents waver, the increment before.
+        """
+        wavering = self.discretisation.contacts and before.step > 0
+        directions = [before.direction] if wavering else [before.tangent]
+        if not self.discretisation.contacts:
+            directions.append(after.tangent)
+        return max(self.angle(after.direction, d) for d in directions)
+
+    def angle(self, one: tuple[float, np.ndarray], other: tuple[float, np.ndarray]) -> float:
+        """Angle between two increments of load factor and unknowns."""
+        lengths = self.distance(*one) * self.distance(*other)
+        return acos(np.clip(self.inner(one, other) / lengths, -1.0, 1.0)) if lengths else 0.0
+
+    def distance(self, load: float, increment: np.ndarray) -> float:
+        """Length of an increment of load factor and unknowns (this process's part) in the control's measure."""
+        return self.inner((load, increment), (load, increment)) ** 0.5
+
+    def inner(self, one: tuple[float, np.ndarray], other: tuple[float, np.ndarray]) -> float:
+        """Inner product of increments of load factor and unknowns in the control's measure."""
+        (a, left), (b, right) = one, other
+        return self.system.comm.allreduce(float(left * self.system.weights.array @ right)) + self._load_weight() * a * b
+
+
+def tracer_of(path) -> Tracer:
+    """The tracer of a Path, or the Tracer given."""
+    return getattr(path, "tracer", path)

@@ -1,0 +1,1 @@
+"""From a scene to unknowns, and from contributions to residual and tangent."""

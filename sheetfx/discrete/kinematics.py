@@ -1,0 +1,106 @@
+"""Displacement and rotation of the parts of a model as unknown fields."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import basix.ufl
+import numpy as np
+from dolfinx import fem
+
+from .. import forms
+from ..mesh.reader import COMPONENTS, Model
+from .unknowns import AdditiveField, Block, QuaternionField
+
+
+@dataclass(frozen=True)
+class Kinematics:
+    """Displacement and rotation of the parts of one model.
+
+    Attributes
+    ----------
+    spin, rotation, total_rotation : rotation with and without the symbol of its increment, for virtual work and
+        strains; None where there is none
+    """
+
+    u: fem.Function
+    spin: fem.Function | None
+    rotation: object
+    total_rotation: object
+    block: Block
+
+    def sub_space(self, component: str):
+        dimension = self.block.space.mesh.geometry.dim
+        index = COMPONENTS[dimension].index(component)
+        if self.spin is None:
+            return self.block.space.sub(index)
+        if index < dimension:
+            return self.block.space.sub(0).sub(index)
+        rotations = self.block.space.sub(1)
+        return rotations if dimension == 2 else rotations.sub(index - dimension)
+
+    def displacement(self, model: Model, at: str) -> np.ndarray:
+        """Displacement of a named point, the same on all processes."""
+        return self._value(self.u, model, at)
+
+    def point_dofs(self, model: Model, at: str, component: str) -> np.ndarray:
+        """Dofs of a component at the vertices of a named point that this process owns."""
+        dofs = fem.locate_dofs_topological(self.sub_space(component), *model.at(at))
+        space = self.block.space
+        return dofs[dofs < space.dofmap.index_map.size_local * space.dofmap.index_map_bs]
+
+    def angle(self, model: Model, at: str) -> float:
+        """Rotation of a named point in the plane, in radians."""
+        return float(self._value(self.spin, model, at)[0])
+
+    @staticmethod
+    def _value(function: fem.Function, model: Model, at: str) -> np.ndarray:
+        space = function.function_space
+        size = space.dofmap.index_map_bs
+        nodes = fem.locate_dofs_topological(space, *model.at(at))
+        owned = nodes[nodes < space.dofmap.index_map.size_local]
+        found = model.mesh.comm.allgather(function.x.array.reshape(-1, size)[owned[:1]])
+        return np.concatenate(found)[0]
+
+
+def kinematics_of(model: Model, displacement: tuple[str, int], rotation: tuple[str, int] | None) -> Kinematics:
+    """Spaces and fields of a model's parts: the angle in the plane, a quaternion in space.
+
+    Parameters
+    ----------
+    displacement, rotation : family and degree of the spaces; rotation None: displacement alone
+    """
+    mesh, dimension = model.mesh, model.dimension
+    cell = mesh.basix_cell()
+    vector = basix.ufl.element(displacement[0], cell, displacement[1], shape=(dimension,))
+    u = fem.Function(fem.functionspace(mesh, vector), name="displacement")
+    if rotation is None:
+        field = AdditiveField(u, np.arange(len(u.x.array)), model.size)
+        return Kinematics(u, None, None, None, Block(u.function_space, (field,)))
+    turns = basix.ufl.element(rotation[0], cell, rotation[1], shape=() if dimension == 2 else (3,))
+    space = fem.functionspace(mesh, basix.ufl.mixed_element([vector, turns]))
+    move = AdditiveField(u, _matching(u.function_space, space.sub(0), dimension), model.size)
+    spin = fem.Function(fem.functionspace(mesh, turns), name="rotation")
+    spin_dofs = _matching(spin.function_space, space.sub(1), spin.function_space.dofmap.bs)
+    if dimension == 2:
+        turn = AdditiveField(spin, spin_dofs, 1.0)
+        spatial = total = forms.rotation.PlanarRotation(spin)
+    else:
+        q = fem.Function(fem.functionspace(mesh, (*rotation, (4,))), name="rotation")
+        order = _matching(q.function_space, spin.function_space)
+        turn = QuaternionField(q, spin, spin_dofs.reshape(-1, 3)[order].ravel())
+        spatial, total = forms.rotation.SpatialRotation(q, spin), forms.rotation.SpatialRotation(q)
+    return Kinematics(u, spin, spatial, total, Block(space, (move, turn)))
+
+
+def _matching(space, other, width: int = 1) -> np.ndarray:
+    """For each node of `space`, or each of `width` dofs at it, the entry of the other dofmap at the same place.
+
+    The other space has the same element, or is that part of a mixed space: DOLFINx 0.9 forgets the order of nodes
+    along edges when it collapses the part (degree 3 and above).
+    """
+    count = space.dofmap.index_map.size_local + space.dofmap.index_map.num_ghosts
+    entries = np.empty(width * count, dtype=np.int64)
+    own = width * space.dofmap.list[:, :, None] + np.arange(width)
+    entries[own.ravel()] = other.dofmap.list.ravel()
+    return entries

@@ -1,0 +1,14 @@
+"""What to do about a structure that can move freely."""
+
+from __future__ import annotations
+
+from ..mesh.pieces import pieces_without
+
+
+def advice_on_supports(scene) -> str:
+    """What to do about a structure that can move freely: names a piece without support where there is one."""
+    for model in scene.models:
+        loose = pieces_without(model, [support.at for support in scene.supports if support.model is model])
+        if loose:
+            return f"nothing supports the piece with {loose[0]}; add a support or join it to the rest"
+    return "check that the supports hold all rigid motions of every part"

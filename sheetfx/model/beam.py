@@ -1,0 +1,101 @@
+"""Beams and bars as parts of a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from .. import forms
+from ..mesh.numbers import as_constants
+from ..mesh.quadrature import gauss
+from ..mesh.reader import Model
+from .section import Elastic, Section
+from .work import Internal, Term
+
+
+@dataclass(frozen=True, eq=False)
+class Beam:
+    """Beams on the curves of a model.
+
+    Attributes
+    ----------
+    model : mesh with named groups
+    section, material : constants of the section law
+    strains : function (u, rotation, frame) -> generalised strains
+    law : function (strains, stiffness) -> stress resultants
+    group : physical group of the curves; None: all
+    degree : of displacement and rotation, 1 or 2; integrated with `degree` Gauss points, which
+        keeps both free of shear and membrane locking
+    up : direction of the section's depth, in space
+    shear_rigidity : factor on the shear stiffness
+    """
+
+    model: Model
+    section: Section
+    material: Elastic
+    strains: Callable = forms.beam.simo_reissner
+    law: Callable = forms.section.linear_elastic
+    group: str | None = None
+    degree: int = 2
+    up: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    shear_rigidity: float = 1.0
+
+    def __post_init__(self):
+        if self.degree not in (1, 2):
+            raise ValueError(f"Beam: degree is {self.degree}; it must be 1 or 2")
+
+    @property
+    def spaces(self) -> tuple[tuple[str, int], tuple[str, int]]:
+        """Family and degree of displacement and rotation."""
+        return ("P", self.degree), ("P", self.degree)
+
+    def frame(self):
+        return forms.beam.curve_frame(self.model.mesh, self.up)
+
+    def internal(self, u, rotation) -> Internal:
+        """Internal virtual work."""
+        stiffness = self.section.stiffness(self.material, self.model.dimension, self.shear_rigidity)
+        return _internal(self, u, rotation, stiffness)
+
+
+@dataclass(frozen=True, eq=False)
+class Bar:
+    """Straight bars with pin joints at their ends: each cell of the mesh is a bar.
+
+    Attributes
+    ----------
+    model : mesh of straight cells with named groups
+    section, material : give the axial stiffness
+    strains : function (u, rotation, frame) -> vector of one strain; bars have no rotation, it is None
+    law : function (strains, stiffness) -> vector of the axial force
+    group : physical group of the bars; None: all
+    """
+
+    model: Model
+    section: Section
+    material: Elastic
+    strains: Callable = forms.bar.engineering
+    law: Callable = forms.section.linear_elastic
+    group: str | None = None
+    degree = 1
+    spaces = ("P", 1), None
+
+    def __post_init__(self):
+        if self.model.mesh.geometry.cmap.degree != 1:
+            raise ValueError(f"Bar: the mesh has curved cells of degree {self.model.mesh.geometry.cmap.degree}; "
+                             "bars are straight, read it with order 1")
+
+    def frame(self):
+        return forms.bar.bar_frame(self.model.mesh)
+
+    def internal(self, u, rotation) -> Internal:
+        """Internal virtual work."""
+        return _internal(self, u, rotation, [self.material.modulus * self.section.area])
+
+
+def _internal(part: Beam | Bar, u, rotation, stiffness) -> Internal:
+    mesh = part.model.mesh
+    stiffness = as_constants(mesh, stiffness)
+    term = Term(strains=part.strains(u, rotation, part.frame()), law=lambda strains: part.law(strains, stiffness),
+                rule=gauss(mesh.basix_cell(), part.degree))
+    return Internal([term], mesh, part.model.group(part.group))

@@ -1,0 +1,219 @@
+"""Section and material data of beams and shells (any consistent units; the scenes use N and mm)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi, tanh
+
+from ..checks import require_positive
+
+
+@dataclass(frozen=True)
+class Elastic:
+    """Linear elastic material.
+
+    Attributes
+    ----------
+    modulus : Young's modulus (force / length^2)
+    poisson : Poisson's ratio; the thesis gives none for the arch, 0.3 is taken (it enters through
+        the shear stiffness only: 0.02 % of the arch's limit load between 0 and 0.5)
+    density : mass per volume, for vibrations; None: not given
+    """
+
+    modulus: float
+    poisson: float = 0.3
+    density: float | None = None
+
+    def __post_init__(self):
+        require_positive(self, "modulus", "density")
+        if not -1 < self.poisson <= 0.5:
+            raise ValueError(f"Elastic: poisson is {self.poisson}; it must lie above -1 and not above 0.5")
+
+    @property
+    def shear_modulus(self) -> float:
+        return self.modulus / 2 / (1 + self.poisson)
+
+
+class Section:
+    """Section constants; the normal of the frame is the direction of the depth."""
+
+    depth: float
+    area: float
+    second_moments: tuple[float, float]
+    torsion: float
+    shear_factor: float
+
+    def stiffness(self, material: Elastic, dimension: int, shear_rigidity: float = 1.0) -> list[float]:
+        """Stiffnesses in the order of the strains of `forms.beam.simo_reissner`.
+
+        Parameters
+        ----------
+        dimension : 2: EA, k GA, EI; 3: EA, k GA, k GA, GJ, EI about the normal, EI about the binormal
+        shear_rigidity : factor on the shear stiffness; with 1e3 a slender beam is shear-rigid
+        """
+        axial = material.modulus * self.area
+        shear = self.shear_factor * material.shear_modulus * self.area * shear_rigidity
+        about_normal, about_binormal = (material.modulus * i for i in self.second_moments)
+        if dimension == 2:
+            return [axial, shear, about_binormal]
+        return [axial, shear, shear, material.shear_modulus * self.torsion, about_normal, about_binormal]
+
+    def inertia(self, material: Elastic, dimension: int) -> list[float]:
+        """Mass per length, and rotary inertia per length about the binormal (2) or all axes of the section (3)."""
+        about_normal, about_binormal = (material.density * i for i in self.second_moments)
+        rotary = [about_binormal] if dimension == 2 else [about_normal + about_binormal, about_normal, about_binormal]
+        return [material.density * self.area, *rotary]
+
+
+@dataclass(frozen=True)
+class Rectangle(Section):
+    """Solid rectangle, `width` across the plane of bending and `depth` in it."""
+
+    width: float
+    depth: float
+    shear_factor: float = 5 / 6
+
+    def __post_init__(self):
+        require_positive(self, "width", "depth")
+
+    @property
+    def area(self):
+        return self.width * self.depth
+
+    @property
+    def second_moments(self):
+        return self.depth * self.width**3 / 12, self.width * self.depth**3 / 12
+
+    @property
+    def torsion(self):
+        """Saint-Venant's torsion constant (Timoshenko and Goodier 1970, eq. 170), six terms of the series."""
+        long, short = max(self.width, self.depth), min(self.width, self.depth)
+        series = sum(tanh(n * pi * long / (2 * short)) / n**5 for n in range(1, 12, 2))
+        return long * short**3 * (1 / 3 - 64 / pi**5 * short / long * series)
+
+
+@dataclass(frozen=True)
+class Tube(Section):
+    """Round tube by outer diameter and wall thickness."""
+
+    diameter: float
+    thickness: float
+    shear_factor: float = 0.5
+
+    def __post_init__(self):
+        require_positive(self, "diameter", "thickness")
+        if 2 * self.thickness > self.diameter:
+            raise ValueError(f"Tube: thickness {self.thickness} is more than half the diameter {self.diameter}")
+
+    @property
+    def depth(self):
+        return self.diameter
+
+    @property
+    def _inner(self):
+        return self.diameter - 2 * self.thickness
+
+    @property
+    def area(self):
+        return pi / 4 * (self.diameter**2 - self._inner**2)
+
+    @property
+    def second_moments(self):
+        moment = pi / 64 * (self.diameter**4 - self._inner**4)
+        return moment, moment
+
+    @property
+    def torsion(self):
+        return 2 * self.second_moments[0]
+
+
+def round_bar(diameter: float) -> Tube:
+    """Solid round section."""
+    return Tube(diameter, diameter / 2, shear_factor=0.9)
+
+
+@dataclass(frozen=True)
+class ShellStiffness:
+    """Stiffness of a shell section per length, on the axes of the frame, for strains (e11, e22, 2 e12) and so on.
+
+    Attributes
+    ----------
+    membrane, coupling, bending : 3 x 3 (force / length, force, force length)
+    shear : 2 x 2 (force / length)
+    drilling : resistance against rotation about the normal (force / length)
+    """
+
+    membrane: tuple
+    coupling: tuple
+    bending: tuple
+    shear: tuple
+    drilling: float
+
+
+class ShellSection:
+    """What all shell sections have in common."""
+
+    thickness: float
+
+    def inertia(self, material: Elastic) -> list[float]:
+        """Mass per area, and rotary inertia of the director per area."""
+        return [material.density * self.thickness, material.density * self.thickness**3 / 12]
+
+
+@dataclass(frozen=True)
+class Plate(ShellSection):
+    """Homogeneous shell section.
+
+    Attributes
+    ----------
+    thickness : length
+    shear_factor : on the transverse shear stiffness
+    drilling : factor on the membrane's shear stiffness; between 0.1 and 1 results hardly depend on it
+    """
+
+    thickness: float
+    shear_factor: float = 5 / 6
+    drilling: float = 1.0
+    coupled = False
+
+    def __post_init__(self):
+        require_positive(self, "thickness", "shear_factor", "drilling")
+
+    def stiffness(self, material: Elastic) -> ShellStiffness:
+        """Plane-stress stiffness of an isotropic material."""
+        nu, t = material.poisson, self.thickness
+        plane = material.modulus / (1 - nu**2)
+        unit = ((1.0, nu, 0.0), (nu, 1.0, 0.0), (0.0, 0.0, (1 - nu) / 2))
+        shear = self.shear_factor * material.shear_modulus * t
+        return ShellStiffness(
+            membrane=_scaled(unit, plane * t), coupling=_scaled(unit, 0.0), bending=_scaled(unit, plane * t**3 / 12),
+            shear=((shear, 0.0), (0.0, shear)), drilling=self.drilling * material.shear_modulus * t)
+
+
+@dataclass(frozen=True)
+class GivenPlate(ShellSection):
+    """Shell section whose stiffness is given, for orthotropic or layered shells.
+
+    Attributes
+    ----------
+    thickness : length, for the choice of quadrature
+    matrices : ShellStiffness
+    """
+
+    thickness: float
+    matrices: ShellStiffness
+
+    def __post_init__(self):
+        require_positive(self, "thickness")
+
+    @property
+    def coupled(self) -> bool:
+        """Whether stretching and bending are coupled."""
+        return any(any(row) for row in self.matrices.coupling)
+
+    def stiffness(self, material=None) -> ShellStiffness:
+        return self.matrices
+
+
+def _scaled(matrix, factor):
+    return tuple(tuple(factor * c for c in row) for row in matrix)

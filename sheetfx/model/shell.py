@@ -1,0 +1,183 @@
+"""Shells as parts of a scene, and the families of their discrete forms."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import basix
+import ufl
+from dolfinx import fem
+
+from .. import forms
+from ..compat import JIT
+from ..mesh.numbers import as_constants
+from ..mesh.quadrature import Rule, gauss, simplex
+from ..mesh.reader import Model
+from .section import Elastic, GivenPlate, Plate
+from .work import Internal, Term
+
+TRIANGLE, QUADRILATERAL = basix.CellType.triangle, basix.CellType.quadrilateral
+MEMBRANE, BENDING, SHEAR_AND_DRILLING = (0, 1, 2), (3, 4, 5), (6, 7, 8)
+
+
+@dataclass(frozen=True)
+class ShellForm:
+    """A discrete form: spaces of displacement and rotation, and what is integrated with which rule.
+
+    Attributes
+    ----------
+    cell : of the mesh
+    displacement, rotation : family and degree of the spaces
+    low, full : quadrature rules; membrane, shear and drilling energies are integrated with (1 - share) of the low
+        and `share` of the full rule, bending with the full rule (partial selective reduced integration, Arnold and
+        Brezzi 1997; drilling with the full rule would lock thin curved cells)
+    facets : whether the low rule leaves flat cells too soft in their plane, so that these need the full rule there
+    """
+
+    cell: basix.CellType
+    displacement: tuple[str, int]
+    rotation: tuple[str, int]
+    low: Rule
+    full: Rule
+    facets: bool = False
+
+    def shares(self, frame, thickness):
+        """Shares of the full rule in the energies of the membrane, and of shear and drilling; at most 1.
+
+        thickness^2 / area keeps the parasitic energy of a bent cell below its bending energy; membranes whose low
+        rule is too soft get 1 / (10 curvature^2 area) times more, which is everything where they are flat.
+        """
+        area = ufl.JacobianDeterminant(frame.domain)
+        share = thickness**2 / area
+        membrane = share
+        if self.facets:
+            bent = sum(ufl.inner(s, s) for s in (frame.along(frame.director, t) for t in frame.tangents))
+            membrane = share * (1 + 0.1 / (bent * area + 1e-12))
+        return ufl.min_value(1.0, membrane), ufl.min_value(1.0, share)
+
+
+def _quadrilateral(degree: int) -> ShellForm:
+    """Equal degree of displacement and rotation on quadrilaterals."""
+    return ShellForm(QUADRILATERAL, ("P", degree), ("P", degree), gauss(QUADRILATERAL, degree, degree),
+                     gauss(QUADRILATERAL, degree + 1, degree + 1))
+
+
+FORMS = {
+    "naghdi-q2": _quadrilateral(2),
+    "naghdi-q3": _quadrilateral(3),
+    "naghdi-p2cr": ShellForm(TRIANGLE, ("P", 2), ("CR", 1), simplex(1), simplex(2), facets=True),
+    "naghdi-p3": ShellForm(TRIANGLE, ("P", 3), ("P", 3), simplex(2), simplex(6), facets=True),
+}
+
+
+def named_form(name: str) -> ShellForm:
+    """The form of a name in FORMS.
+
+    Raises
+    ------
+    ValueError
+        Where there is none.
+    """
+    if name not in FORMS:
+        raise ValueError(f"Shell: no form {name!r}; choose from {', '.join(FORMS)}")
+    return FORMS[name]
+
+
+@dataclass(frozen=True, eq=False)
+class Shell:
+    """Shells on the surfaces of a model.
+
+    Attributes
+    ----------
+    model : mesh with named groups
+    section, material : constants of the section law
+    form : name of a form in FORMS, or a ShellForm
+    strains : function (u, rotation, frame) -> ShellStrains
+    law : function (strains, stiffness) -> stress resultants, gradient of an energy, see forms.section.linear_shell
+    group : physical group of the surfaces; None: all
+    offset : distance of the mid-surface from the meshed surface, along its normal
+    """
+
+    model: Model
+    section: Plate | GivenPlate
+    material: Elastic | None = None
+    form: str | ShellForm = "naghdi-q2"
+    strains: Callable | None = None
+    law: Callable = forms.section.linear_shell
+    group: str | None = None
+    offset: float = 0.0
+
+    def __post_init__(self):
+        if self.material is None and isinstance(self.section, Plate):
+            raise ValueError(f"Shell: material is None, but {self.section} needs one; give an Elastic, or the "
+                             "stiffness by a GivenPlate")
+        cell = self.model.mesh.basix_cell()
+        if self.discrete.cell != cell:
+            raise ValueError(f"Shell: form {self.form!r} needs a mesh of {self.discrete.cell.name} cells, "
+                             f"this one has {cell.name} cells")
+
+    @property
+    def discrete(self) -> ShellForm:
+        return named_form(self.form) if isinstance(self.form, str) else self.form
+
+    @property
+    def spaces(self) -> tuple[tuple[str, int], tuple[str, int]]:
+        """Family and degree of displacement and rotation."""
+        return self.discrete.displacement, self.discrete.rotation
+
+    def internal(self, u, rotation) -> Internal:
+        """Internal virtual work: each energy, and their coupling where there is one, with its rule."""
+        form, mesh = self.discrete, self.model.mesh
+        frame = surface_frame(mesh)
+        stiffness, thickness, offset = as_constants(
+            mesh, (self.section.stiffness(self.material), self.section.thickness, self.offset))
+        measure = self.strains or (lambda u, rotation, frame: forms.shell.naghdi(u, rotation, frame, offset))
+        strains = measure(u, rotation, frame).vector
+        stretch, shear = form.shares(frame, thickness)
+
+        def law(e):
+            return self.law(e, stiffness)
+
+        def full(e):
+            return (stretch * _restricted(law, MEMBRANE)(e) + shear * _restricted(law, SHEAR_AND_DRILLING)(e)
+                    + _restricted(law, BENDING)(e))
+
+        def low(e):
+            if self.section.coupled:
+                return law(e) - full(e)
+            return ((1 - stretch) * _restricted(law, MEMBRANE)(e)
+                    + (1 - shear) * _restricted(law, SHEAR_AND_DRILLING)(e))
+
+        everything = range(9)
+        low_places = everything if self.section.coupled else [*MEMBRANE, *SHEAR_AND_DRILLING]
+        return Internal([_term(strains, low, low_places, form.low), _term(strains, full, everything, form.full)],
+                        mesh, self.model.group(self.group))
+
+
+def surface_frame(mesh) -> forms.shell.SurfaceFrame:
+    """Frame of a surface with its normals interpolated at the nodes of each cell."""
+    degree = mesh.geometry.cmap.degree
+    if mesh.basix_cell() == TRIANGLE and degree == 1:
+        return forms.shell.surface_frame(mesh)
+    family = "DG" if mesh.basix_cell() == TRIANGLE else "DQ"
+    director = fem.Function(fem.functionspace(mesh, (family, degree, (3,))))
+    points = director.function_space.element.interpolation_points()
+    director.interpolate(fem.Expression(forms.shell.unit_normal(mesh), points, jit_options=JIT))
+    return forms.shell.surface_frame(mesh, director)
+
+
+def _term(strains, law, places, rule) -> Term:
+    """Term of those strains that the law gives forces to."""
+    def chosen(e):
+        given = dict(zip(places, e, strict=True))
+        resultants = law(ufl.as_vector([given.get(n, ufl.as_ufl(0.0)) for n in range(9)]))
+        return ufl.as_vector([resultants[n] for n in places])
+    return Term(ufl.as_vector([strains[n] for n in places]), chosen, rule)
+
+
+def _restricted(law, places):
+    """A section law of which only some strains and the forces conjugate to them are kept."""
+    def kept(vector):
+        return ufl.as_vector([vector[n] if n in places else ufl.as_ufl(0.0) for n in range(9)])
+    return lambda strains: kept(law(kept(strains)))

@@ -1,1 +1,0 @@
-"""Solvers: they see vectors, matrices and a load factor, not structures."""

@@ -1,0 +1,1 @@
+"""Critical points and what follows from them: branches, snaps, buckling, vibrations, imperfections."""

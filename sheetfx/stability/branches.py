@@ -1,0 +1,203 @@
+"""Branches of a bifurcation: a converged state on each of them, from which a path goes on.
+
+Branches are the directions of the space of null vectors in which the reduced equations of `reduction` hold without
+forces. All multiplicities are treated alike; what differs is how these directions are found.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import RBFInterpolator
+from scipy.optimize import brentq, minimize_scalar, root
+
+from ..checks import require_positive_number
+from ..continuation.state import CriticalPoint, State
+from ..continuation.tracer import tracer_of
+from .critical import state_at
+from .modes import largest_displacement
+from .reduction import NoSolution, Reduction
+
+ANGLES = 48  # on the circle of directions of a double bifurcation
+SAMPLES, STARTS = 100, 200  # on the sphere of a higher one, for each null vector
+SMALLEST = 1e-4  # amplitude over the first one tried
+NO_FORCE = 1e-10  # forces along null vectors over the load
+TOUCHING = 1e-8  # forces at a double zero over the largest ones
+SAME = 1e-3  # distance of unit vectors
+TURN = 2 * np.pi
+
+
+class NoBranch(ArithmeticError):
+    """The equations of branches do not converge for any amplitude tried."""
+
+
+@dataclass(frozen=True)
+class Branch:
+    """A half-branch: a bifurcation in one direction.
+
+    Attributes
+    ----------
+    start : state on the branch, from which `Path(scene, control, until, start=[branch.start])` leads away from the
+        bifurcation
+    direction : of the null vectors' space, a unit vector
+    mode : null vector in this direction, this process's part, the largest displacement being 1 (see
+        `mode_displacement`)
+    amplitude : largest displacement of the mode's share in the start
+    family : whether it stands for a continuum of branches, in all directions; a path along it may drift from one to
+        another unless a support singles one out
+    """
+
+    start: State
+    direction: np.ndarray
+    mode: np.ndarray
+    amplitude: float
+    family: bool = False
+
+
+def branches(path, states: Sequence[State], point: CriticalPoint, amplitude: float = 0.05) -> list[Branch]:
+    """A start on every half-branch of a bifurcation but those of the path itself.
+
+    A simple bifurcation has two. Those of a double one are complete as far as samples each 8 degrees show
+    them; those of higher ones are sought from many directions, and some may be missed.
+
+    Parameters
+    ----------
+    path : Path or Tracer that the states belong to; it stays at its present state
+    states : of the path, among them those before and after the bifurcation
+    point : the bifurcation, one of `critical` of these states
+    amplitude : of the modes at the starts, in the scaled inner product (of the size of rotations in radians); it is
+        halved until Newton's method converges quickly, to loads within 2 %, in all directions
+
+    Raises
+    ------
+    ValueError
+        For a limit point, if the amplitude is not positive, or if the states around the point are not given.
+    NoBranch
+    """
+    require_positive_number("branches", amplitude=amplitude)
+    tracer = tracer_of(path)
+    before, after = _step_of(states, point, len(tracer.x.array))
+    present = tracer.state
+    try:
+        state_at(tracer, before, after, point)
+        reduction = Reduction(tracer, point.multiplicity, after)
+        return _found(reduction, amplitude)
+    finally:
+        tracer.back_to(present)
+
+
+def _step_of(states: Sequence[State], point: CriticalPoint, size: int) -> tuple[State, State]:
+    """States before and after a bifurcation, of a path with so many unknowns on this process."""
+    if point.kind != "bifurcation":
+        raise ValueError(f"branches: a {point.kind} point (load {point.load:.6g}) has no branches; "
+                         "the path itself goes on through it")
+    by_step = {state.step: state for state in states}
+    if not {point.step - 1, point.step} <= set(by_step):
+        raise ValueError(f"branches: the states of steps {point.step - 1} and {point.step} around the bifurcation at "
+                         f"load {point.load:.6g} are missing; give the states of the whole path")
+    found = by_step[point.step - 1], by_step[point.step]
+    if len({len(state.increment) for state in found} | {size}) > 1:
+        raise ValueError(f"branches: the states have {len(found[1].increment)} unknowns and the path has {size}; give "
+                         "states of this path")
+    return found
+
+
+def _found(reduction: Reduction, amplitude: float) -> list[Branch]:
+    """Branches at the largest amplitude for which the search converges."""
+    search = {1: _both_ways, 2: _around_circle}.get(len(reduction.modes), _over_sphere)
+    smallest = SMALLEST * amplitude
+    while amplitude > smallest:
+        try:
+            directions, family = search(reduction, amplitude)
+            return [_branch(reduction, c, amplitude, family) for c in directions]
+        except NoSolution:
+            amplitude /= 2
+    raise NoBranch(f"no solution beside the path converges at the bifurcation at load "
+                   f"{reduction.bifurcation.load:.6g}, down to amplitude {amplitude:.2g}; check with smaller steps "
+                   "that it is one")
+
+
+def _branch(reduction: Reduction, direction: np.ndarray, amplitude: float, family: bool) -> Branch:
+    mode = reduction.combined(reduction.modes, direction)
+    size = largest_displacement(reduction.tracer.discretisation, mode)
+    start = reduction.state(reduction.solve(direction, amplitude))
+    return Branch(start, direction, mode.array / size, amplitude * size, family)
+
+
+def _both_ways(reduction: Reduction, amplitude: float) -> tuple[list[np.ndarray], bool]:
+    return [np.array([1.0]), np.array([-1.0])], False
+
+
+def _around_circle(reduction: Reduction, amplitude: float) -> tuple[list[np.ndarray], bool]:
+    """Zeros of the one force that is left, between samples on a circle."""
+    def direction(angle):
+        return np.array([np.cos(angle), np.sin(angle)])
+
+    def force(angle):
+        return float(reduction.solve(direction(angle), amplitude).forces @ direction(angle + np.pi / 2))
+
+    angles = 0.1 + TURN * np.arange(ANGLES) / ANGLES
+    solutions = [reduction.solve(direction(angle), amplitude) for angle in angles]
+    if max(map(reduction.relative_forces, solutions)) < NO_FORCE:
+        return [direction(angles[0])], True
+    forces = [float(s.forces @ direction(a + np.pi / 2)) for a, s in zip(angles, solutions, strict=True)]
+    return [direction(angle) for angle in zeros_around(force, angles, forces)], False
+
+
+def zeros_around(force: Callable[[float], float], angles: np.ndarray, values: Sequence[float]) -> list[float]:
+    """Angles at which a function is zero, from samples of it at equal distances around the circle.
+
+    Between samples of equal sign it is followed to its least magnitude: two zeros or a double one may be there.
+    """
+    zeros, samples, spacing = [], list(zip(angles, values, strict=True)), TURN / len(angles)
+    for angle, value, *others in zip(angles, values, np.roll(values, 1), np.roll(values, -1), strict=True):
+        if all(other * value > 0 and abs(other) > abs(value) for other in others):
+            sign = np.sign(value)
+            least = minimize_scalar(lambda a, sign=sign: sign * force(a), method="bounded",
+                                    bounds=(angle - spacing, angle + spacing), options={"xatol": 1e-6})
+            place = angles[0] + (least.x - angles[0]) % TURN
+            if abs(least.fun) < TOUCHING * max(map(abs, values)):
+                zeros.append(place)
+            elif least.fun < 0:
+                samples.append((place, sign * least.fun))
+    samples = sorted(samples)
+    samples.append((samples[0][0] + TURN, samples[0][1]))
+    return sorted(zeros + [brentq(force, a, b, xtol=1e-12) for (a, one), (b, other) in zip(
+        samples[:-1], samples[1:], strict=True) if one * other < 0])
+
+
+def _over_sphere(reduction: Reduction, amplitude: float) -> tuple[list[np.ndarray], bool]:
+    """Zeros of the forces on a sphere of any dimension, near those of an interpolation between samples."""
+    multiplicity = len(reduction.modes)
+    samples = _scattered(SAMPLES * multiplicity, multiplicity)
+    solutions = [reduction.solve(c, amplitude) for c in samples]
+    if max(map(reduction.relative_forces, solutions)) < NO_FORCE:
+        return [samples[0]], True
+    forces = np.array([solution.forces for solution in solutions])
+    size = np.abs(forces).max()
+    estimate = RBFInterpolator(samples, forces / size, kernel="cubic")
+    guesses = _zeros(lambda c: estimate(c[None, :])[0], _scattered(STARTS * multiplicity, multiplicity))
+    return _zeros(lambda c: reduction.solve(c, amplitude).forces / size, guesses), False
+
+
+def _scattered(count: int, dimension: int) -> np.ndarray:
+    """Unit vectors in rows."""
+    vectors = np.random.default_rng(count).standard_normal((count, dimension))
+    return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
+
+
+def _zeros(force: Callable[[np.ndarray], np.ndarray], starts: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """Different directions without forces that are found from some starts."""
+    def equations(z):
+        length = np.linalg.norm(z)
+        return force(z / length) + (length**2 - 1) * z
+
+    found: list[np.ndarray] = []
+    for start in starts:
+        solution = root(equations, start, tol=1e-10)
+        c = solution.x / np.linalg.norm(solution.x)
+        if solution.success and all(np.linalg.norm(c - other) > SAME for other in found):
+            found.append(c)
+    return found

@@ -1,0 +1,274 @@
+"""Critical points between two converged states: found by sign changes, pinpointed by repeating the step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.interpolate import KroghInterpolator
+from scipy.optimize import minimize_scalar
+
+from ..continuation.state import CriticalPoint, State
+from ..continuation.stretch import Jump, Missed, Stretch
+from ..continuation.tracer import tracer_of
+from .koiter import postbuckling
+
+SAME = 1e-6  # relative difference of loads of one multiple point
+SHORTEST = 1 / 64  # of a step, piece that must be explained
+REACH = 0.05  # of a piece of path, about a bifurcation, in which it is interpolated
+FALSE_ROOTS = 10  # places where an eigenvalue comes near to zero, as beside a limit point, before it passes it
+FOLD = 0.9  # of the length of a piece of path, motion along the mode where a limit point is
+NOISE = 1e-6  # of the length of a piece of path, motion along a mode that does not count
+
+
+def locate(tracer, earlier: State | None, before: State, after: State,
+           most: int | None = None) -> tuple[CriticalPoint, ...]:
+    """Critical points that the step from `before` to `after` brings to light; the tracer ends at `after`.
+
+    A change of sign of the load rate is a limit point, which changes the number of unstable directions
+    by one; any other change in that number means bifurcations. A step with more than `most` of them is too
+    long. A piece of path whose load does not follow from the tangents at its ends, or that turns, is also looked at
+    in its middle.
+
+    As a contact slides over contact points the load rate wavers about that of the smooth path, while
+    the load itself hardly does. With contact a limit point is therefore a step in which the load
+    turns, and is searched there and in the step before it, which starts at `earlier`.
+
+    Raises
+    ------
+    Jump
+        If the states of the step do not lie on one smooth piece of path.
+    """
+    stretch = Stretch(tracer, before, after)
+    hidden = _hidden(before, after)
+    if stretch.guarded and most is not None and hidden > most:
+        raise Jump(f"{hidden} bifurcations lie in one step")
+    if tracer.discretisation.contacts:
+        limits = _turning_loads(stretch, earlier)
+    else:
+        if stretch.guarded:
+            _check(stretch)
+        limits = [_stationary_load(stretch, *pair) for pair in stretch.pairs()
+                  if stretch[pair[0]].load_rate * stretch[pair[1]].load_rate < 0]
+    if limits and stretch.guarded and not tracer.control.passes_limits:
+        raise Jump("a limit point lies in a step that prescribes the load")
+    points = [_limit(*found) for found in limits]
+    crossings = _bifurcations(stretch, [length for s, length, _ in limits if s is stretch])
+    points += [_bifurcation(stretch, cluster) for cluster in _clusters(crossings)]
+    if len(stretch.states) > 2 or points:
+        tracer.back_to(after)
+    return tuple(sorted(points, key=lambda p: (p.step, p.length)))
+
+
+def state_at(path, before: State, after: State, point: CriticalPoint) -> State:
+    """The state of a critical point of the step from `before` to `after`, again; the tracer ends there.
+
+    Parameters
+    ----------
+    path : Path or Tracer that the states belong to
+
+    Raises
+    ------
+    ArithmeticError
+        If it does not converge again.
+    """
+    tracer = tracer_of(path)
+    stretch = Stretch(tracer, before, after)
+    if abs(point.length - after.length) <= 1e-12 * after.length:
+        tracer.factor_at(after)
+        return after
+    try:
+        if stretch.guarded:
+            _check(stretch)
+        state = stretch[point.length]
+    except (Jump, Missed):
+        raise ArithmeticError(f"the {point.kind} at load {point.load:.6g} in step {point.step} does not converge "
+                              "again; resume the path with a shorter step before it") from None
+    tracer.factor_at(state)
+    return state
+
+
+def _check(stretch: Stretch) -> None:
+    """Look into the middle of pieces that turn, or whose load the tangents at their ends do not explain."""
+    pieces = stretch.pairs()
+    while pieces:
+        left, right = pieces.pop()
+        if not stretch.explained(left, right):
+            if right - left < SHORTEST * stretch.after.length:
+                raise Jump("tangents within the step do not explain its load")
+            middle = (left + right) / 2
+            if not stretch.reach(middle):
+                raise Jump("the middle of the step does not converge")
+            pieces += [(left, middle), (middle, right)]
+
+
+def _stationary_load(stretch: Stretch, left: float, right: float) -> tuple[Stretch, float, bool]:
+    """Where the load rate is zero between two lengths, and whether the load rises before."""
+    values = stretch.root(lambda s: stretch[s].load_rate, left, right, 1e-12)
+    return stretch, next(iter(values)), stretch[left].load_rate > 0
+
+
+def _limit(stretch: Stretch, length: float, rising: bool) -> CriticalPoint:
+    state = stretch.states[length]
+    return CriticalPoint("limit", state.load, state.deflection, state.step, float(length),
+                         name="maximum" if rising else "minimum")
+
+
+def _turning_loads(stretch: Stretch, earlier: State | None) -> list[tuple[Stretch, float, bool]]:
+    """The state of the highest (lowest) load where the load turns from one step to the next."""
+    before, after = stretch.before, stretch.after
+    if not before.load_increment * after.load_increment < 0:
+        return []
+    sign = 1.0 if before.load_increment > 0 else -1.0
+    stretches = [stretch] if earlier is None else [Stretch(stretch.tracer, earlier, before), stretch]
+    for one in stretches:
+
+        def opposite_load(length, one=one):
+            try:
+                return -sign * one[length].factor
+            except Missed:
+                return -sign * one.before.factor
+
+        minimize_scalar(opposite_load, bounds=(0.0, one.after.length), method="bounded",
+                        options={"xatol": 0.02 * one.after.length})
+    return [max(((one, length, sign > 0) for one in stretches for length in one.states),
+                key=lambda found: sign * found[0].states[found[1]].factor)]
+
+
+@dataclass(frozen=True)
+class _Crossing:
+    """Where an eigenvalue of the tangent passes zero: the nearest state's length, and what is interpolated there."""
+
+    length: float
+    load: float
+    deflection: float
+
+
+def _bifurcations(stretch: Stretch, limits: list[float]) -> list[_Crossing]:
+    """Where eigenvalues other than those of limit points pass zero, along the path.
+
+    With contact, where eigenvalues waver, only the ends of the step are compared; with friction nothing is.
+    """
+    near, contacts = 1e-5 * stretch.after.length, stretch.tracer.discretisation.contacts
+    if contacts and not stretch.tracer.system.symmetric:
+        return []
+    candidates = [0.0, stretch.after.length] if contacts else sorted(stretch.states)
+    lengths = [s for s in candidates if all(abs(s - limit) > near for limit in limits)]
+    found = [c for pair in zip(lengths[:-1], lengths[1:], strict=True) for c in _crossings(stretch, *pair, near)]
+    return sorted(found, key=lambda c: c.length)
+
+
+def _hidden(one: State, other: State) -> int:
+    """Least number of bifurcations between two states: a limit point changes the unstable directions by one.
+
+    Of unsymmetric tangents only the determinant is known, which simple bifurcations change.
+    """
+    if one.unstable is None:
+        change = one.determinant != other.determinant
+    else:
+        change = abs(one.unstable - other.unstable)
+    return abs(change - 1) if one.load_rate * other.load_rate < 0 else change
+
+
+def _crossings(stretch: Stretch, left: float, right: float, near: float) -> list[_Crossing]:
+    one, other = stretch[left], stretch[right]
+    count = _hidden(one, other)
+    if not count:
+        return []
+    if one.load_rate * other.load_rate < 0:
+        middle = (left + right) / 2
+        if right - left <= 3 * near:
+            return [_Crossing(left, one.load, one.deflection)] * count
+        if not stretch.reach(middle):
+            return []
+        return _crossings(stretch, left, middle, near) + _crossings(stretch, middle, right, near)
+    numbers = [None] if one.unstable is None else range(*sorted((one.unstable, other.unstable)))
+    return [_crossing(stretch, number, count + 2, left, right) for number in numbers]
+
+
+def _crossing(stretch: Stretch, number: int | None, count: int, left: float, right: float) -> _Crossing:
+    """Zero of one eigenvalue, interpolated between states so far from it that rounding does not throw them off."""
+    def value(length):
+        return stretch.eigenvalue(length, number, count)
+
+    reach = REACH * (right - left)
+    for _ in range(FALSE_ROOTS):
+        bracket = (left, right) if number is None else _bracket(stretch, number, left, right)
+        middle = next(iter(stretch.root(value, *bracket, 1e-3)))
+        lengths = [s for s in _around(stretch, middle, reach) if left <= s <= right]
+        values = [value(s) for s in lengths]
+        if min(values) < 0 < max(values):
+            break
+    table = [(s, stretch[s].load, stretch[s].deflection) for s in lengths]
+    found = _Crossing(*map(float, KroghInterpolator(values, table)(0.0)))
+    if abs(found.length - middle) > reach:
+        found = _Crossing(*table[int(np.argmin(np.abs(values)))])
+    if not stretch.reach(found.length):
+        found = replace(found, length=middle)
+    if stretch.guarded:
+        _compare_sides(stretch, found.length, reach, count)
+    return found
+
+
+def _bracket(stretch: Stretch, number: int, left: float, right: float) -> tuple[float, float]:
+    """Neighbouring states between two others, on whose sides an eigenvalue has different signs."""
+    before = stretch[left].unstable > number
+    lengths = [s for s in sorted(stretch.states) if left <= s <= right]
+    passed = next(i for i, s in enumerate(lengths) if (stretch[s].unstable > number) != before)
+    return lengths[passed - 1], lengths[passed]
+
+
+def _around(stretch: Stretch, middle: float, reach: float) -> list[float]:
+    """Lengths of states at a length and about `reach` to both sides, known ones where they are near enough."""
+    lengths = [middle]
+    for wanted in (middle - reach, middle - reach / 2, middle + reach / 2, middle + reach):
+        nearest = min(stretch.states, key=lambda s, wanted=wanted: abs(s - wanted))
+        if abs(nearest - wanted) < reach / 8:
+            lengths.append(nearest)
+        elif 0 < wanted < stretch.after.length and stretch.reach(wanted):
+            lengths.append(wanted)
+    return lengths
+
+
+def _compare_sides(stretch: Stretch, length: float, reach: float, count: int) -> None:
+    """Refuse states on both sides of a bifurcation that the path does not lead through.
+
+    Near the bifurcation of a slightly imperfect structure the path bends away along the mode; a step that goes
+    straight on has jumped to another path, from which the mode deviates to the other side, or which itself goes
+    along the mode at a limit point.
+    """
+    left = max((s for s in stretch.states if s <= length - reach / 2), default=None)
+    right = min((s for s in stretch.states if s >= length + reach / 2), default=None)
+    if left is None or right is None:
+        return
+    values, modes = stretch.spectrum(length, count)
+    mode = modes[int(np.argmin(np.abs(values)))].array
+    moved, led = stretch.along(mode, left, right)
+    distance, size = stretch.distance(left, right), max(abs(moved), abs(led))
+    strays = abs(moved - led) > size / 2 and size > NOISE * distance or abs(moved) > FOLD * distance
+    if strays and size > 10 * max(stretch.uncertainty(stretch[s]) for s in (left, right)):
+        raise Jump("the path bends away from a bifurcation that the step passes")
+
+
+def _clusters(crossings: list[_Crossing]) -> list[list[_Crossing]]:
+    """Crossings at equal loads together."""
+    clusters: list[list[_Crossing]] = []
+    for crossing in crossings:
+        if clusters and abs(crossing.load - clusters[-1][-1].load) <= SAME * abs(crossing.load):
+            clusters[-1].append(crossing)
+        else:
+            clusters.append([crossing])
+    return clusters
+
+
+def _bifurcation(stretch: Stretch, crossings: list[_Crossing]) -> CriticalPoint:
+    """A simple or multiple bifurcation, classified."""
+    first, count, tracer = crossings[0], len(crossings), stretch.tracer
+    state = stretch[first.length]
+    point = CriticalPoint("bifurcation", first.load, first.deflection, stretch.after.step, first.length, count)
+    if tracer.discretisation.contacts or not tracer.system.symmetric:
+        return point
+    values, modes = stretch.spectrum(first.length, count)
+    tracer.factor_at(state)
+    null = [modes[i] for i in np.argsort(np.abs(values))[:count]]
+    return postbuckling(tracer, state, null, point, [stretch.before, stretch.after])

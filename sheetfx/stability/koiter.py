@@ -1,0 +1,172 @@
+"""What follows a bifurcation, from the variations of the energy there (Koiter 1945).
+
+With a null vector phi of the tangent the energy along the curve s phi + s^2 w, where w makes it stationary, is
+
+    E(s) = A s^3 / 6 + C s^4 / 24 + ...,   w = -K^-1 (third variation phi phi) / 2 off the null vector,
+
+and the tangent loses the stiffness B along phi with the load of the fundamental path. The other path is
+load - critical load = -A s / (2 B) - C s^2 / (6 B) (Koiter 1945; Budiansky 1974). Third and
+fourth variations are differences of the exact gradient and Hessian that the forms give: w is stationary, so that its
+error counts in the second order only, and slender structures lose no digits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from petsc4py import PETSc
+
+from ..continuation.state import CriticalPoint, State
+from .modes import scaled
+
+STEP = 1e-4  # of differences of the Hessian, in the scaled norm of increments
+LONGEST, HALVINGS = 0.1, 14  # of differences of the gradient
+RESOLVED = 1e-6  # amplitude, in the scaled norm, for a load changed by one per cent; less beside a limit point
+NEGLIGIBLE = 1e-2  # share of the slope in the load's change, where that is one per cent, of a symmetric bifurcation
+
+
+class Energy:
+    """Variations of the energy about the tracer's current state, as a function of the increments since then."""
+
+    def __init__(self, tracer):
+        self._tracer, self._system, self._factor = tracer, tracer.system, tracer.system.factor
+
+    def gradient(self, x: PETSc.Vec) -> PETSc.Vec:
+        out = x.duplicate()
+        with self._system.additive_increments():
+            self._system.configure(x)
+            self._system.residual(out)
+        return out
+
+    def hessian(self, x: PETSc.Vec, load: float, modes: Sequence[PETSc.Vec]) -> list[PETSc.Vec]:
+        """Its products with modes, where the load factor has changed by `load`."""
+        system, products = self._system, [x.duplicate() for _ in modes]
+        with system.additive_increments():
+            system.factor = self._factor + load
+            system.configure(x)
+            system.extrapolate_stress()
+            matrix = system.tangent()
+            for mode, product in zip(modes, products, strict=True):
+                matrix.mult(mode, product)
+            system.factor = self._factor
+        return products
+
+    def third(self, modes: Sequence[PETSc.Vec], along: PETSc.Vec, load: float = 0.0) -> list[PETSc.Vec]:
+        """Change of the Hessian's products with modes along an increment of unknowns and load factor."""
+        step = STEP / max(self._tracer.distance(0.0, along.array), 1e-300)
+        ahead, behind = (self.hessian(sign * step * along, sign * step * load, modes) for sign in (1.0, -1.0))
+        return [(one - other) / (2 * step) for one, other in zip(ahead, behind, strict=True)]
+
+    def leave(self) -> None:
+        """Put the fields back to the state."""
+        self._system.configure(self._system.create_vector())
+
+
+@dataclass(frozen=True)
+class Expansion:
+    """Energy about a simple bifurcation, off the fundamental path: B load s^2 / 2 + A s^3 / 6 + C s^4 / 24.
+
+    Attributes
+    ----------
+    mode : null vector, of unit length in the scaled inner product, its largest displacement being positive
+    size : largest displacement of the mode
+    cubic, stiffness, quartic : A, B and C
+    """
+
+    mode: PETSc.Vec
+    size: float
+    cubic: float
+    stiffness: float
+    quartic: float
+
+
+def expansion(tracer, mode: PETSc.Vec, neighbours: Sequence[State]) -> Expansion:
+    """Energy about the tracer's current state, a simple bifurcation whose tangent is factored.
+
+    Parameters
+    ----------
+    mode : null vector, of unit length in the scaled inner product
+    neighbours : states on the fundamental path, before and behind
+    """
+    unit = tracer.system.create_vector(scaled(tracer.discretisation, mode))
+    size = 1 / tracer.distance(0.0, unit.array)
+    mode = size * unit
+    energy, solve = Energy(tracer), _Complement(tracer, mode)
+    (third,) = energy.third([mode], mode)
+    cubic = mode.dot(third)
+    slope = solve(tracer.load_vector())
+    stiffness, bend = (mode.dot(change) for change in energy.third([mode, slope], slope, 1.0))
+    quartic = 24 * _quartic(energy, mode, solve(-0.5 * third))
+    energy.leave()
+    along = sum(tracer.inner((0.0, mode.array), (0.0, s.response)) for s in neighbours) / len(neighbours)
+    return Expansion(mode, size, cubic, stiffness + cubic * _fundamental(cubic, stiffness, bend, along), quartic)
+
+
+def postbuckling(tracer, state: State, modes: Sequence[PETSc.Vec], point: CriticalPoint,
+                 neighbours: Sequence[State]) -> CriticalPoint:
+    """A bifurcation with its name and, where it is simple, Koiter's a and b; none if the load leaves it singular.
+
+    Parameters
+    ----------
+    tracer : at the state of the bifurcation, with its tangent factored
+    modes : null vectors, of unit length in the scaled inner product
+    neighbours : states on the fundamental path, before and behind
+    """
+    if len(modes) > 1:
+        return replace(point, name="multiple")
+    e = expansion(tracer, modes[0], neighbours)
+    if not e.stiffness:
+        return point
+    first, second = -e.cubic / (2 * e.stiffness) / e.size, -e.quartic / (6 * e.stiffness) / e.size**2
+    reach = (0.01 * max(abs(state.factor), abs(neighbours[1].load_increment)) / max(abs(second), 1e-300)) ** 0.5
+    if abs(first) > NEGLIGIBLE * abs(second) * reach:
+        return replace(point, name="asymmetric", slope=first / state.factor)
+    point = replace(point, name="stable symmetric" if e.quartic > 0 else "unstable symmetric", slope=0.0)
+    return replace(point, curvature=second / state.factor) if reach > RESOLVED * e.size else point
+
+
+def _fundamental(cubic: float, stiffness: float, bend: float, seen: float) -> float:
+    """Component along the mode of the fundamental path by a unit of load.
+
+    Both paths solve cubic k^2 + 2 stiffness k + bend = 0 (Keller 1977, algebraic bifurcation equation); the one
+    closest to what is seen counts.
+    """
+    roots = np.roots([cubic, 2 * stiffness, bend]) if cubic or stiffness else np.zeros(1)
+    return float(min(roots.real, key=lambda root: abs(root - seen)))
+
+
+class _Complement:
+    """Solutions of the singular tangent off its null vector."""
+
+    def __init__(self, tracer, mode: PETSc.Vec):
+        self._solver, self._mode = tracer.stepper.linear, mode
+        self._weighted = tracer.system.weights * mode
+
+    def __call__(self, right: PETSc.Vec) -> PETSc.Vec:
+        solution = right.duplicate()
+        self._solver.solve(right - right.dot(self._mode) * self._weighted, solution)
+        return solution - solution.dot(self._weighted) * self._mode
+
+
+def _quartic(energy: Energy, mode: PETSc.Vec, bend: PETSc.Vec) -> float:
+    """Coefficient of s^4 in the energy along s mode + s^2 bend.
+
+    The odd part of its derivative is c s + 4 quartic s^3 + d s^5; three neighbours of a sequence of halved s give the
+    quartic. Long ones suffer from higher terms and short ones from rounding: those count that agree best.
+    """
+    lengths = [LONGEST / 2**n for n in range(HALVINGS)]
+    odd = [(_slope(energy, mode, bend, s) - _slope(energy, mode, bend, -s)) / 2 for s in lengths]
+    found = []
+    for n in range(HALVINGS - 2):
+        s = np.array(lengths[n: n + 3])
+        found.append(np.linalg.solve(np.column_stack((s, s**3, s**5)) / s[0] ** np.array([1, 3, 5]),
+                                     odd[n: n + 3])[1] / s[0] ** 3 / 4)
+    changes = np.abs(np.diff(found)) / np.abs(found[1:])
+    return float(found[1 + int(np.argmin(changes))])
+
+
+def _slope(energy: Energy, mode: PETSc.Vec, bend: PETSc.Vec, length: float) -> float:
+    """Derivative of the energy along the curve."""
+    return energy.gradient(length * mode + length**2 * bend).dot(mode + 2 * length * bend)

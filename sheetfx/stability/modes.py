@@ -1,0 +1,53 @@
+"""Modes as displacements: of a model's parts, and scaled to a largest displacement of 1."""
+
+from __future__ import annotations
+
+import numpy as np
+from dolfinx import fem
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from ..discrete.discretisation import Discretisation
+from ..mesh.reader import Model
+
+
+def mode_displacement(path, model: Model, mode) -> fem.Function:
+    """Displacement of a model's parts in a mode.
+
+    Parameters
+    ----------
+    path : Path or Tracer that the mode belongs to
+    mode : BucklingLoad, Vibration or Branch
+    """
+    vector = path.discretisation.system.create_vector(mode.mode)
+    u = path.discretisation.kinematics(model).u
+    displacement = fem.Function(u.function_space, name="displacement")
+    displacement.x.array[:] = _displacement(path.discretisation, model, vector)
+    return displacement
+
+
+def scaled(discretisation: Discretisation, mode: PETSc.Vec) -> np.ndarray:
+    """The mode with a largest displacement of 1, its largest component being positive."""
+    mode = discretisation.system.create_vector(mode.array)
+    comm, tables = discretisation.system.comm, _tables(discretisation, mode)
+    highest, lowest = (comm.allreduce(max(float((sign * t).max(initial=0.0)) for t in tables), op=MPI.MAX)
+                       for sign in (1.0, -1.0))
+    sign = 1.0 if highest >= lowest else -1.0
+    return sign * mode.array / (largest_displacement(discretisation, mode) or 1.0)
+
+
+def largest_displacement(discretisation: Discretisation, mode: PETSc.Vec) -> float:
+    """Length of the largest displacement of any node, on all processes."""
+    largest = max(float(np.linalg.norm(t, axis=1).max(initial=0.0)) for t in _tables(discretisation, mode))
+    return discretisation.system.comm.allreduce(largest, op=MPI.MAX)
+
+
+def _tables(discretisation: Discretisation, mode: PETSc.Vec) -> list[np.ndarray]:
+    """Nodal displacements of all models, one node in each row."""
+    return [_displacement(discretisation, m, mode).reshape(-1, m.dimension) for m in discretisation.scene.models]
+
+
+def _displacement(discretisation: Discretisation, model: Model, step: PETSc.Vec) -> np.ndarray:
+    """Change of a model's displacement by a step."""
+    values = [f.value for f in discretisation.unknowns.fields]
+    return discretisation.system.changes(step)[values.index(discretisation.kinematics(model).u)]

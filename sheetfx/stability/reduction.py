@@ -1,0 +1,234 @@
+"""The equations of the branches of a bifurcation: all of equilibrium but its part in the space of null vectors.
+
+With the m null vectors Phi of the tangent at the bifurcation, a direction c of R^m and a small amplitude r,
+
+    R(x, factor) = W Phi t,    t orthogonal to c,    Phi^ W x = r c
+
+has one solution (x, factor, t) near the bifurcation (Lyapunov and Schmidt's reduction; Golubitsky and Schaeffer 1985,
+chapter VII). W holds the weights of the scaled inner product, Phi^ the vectors dual to Phi that are orthogonal to the
+path on which the bifurcation lies, so that this path has amplitude zero. Where the forces t vanish, the solution is an
+equilibrium.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from petsc4py import PETSc
+
+from ..continuation.linear import SingularTangent
+from ..continuation.spectrum import PREFIX
+from ..continuation.state import State
+
+ITERATIONS = 12
+CONVERGED = 1e-7  # last correction over the amplitude; with Newton's method the next one is its square
+NEAR = 0.02  # change of load between bifurcation and solution, over the load
+
+
+class NoSolution(ArithmeticError):
+    """The reduced equations do not converge for this direction and amplitude."""
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Increments from the bifurcation, and the forces t along the null vectors that hold them."""
+
+    increment: np.ndarray
+    load_increment: float
+    forces: np.ndarray
+    iterations: int
+
+
+class Reduction:
+    """Equilibrium in all but the space of null vectors, about the current state of a tracer, factored there.
+
+    Parameters
+    ----------
+    tracer : at the state of the bifurcation
+    multiplicity : number of null vectors
+    after : state at the end of the step that the bifurcation lies in
+
+    Attributes
+    ----------
+    bifurcation : the state
+    modes : null vectors, orthonormal in the scaled inner product
+    weighted : null vectors times the weights of the inner product
+    measures : dual vectors, whose products with increments are the amplitudes of the null vectors
+    size : load factor that changes of it are compared with
+    springs : numbers of unknowns, one for each null vector, that springs hold while the tangent is factored
+
+    Raises
+    ------
+    ArithmeticError
+        If fewer null vectors converge than there should be.
+    ValueError
+        If the path itself goes along a null vector.
+    """
+
+    def __init__(self, tracer, multiplicity: int, after: State):
+        self.tracer, self.system, self.bifurcation = tracer, tracer.system, tracer.state
+        self.linear = tracer.stepper.linear
+        pairs = sorted(zip(*tracer.spectrum(multiplicity + 1), strict=True), key=lambda pair: abs(pair[0]))
+        self.modes = [mode for _, mode in pairs[:multiplicity]]
+        if len(pairs) <= multiplicity:
+            raise ArithmeticError(f"branches: only {len(pairs)} of the {multiplicity + 1} modes nearest to zero at "
+                                  f"load {self.bifurcation.load:.6g} converge; try "
+                                  f"PETSC_OPTIONS='-{PREFIX}eps_tol 1e-8'")
+        self._least_stiffness = abs(pairs[-1][0])
+        self.weighted = [self.system.weights * mode for mode in self.modes]
+        self.measures = self._measures(after.increment)
+        self.size = max(abs(self.bifurcation.factor), abs(after.load_increment))
+        self.springs = self._pivots()
+        self._residual, self._load = self.system.create_vector(), self.system.create_vector()
+
+    def _measures(self, along: np.ndarray) -> list[PETSc.Vec]:
+        """Vectors whose products with increments are the amplitudes of the null vectors, zero along the path."""
+        across = self.system.create_vector(along)
+        shares = [across.dot(weighted) for weighted in self.weighted]
+        whole = self.tracer.distance(0.0, along)
+        for share, mode in zip(shares, self.modes, strict=True):
+            across.axpy(-share, mode)
+        across = self.system.weights * across
+        rest2 = whole**2 - sum(share**2 for share in shares)
+        if rest2 < 1e-4 * whole**2:
+            raise ValueError(f"branches: at load {self.bifurcation.load:.6g} the path goes along a null vector; "
+                             "bifurcations that are limit points too cannot be switched; come to the other path by "
+                             "an imperfect shape")
+        measures = []
+        for share, weighted in zip(shares, self.weighted, strict=True):
+            measure = weighted.copy()
+            measure.axpy(-share / rest2, across)
+            measures.append(measure)
+        return measures
+
+    def _pivots(self) -> list[int]:
+        """Unknowns by which the null vectors can be told apart, one for each, by elimination."""
+        root_weights, chosen = self.system.weights.copy(), []
+        root_weights.sqrtabs()
+        rest = [root_weights * mode for mode in self.modes]
+        for n, vector in enumerate(rest):
+            size = vector.copy()
+            size.abs()
+            chosen.append(size.max()[0])
+            value = self._entry(vector, chosen[-1])
+            for other in rest[n + 1:]:
+                other.axpy(-self._entry(other, chosen[-1]) / value, vector)
+        return chosen
+
+    def _entry(self, vector: PETSc.Vec, number: int) -> float:
+        first, last = vector.getOwnershipRange()
+        own = vector.array[number - first] if first <= number < last else 0.0
+        return self.system.comm.allreduce(float(own))
+
+    def solve(self, direction: np.ndarray, amplitude: float) -> Solution:
+        """Solution in one direction, by Newton's method from the null vector.
+
+        Raises
+        ------
+        NoSolution
+        """
+        with self.system.additive_increments():
+            return self._iterated(direction, amplitude)
+
+    def _iterated(self, direction: np.ndarray, amplitude: float) -> Solution:
+        system, x = self.system, self.tracer.x
+        system.factor, load_increment, forces = self.bifurcation.factor, 0.0, np.zeros(len(direction))
+        x.zeroEntries()
+        system.configure(x)
+        step = self.combined(self.modes, amplitude * direction)
+        taken, allowed = np.inf, 4 * amplitude
+        tangential = np.linalg.svd(direction[None, :])[2][1:]
+        for iteration in range(ITERATIONS):
+            system.extrapolate_stress(step)
+            system.retract(x, step)
+            system.factor = self.bifurcation.factor + load_increment
+            system.configure(x)
+            system.residual(self._residual)
+            system.load(self._load)
+            self._residual.axpy(-1.0, self.combined(self.weighted, forces))
+            if taken <= CONVERGED * amplitude:
+                if abs(load_increment) > NEAR * self.size:
+                    break
+                return Solution(x.array.copy(), load_increment, forces, iteration)
+            missing = amplitude * direction - [measure.dot(x) for measure in self.measures]
+            try:
+                step, change, more = self._correction(tangential, missing)
+            except (SingularTangent, np.linalg.LinAlgError):
+                break
+            load_increment, forces = load_increment + change, forces + more
+            taken = self.tracer.distance(0.0, step.array)
+            if not taken <= allowed:
+                break
+            allowed = taken / 2
+        raise NoSolution
+
+    def combined(self, vectors: Sequence[PETSc.Vec], factors) -> PETSc.Vec:
+        """Sum of vectors times factors."""
+        total = self.system.create_vector()
+        total.maxpy(list(factors), list(vectors))
+        return total
+
+    def _correction(self, tangential: np.ndarray, missing: np.ndarray) -> tuple[PETSc.Vec, float, np.ndarray]:
+        """Newton's step of unknowns, load factor and forces.
+
+        The tangent may be singular. Springs at as many unknowns as there are null vectors are added before it is
+        factored, and forces that cancel those of the springs are further unknowns.
+        """
+        stiffness, count = self._factor_with_springs(), len(missing)
+        pushes = [self._load, *(self.combined(self.weighted, row) for row in tangential)]
+        columns = [self._solved(push) for push in pushes]
+        columns += [self._solved(self._unit(number, k)) for number, k in zip(self.springs, stiffness, strict=True)]
+        rows = self.measures + [self._unit(number, 1.0) for number in self.springs]
+        part = self._solved(self._residual)
+        matrix = np.array([[row.dot(column) for column in columns] for row in rows])
+        matrix[count:, count:] -= np.eye(count)
+        right = np.concatenate((missing, np.zeros(count))) + [row.dot(part) for row in rows]
+        solution = np.linalg.solve(matrix, right)
+        step = self.combined([part, *columns], [-1.0, *solution])
+        return step, float(solution[0]), solution[1:count] @ tangential
+
+    def _factor_with_springs(self) -> list[float]:
+        """Factor the tangent with the springs, and return their stiffness.
+
+        It is comparable to what the unknowns meet in the tangent, and in the mode next to the null vectors.
+        """
+        matrix = self.system.tangent()
+        here = matrix.getDiagonal()
+        stiffness = [2 * max(abs(self._entry(here, number)), self._least_stiffness * self._entry(
+            self.system.weights, number)) for number in self.springs]
+        first, last = matrix.getOwnershipRange()
+        for number, k in zip(self.springs, stiffness, strict=True):
+            if first <= number < last:
+                matrix.setValue(number, number, k, addv=PETSc.InsertMode.ADD)
+        matrix.assemble()
+        self.linear.factor()
+        return stiffness
+
+    def _solved(self, right: PETSc.Vec) -> PETSc.Vec:
+        solution = right.duplicate()
+        self.linear.solve(right, solution)
+        return solution
+
+    def _unit(self, number: int, value: float) -> PETSc.Vec:
+        vector = self.system.create_vector()
+        first, last = vector.getOwnershipRange()
+        if first <= number < last:
+            vector.array[number - first] = value
+        return vector
+
+    def relative_forces(self, solution: Solution) -> float:
+        """Norm of the forces along the null vectors over that of the loads."""
+        self.system.load(self._load)
+        total = self.combined(self.weighted, solution.forces)
+        return total.norm() / (self.size * self._load.norm())
+
+    def state(self, solution: Solution) -> State:
+        """The solution as a state that follows the bifurcation."""
+        self.tracer.back_to(self.bifurcation)
+        self.tracer.x.array[:] = solution.increment
+        self.system.factor = self.bifurcation.factor + solution.load_increment
+        state = self.tracer.accept(solution.load_increment, solution.iterations)
+        self.tracer.back_to(self.bifurcation)
+        return state

@@ -1,0 +1,121 @@
+"""Snaps: from an unstable state to the stable one that a structure falls into."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from itertools import pairwise
+from pathlib import Path as Folder
+
+from ..continuation.state import State
+from ..continuation.tracer import tracer_of
+from .descent import Fall, FallStep
+
+HOLDS = ("load", "displacement")
+
+
+@dataclass(frozen=True)
+class Snap:
+    """A jump from an unstable state to a stable one.
+
+    Attributes
+    ----------
+    before, after : states; a path goes on with `Path(scene, control, until, start=[snap.after])`, away from zero load
+        where the load was held, from zero deflection where the displacement was
+    hold : "load" or "displacement"
+    history : the fall, from `before` to `after`
+    """
+
+    before: State
+    after: State
+    hold: str
+    history: tuple[FallStep, ...]
+
+    @property
+    def energy_released(self) -> float:
+        """What a real structure turns into motion and heat (force times length)."""
+        return -self.history[-1].energy
+
+    @property
+    def iterations(self) -> int:
+        return len(self.history) - 1
+
+    def save(self, folder: Folder, comm) -> None:
+        """Write `snap.json` with the jump and its history, and both states of each process."""
+        folder = Folder(folder)
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, state in (("before", self.before), ("after", self.after)):
+            state.save(folder / f"{name}.{comm.rank}.npz")
+        if comm.rank == 0:
+            ends = {name: {"load": state.load, "deflection": state.deflection, "unstable": state.unstable}
+                    for name, state in (("before", self.before), ("after", self.after))}
+            content = ends | {"hold": self.hold, "energy_released": self.energy_released,
+                              "history": [asdict(step) for step in self.history]}
+            (folder / "snap.json").write_text(json.dumps(content, indent=2) + "\n")
+
+
+def snap(path, state: State, hold: str = "load", side: int = 1,
+         listener: Callable[[FallStep], None] | None = None) -> Snap:
+    """The stable state that a structure falls into from an unstable one.
+
+    Parameters
+    ----------
+    path : Path or Tracer that the state belongs to; it stays at its present state
+    state : unstable, or at a critical point
+    hold : what the test holds during the fall: "load", the load factor (with a prescribed Motion the displacement), or
+        "displacement", that on which the load works: the monitored one where the load is a force there
+    side : 1 or -1, the sense of the fall along the unstable direction; 1: that of the path where the two are not
+        perpendicular, as at limit points
+    listener : called with every step of the fall
+
+    Raises
+    ------
+    ValueError
+        If the state is stable, or the structure has no energy: friction, follower loads, exact contact.
+    SnapFailure
+        If no stable state is found.
+    """
+    tracer = tracer_of(path)
+    _check(tracer, state, hold, side)
+    present = tracer.state
+    try:
+        tracer.back_to(state)
+        fall = Fall(tracer, hold, side, listener or (lambda step: None))
+        fall.run()
+        return Snap(state, fall.state(), hold, tuple(fall.history))
+    finally:
+        tracer.back_to(present)
+
+
+def snaps(path, states: Sequence[State], hold: str = "load") -> list[Snap]:
+    """Falls of a test along a path: one from the first state of each unstable stretch.
+
+    Parameters
+    ----------
+    path : Path or Tracer
+    states : of the path, in order
+    hold : as of `snap`
+    """
+    return [snap(path, after, hold) for before, after in pairwise(states)
+            if _unstable(after, hold) and not _unstable(before, hold)]
+
+
+def _unstable(state: State, hold: str) -> int:
+    """Unstable directions that are left while the load or the displacement is held; 0 where they are not known."""
+    return (state.unstable or 0) - (hold == "displacement" and state.current_stiffness < 0)
+
+
+def _check(tracer, state: State, hold: str, side: int) -> None:
+    if hold not in HOLDS:
+        raise ValueError(f"snap: hold is {hold!r}; it must be one of {', '.join(HOLDS)}")
+    if side not in (1, -1):
+        raise ValueError(f"snap: side is {side!r}; it must be 1 or -1")
+    if state.unstable is None:
+        raise ValueError("snap: the structure has no energy that could fall (friction, pressure, follower forces or "
+                         "moments in space make its tangent unsymmetric), or its tangent is not factored with its "
+                         "inertia; use loads of fixed direction, contact without friction, and the default solver")
+    for contact in tracer.discretisation.contacts:
+        if contact.enforcement != "penalty":
+            raise ValueError(f"snap: contact with enforcement {contact.enforcement!r} has no energy between its "
+                             "solutions; use Contact(..., enforcement='penalty') or a layer")

@@ -1,0 +1,108 @@
+"""Free vibrations about a state: the dynamic criterion of stability.
+
+With the tangent K and the mass M of a state, small motions mode exp(i omega t) satisfy K mode = omega^2 M mode. A
+stable state has positive omega^2 only; as it nears a critical point the lowest falls to zero, linearly
+with the load where the path is straight and keeps the modes as they are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi, sqrt
+
+import numpy as np
+import ufl
+from petsc4py import PETSc
+
+from .. import forms
+from ..checks import require_positive_number
+from ..continuation.linear import DirectSolver
+from ..continuation.spectrum import lowest
+from ..continuation.state import State
+from ..discrete.discretisation import Discretisation
+from ..mesh.numbers import as_constants
+from ..model.shell import Shell, surface_frame
+from .modes import scaled
+
+
+@dataclass(frozen=True)
+class Vibration:
+    """A free vibration about a state.
+
+    Attributes
+    ----------
+    squared : square of the circular frequency (1 / time^2); negative: the motion grows as exp(sqrt(-squared) t)
+    mode : this process's part of the solver's vector, the largest displacement being 1
+    """
+
+    squared: float
+    mode: np.ndarray
+
+    @property
+    def frequency(self) -> float:
+        """Oscillations per time; 0 where the motion does not oscillate."""
+        return sqrt(max(self.squared, 0.0)) / (2 * pi)
+
+
+def frequencies(path, state: State, count: int = 6) -> list[Vibration]:
+    """Lowest free vibrations about a state, those that grow first.
+
+    Parameters
+    ----------
+    path : Path or Tracer that the state belongs to; it stays at its present state
+    state : unloaded or loaded; contact stays as it is
+    count : number of vibrations
+
+    Raises
+    ------
+    ValueError
+        If a part has no density, the count is not positive, or the tangent is not symmetric.
+    """
+    require_positive_number("frequencies", count=count)
+    discretisation = path.discretisation
+    if not discretisation.system.symmetric:
+        raise ValueError("frequencies: the tangent is not symmetric (friction, pressure, follower forces or moments in "
+                         "space), so that they can be complex; use loads of fixed direction")
+    with discretisation.visiting(state):
+        return _about_current(discretisation, count)
+
+
+def _about_current(discretisation: Discretisation, count: int) -> list[Vibration]:
+    system = discretisation.system
+    mass = system.bilinear(sum(inertia(discretisation, part) for part in discretisation.scene.parts))
+    system.configure(system.create_vector())
+    system.extrapolate_stress()
+    solver = DirectSolver(PETSc.KSP().create(system.comm), system.tangent(), True)
+    solver.factor()
+    values, modes = lowest(solver, mass, count, solver.negative_pivots() - system.multipliers)
+    return [Vibration(value, scaled(discretisation, mode)) for value, mode in zip(values, modes, strict=True)]
+
+
+def inertia(discretisation: Discretisation, part):
+    """Virtual work of a part's inertia, a bilinear form in rates and variations of the unknowns."""
+    if part.material is None or part.material.density is None:
+        raise ValueError(f"frequencies: the {type(part).__name__} on group {part.group or 'all'!r} has no density; "
+                         "give its material one: Elastic(modulus, poisson, density=...)")
+    return _shell_inertia(discretisation, part) if isinstance(part, Shell) else _bar_inertia(discretisation, part)
+
+
+def _shell_inertia(discretisation: Discretisation, shell: Shell):
+    k, unknowns, mesh = discretisation.kinematics(shell.model), discretisation.unknowns, shell.model.mesh
+    mass, rotary, offset = as_constants(mesh, [*shell.section.inertia(shell.material), shell.offset])
+    normal = k.total_rotation.rotate(surface_frame(mesh).director)
+    spins = unknowns.linearise(k.spin), unknowns.vary(k.spin)
+    translations = [change(k.u) + offset * ufl.cross(spin, normal)
+                    for change, spin in zip((unknowns.linearise, unknowns.vary), spins, strict=True)]
+    work = forms.inertia.translation(mass, *translations) + forms.inertia.director(rotary, *spins, normal)
+    return work * shell.model.integral({"quadrature_degree": 2 * shell.discrete.displacement[1]}, shell.group)
+
+
+def _bar_inertia(discretisation: Discretisation, part):
+    """Of a part on curves; those without a field of rotations have no rotary inertia."""
+    k, unknowns, model = discretisation.kinematics(part.model), discretisation.unknowns, part.model
+    mass, *rotary = as_constants(model.mesh, part.section.inertia(part.material, model.dimension))
+    work = forms.inertia.translation(mass, unknowns.linearise(k.u), unknowns.vary(k.u))
+    if k.spin is not None:
+        work += forms.inertia.section(rotary, unknowns.linearise(k.spin), unknowns.vary(k.spin), k.total_rotation,
+                                      part.frame())
+    return work * model.integral({"quadrature_degree": 2 * part.degree}, part.group)

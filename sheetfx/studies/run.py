@@ -1,0 +1,79 @@
+"""The command `sheetfx run`: one scene as a command with options of its own, and its run with progress."""
+
+from __future__ import annotations
+
+import inspect
+from pathlib import Path
+from typing import Annotated
+
+import click
+import typer
+from typer.core import TyperGroup
+
+from ..scenes import load_scene, scene_names
+
+PLAIN = {"add_completion": False, "pretty_exceptions_enable": False}
+
+
+class Scenes(TyperGroup):
+    """Sub-commands of `run`, made from the signature of each scene's function."""
+
+    def list_commands(self, context):
+        return scene_names()
+
+    def get_command(self, context, name):
+        try:
+            function = load_scene(name)
+        except ValueError as error:
+            raise click.UsageError(str(error)) from None
+        single = typer.Typer(**PLAIN)
+        single.command(name=Path(name).stem, help=inspect.getdoc(function))(_runner(name, function))
+        return typer.main.get_command(single)
+
+    def format_commands(self, context, formatter):
+        """List the names without importing every scene."""
+        with formatter.section("Scenes"):
+            formatter.write_text(", ".join(scene_names()) + "; or your own script.py with a function `scene`")
+
+
+run_app = typer.Typer(cls=Scenes)
+
+
+@run_app.callback(invoke_without_command=True, no_args_is_help=True)
+def run_group(listing: Annotated[bool, typer.Option("--list", help="Print the names of all scenes.")] = False) -> None:
+    """Trace the path of a scene and write its folder."""
+    if listing:
+        typer.echo("\n".join(scene_names()))
+        raise typer.Exit
+
+
+def _runner(name: str, function):
+    """A command with the options of a scene's function and those of every run."""
+    def command(output: Path | None, resume: bool, **parameters):
+        run_scene(name, function, parameters, output, resume)
+
+    own = [
+        inspect.Parameter("output", inspect.Parameter.KEYWORD_ONLY, default=None, annotation=Annotated[
+            Path | None, typer.Option("-o", "--output", help="Folder of the results; default results/NAME.")]),
+        inspect.Parameter("resume", inspect.Parameter.KEYWORD_ONLY, default=False, annotation=Annotated[
+            bool, typer.Option("--resume", help="Go on with an interrupted run in that folder.")]),
+    ]
+    signature = inspect.signature(function, eval_str=True)
+    scene_parameters = [p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in signature.parameters.values()]
+    command.__signature__ = inspect.Signature(scene_parameters + own)
+    return command
+
+
+def run_scene(name: str, function, parameters: dict, output: Path | None, resume: bool) -> None:
+    """Run one scene with progress on the terminal."""
+    from ..case import run
+    from ..show.progress import Progress
+
+    folder = output or Path("results") / Path(name).stem
+    with Progress(Path(name).stem, folder) as progress:
+        case = function(**parameters)
+        progress.begin(case)
+        summary = run(case, Path(name).stem, parameters, folder, resume, [progress])
+        progress.report(summary)
+    if summary["status"] != "finished":
+        raise typer.Exit(1)
