@@ -53,9 +53,9 @@ half = fx.Scene(
     parts=[arch],
     contacts=[fx.Contact(arch, punch)],
     supports=[fx.clamp(model, "end"), fx.symmetry(model, "crown")],
-    loads=[fx.Push(punch, 0.5)],
+    loads=[fx.ObstacleForce(punch, 0.5)],
     monitor=fx.Monitor(model, "crown", "y", -1.0),
-    copies=2,
+    symmetry_factor=2,
 )
 path = []
 for state in fx.Path(half, fx.ArcLength(), fx.Until(deflection=12.0)):

@@ -6,22 +6,35 @@ that the command line starts fast.
 
 from importlib import import_module as _import_module
 
-_HOMES = {
-    "Bar": "model.beam", "Beam": "model.beam", "Contact": "model.scene", "LineForce": "model.loads", "Moment": "model.loads",
-    "Monitor": "model.scene", "Motion": "model.loads", "PointForce": "model.loads", "Push": "model.loads",
-    "EdgeForce": "model.loads", "SurfaceForce": "model.loads", "Pressure": "model.loads", "Shell": "model.shell", "ShellForm": "model.shell",
-    "Plate": "model.section", "GivenPlate": "model.section", "ShellStiffness": "model.section", "RigidCylinder": "model.obstacles",
-    "RigidPlane": "model.obstacles", "Scene": "model.scene", "Support": "model.scene", "clamp": "model.scene", "pin": "model.scene",
-    "symmetry": "model.scene", "Elastic": "model.section", "Rectangle": "model.section", "Tube": "model.section", "round_bar": "model.section",
-    "Path": "path", "PathFailure": "path", "Until": "path", "Case": "case", "Record": "case", "trace": "case",
-    "run": "case", "read": "mesh.reader", "ArcLength": "continuation.control", "DisplacementControl": "continuation.control",
-    "LoadControl": "continuation.control", "buckling": "stability.buckling", "BucklingLoad": "stability.buckling",
-    "mode_displacement": "stability.modes", "imperfect": "mesh.imperfection", "branches": "stability.branches",
-    "Branch": "stability.branches", "frequencies": "stability.vibration", "Vibration": "stability.vibration",
-    "snap": "stability.snap", "snaps": "stability.snap", "Snap": "stability.snap", "SnapFailure": "stability.descent",
-    "limit_of_imperfect": "stability.sensitivity", "imperfection_sensitivity": "stability.sensitivity",
-    "state_at": "stability.critical", "measured": "mesh.imperfection", "random_field": "mesh.imperfection",
+_ROOMS = {
+    "mesh.reader": "read",
+    "mesh.imperfection": "imperfect measured random_field",
+    "model.beam": "Bar Beam",
+    "model.contact": "Contact",
+    "model.joints": "Foundation Joint Spring Tie Uniform hinge weld",
+    "model.loads": "EdgeForce LineForce Load Moment "
+                   "ObstacleForce PointForce PrescribedDisplacement Pressure SurfaceForce",
+    "model.obstacles": "RigidCylinder RigidPlane",
+    "model.scene": "Monitor Scene Stage",
+    "model.section": "Elastic GivenPlate Plate Rectangle ShellStiffness Tube round_bar",
+    "model.shell": "Shell ShellForm",
+    "model.supports": "Support clamp pin symmetry",
+    "discrete.contribution": "Contribution",
+    "discrete.points": "PointWork Trace",
+    "continuation.control": "ArcLength DisplacementControl LoadControl",
+    "continuation.events": "Event",
+    "stability.branches": "Branch branches",
+    "stability.buckling": "BucklingLoad buckling",
+    "stability.critical": "state_at",
+    "stability.descent": "SnapFailure",
+    "stability.modes": "mode_displacement",
+    "stability.sensitivity": "imperfection_sensitivity limit_of_imperfect",
+    "stability.snap": "Snap snap snaps",
+    "stability.vibration": "Vibration frequencies",
+    "path": "Path PathFailure Until",
+    "case": "Case Record run trace",
 }
+_HOMES = {name: room for room, names in _ROOMS.items() for name in names.split()}
 _MODULES = ("forms", "meshes", "show")
 
 

@@ -75,7 +75,7 @@ class Record:
 
     def show(self, state: State) -> None:
         """Put all fields to those of a state, for evaluation and pictures."""
-        self.path.discretisation.restore(state.fields)
+        self.path.discretisation.system.restore(state.fields)
 
     def nearest(self, load: float) -> State:
         """The state whose load is closest to `load`."""
@@ -111,34 +111,35 @@ def trace(case: Case, listeners: Sequence[Callable[[State], None]] = (), start: 
 
 def run(case: Case, name: str, parameters: dict, folder: Folder, resume: bool,
         listeners: Sequence[Callable[[State], None]] = ()) -> dict:
-    """Trace a case, write its folder and return its summary."""
-    comm = MPI.COMM_WORLD
-    archive = Archive(folder, comm)
-    if resume:
-        archive.check(parameters)
-        start = archive.resume()
-    else:
-        archive.clear(parameters)
-        start = []
-    try:
-        record = trace(case, [archive, *listeners], start)
-        status, message = "finished", record.path.message
-    except PathFailure as failure:
-        record, status, message = failure.record, "stopped", str(failure)
-    clock = record.path.clock
-    quantities = case.quantities(record)
-    with clock("output"):
-        for picture in case.pictures:
-            picture(record, Folder(folder))
-    summary = {
-        "scene": name, "parameters": parameters, "status": status, "message": message,
-        "unknowns": record.path.unknowns, "steps": record.states[-1].step,
-        "iterations": sum(s.iterations for s in record.states),
-        "factorisations": sum(s.factorisations for s in record.states),
-        "critical_points": [vars(p) for p in record.critical_points],
-        "quantities": quantities,
-        "timings": {part: clock.seconds[part] for part in PARTS} | {"total": clock.total},
-    }
-    if comm.rank == 0:
-        archive.write_json("summary.json", summary)
+    """Trace a case, write its folder and return its summary.
+
+    Raises
+    ------
+    ValueError
+        Where the folder holds files of others or another run, or no run of these parameters to resume.
+    """
+    archive = Archive(folder, MPI.COMM_WORLD)
+    with archive.opened(parameters, resume) as start:
+        try:
+            record = trace(case, [archive, *listeners], start)
+            status, message = "finished", record.path.message
+        except PathFailure as failure:
+            record, status, message = failure.record, "stopped", str(failure)
+        clock = record.path.clock
+        quantities = case.quantities(record)
+        with clock("output"):
+            for picture in case.pictures:
+                with archive.drawing() as unfinished:
+                    picture(record, unfinished)
+        summary = {
+            "scene": name, "parameters": parameters, "status": status, "message": message,
+            "unknowns": record.path.unknowns, "steps": record.states[-1].step,
+            "iterations": sum(s.iterations for s in record.states),
+            "factorisations": sum(s.factorisations for s in record.states),
+            "critical_points": [vars(p) for p in record.critical_points],
+            "quantities": quantities,
+            "timings": {part: clock.seconds[part] for part in PARTS} | {"total": clock.total},
+        }
+        if archive.comm.rank == 0:
+            archive.write_json("summary.json", summary)
     return summary

@@ -21,3 +21,15 @@ def require_positive_number(owner: str, **numbers: float) -> None:
     for name, value in numbers.items():
         if not value > 0:
             raise ValueError(f"{owner}: {name} is {value}; it must be positive")
+
+
+def require_components(what: str, given, count: int) -> None:
+    """Refuse a vector of another length than the structure's space demands."""
+    if len(given) != count:
+        raise ValueError(f"{what} {tuple(map(float, given))} has {len(given)} components; give {count}")
+
+
+def require_known_component(what: str, component: str, known) -> None:
+    """Refuse a component that the structure does not have."""
+    if component not in known:
+        raise ValueError(f"{what}: no component {component!r}; choose from {' '.join(known)}")

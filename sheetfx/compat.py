@@ -32,6 +32,11 @@ def model_to_mesh(model, comm, dimension, partitioner):
     return result.mesh, result.cell_tags, result.facet_tags
 
 
+def geometry_degree(mesh):
+    """Degree of the geometry of a mesh's cells."""
+    return mesh.geometry.cmap.degree
+
+
 def create_vector(maps):
     """Ghosted vector for blocks with the given index maps and block sizes."""
     return cpp_petsc.create_vector_block(maps)
@@ -40,17 +45,19 @@ def create_vector(maps):
 _petsc = ctypes.CDLL(PETSc.__file__)
 
 
-def create_coo_matrix(comm, size, rows, columns):
+def create_coo_matrix(comm, size, rows, columns, matrix=None):
     """Sparse matrix that sums its entries by coordinates (petsc4py 3.22 lacks these calls of PETSc).
 
     Parameters
     ----------
     size : number of rows of this process
     rows, columns : global places of the entries; an entry at a negative place is ignored
+    matrix : an earlier one that is given these entries instead of its own; None: a new one
     """
-    matrix = PETSc.Mat().create(comm)
-    matrix.setSizes(((size, None), (size, None)))
-    matrix.setType(PETSc.Mat.Type.AIJ)
+    if matrix is None:
+        matrix = PETSc.Mat().create(comm)
+        matrix.setSizes(((size, None), (size, None)))
+        matrix.setType(PETSc.Mat.Type.AIJ)
     rows, columns = (np.array(x, dtype=PETSc.IntType) for x in (rows, columns))
     _check(_petsc.MatSetPreallocationCOO(ctypes.c_void_p(matrix.handle), ctypes.c_ssize_t(len(rows)),
                                          rows.ctypes.data_as(ctypes.c_void_p), columns.ctypes.data_as(ctypes.c_void_p)))

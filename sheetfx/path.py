@@ -15,6 +15,7 @@ from itertools import count
 
 from .checks import require_positive
 from .continuation.control import ArcLength, LoadControl, StepRule
+from .continuation.events import Event, end_at, occurrences
 from .continuation.state import CriticalPoint, State
 from .continuation.stretch import Jump
 from .continuation.tracer import Tracer
@@ -31,8 +32,16 @@ class PathFailure(ArithmeticError):
 
 @dataclass(frozen=True)
 class Until:
-    """Where a path ends: at the first of the given bounds (absolute values); `steps` 0: unloaded."""
+    """Where a path ends: at the first of the given bounds (absolute values); `steps` 0: unloaded.
 
+    Attributes
+    ----------
+    event : where the path ends exactly: an Event, or the test function of one
+    deflection, load : in the last stage
+    steps : of all stages
+    """
+
+    event: Event | Callable[[State], float | bool] | None = None
     deflection: float | None = None
     load: float | None = None
     steps: int = 2000
@@ -41,16 +50,25 @@ class Until:
         require_positive(self, "deflection", "load")
         if self.steps < 0:
             raise ValueError(f"Until: steps is {self.steps}; it must not be negative")
+        if self.event is not None and not isinstance(self.event, Event):
+            if not callable(self.event):
+                raise ValueError(f"Until: event is {self.event!r}; it must be an Event or a function of a state (name "
+                                 "the bounds: Until(deflection=...))")
+            object.__setattr__(self, "event", Event("end", self.event))
 
     def reached(self, state: State) -> str | None:
         """Why the path ends at this state, or None."""
+        if self.event is not None and any(p.kind == "event" and p.name == self.event.name for p in state.critical):
+            return f"event {self.event.name!r} reached"
         if self.deflection is not None and abs(state.deflection) >= self.deflection:
             return f"deflection {self.deflection:g} reached"
         if self.load is not None and abs(state.load) >= self.load * (1 - 1e-12):
             return f"load {self.load:g} reached"
-        if state.step >= self.steps:
-            return f"{self.steps} steps taken"
-        return None
+        return self.stopped(state)
+
+    def stopped(self, state: State) -> str | None:
+        """Why the path ends at this state in any stage, or None."""
+        return f"{self.steps} steps taken" if state.step >= self.steps else None
 
 
 class Path:
@@ -62,6 +80,7 @@ class Path:
     control : LoadControl, DisplacementControl or ArcLength
     until : end of the path
     start : states of an interrupted path to resume; none: begin with the unloaded state
+    events : what to look for beside limit points and bifurcations
     mixed_points : large-step tangent (see assembly.System)
     prefix : of PETSc options for this path's SNES, KSP and PC
 
@@ -71,16 +90,24 @@ class Path:
     """
 
     def __init__(self, scene: Scene, control: StepRule | None = None, until: Until | None = None, *,
-                 start: Sequence[State] = (), mixed_points: bool = True, prefix: str = "sheetfx_"):
-        self.scene, self.control, self.until = scene, control or ArcLength(), until or Until()
+                 start: Sequence[State] = (), mixed_points: bool = True, prefix: str = "sheetfx_",
+                 events: Sequence[Event] = ()):
+        self.scene, self.until = scene, until or Until()
+        self._controls = [*(stage.control or LoadControl() for stage in scene.stages), control or ArcLength()]
+        self.events = [*events, *([self.until.event] if self.until.event else [])]
         self.discretisation = Discretisation(scene, mixed_points)
         self._started = time.process_time()
-        self.tracer = Tracer(self.discretisation, self.control, prefix)
+        self.tracer = Tracer(self.discretisation, self._controls[start[-1].stage if start else 0], prefix)
         self.message = ""
         self._listeners: list[Callable[[State], None]] = []
         self._earlier = start[-2] if len(start) > 1 else None
         if start:
             self.tracer.back_to(start[-1])
+
+    @property
+    def control(self) -> StepRule:
+        """How the present stage is followed."""
+        return self.tracer.control
 
     @property
     def clock(self):
@@ -99,9 +126,17 @@ class Path:
         if state.step == 0:
             yield self._announce(state)
         while not (message := self._end(state)):
-            state = self._step(state)
+            state = self._next_stage(state) if self._stage_is_over(state) else self._step(state)
             yield self._announce(state)
         self.message = message
+
+    def _stage_is_over(self, state: State) -> bool:
+        """Whether the loads of a stage before the last have their full size."""
+        return state.stage + 1 < len(self._controls) and state.factor >= 1 - 1e-12
+
+    def _next_stage(self, state: State) -> State:
+        self.tracer.control, self._earlier = self._controls[state.stage + 1], None
+        return self.tracer.enter(state.stage + 1)
 
     def _announce(self, state: State) -> State:
         self.clock.seconds["path"] = time.process_time() - self._started - self.clock.seconds["output"]
@@ -111,6 +146,8 @@ class Path:
         return state
 
     def _end(self, state: State) -> str | None:
+        if state.stage + 1 < len(self._controls):
+            return self.until.stopped(state)
         if isinstance(self.control, LoadControl) and state.factor >= self.control.target * (1 - 1e-12):
             return f"load factor {self.control.target:g} reached"
         return self.until.reached(state)
@@ -140,11 +177,22 @@ class Path:
             return None
         try:
             if self.tracer.turn(before, after) <= self.control.turn:
-                return after, locate(self.tracer, self._earlier, before, after, most)
+                points = locate(self.tracer, self._earlier, before, after, most)
+                return self._with_events(before, after, points)
         except Jump:
             pass
         self.tracer.back_to(before)
         return None
+
+    def _with_events(self, before: State, after: State, points: Sequence[CriticalPoint]):
+        """A step and its critical points with the events in it; the step ends at the event that ends the path."""
+        for event, point in occurrences(self.tracer, before, after, self.events):
+            points = [*points, point]
+            if event is self.until.event:
+                after = end_at(self.tracer, before, after, point)
+                points = [p for p in points if p.step < point.step or p.length <= point.length]
+                break
+        return after, tuple(sorted(points, key=lambda p: (p.step, p.length)))
 
     def _complaint(self, state: State, length: float) -> str:
         history = self.tracer.stepper.history

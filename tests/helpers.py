@@ -22,8 +22,9 @@ from sheetfx.continuation.state import CriticalPoint
 from sheetfx.mesh.reader import Model, read
 from sheetfx.model.beam import Beam
 from sheetfx.model.loads import LineForce, PointForce
-from sheetfx.model.scene import Monitor, Scene, Support, clamp, pin, symmetry
+from sheetfx.model.scene import Monitor, Scene
 from sheetfx.model.section import Elastic, Rectangle
+from sheetfx.model.supports import Support, clamp, pin, symmetry
 from sheetfx.path import Path, Until
 from sheetfx.stability.branches import Branch, branches
 
@@ -46,7 +47,7 @@ def shallow_arch(elements: int, degree: int = 2) -> Scene:
     model = read(lambda: meshes.arc(3380.6, 0.0, radians(7.338), elements, {"crown": 0.0}), 2, min(degree, 2))
     beam = Beam(model, Rectangle(25.4, 4.7625), Elastic(72395.0), degree=degree)
     return Scene([beam], [clamp(model, "end"), symmetry(model, "crown")],
-                 [PointForce(model, "crown", (0.0, -0.5))], Monitor(model, "crown", "y", -1.0), copies=2)
+                 [PointForce(model, "crown", (0.0, -0.5))], Monitor(model, "crown", "y", -1.0), symmetry_factor=2)
 
 
 def whole_arch(elements: int) -> Model:
@@ -174,15 +175,14 @@ def move_at_random(discretisation, seed=1, size=0.2):
     x = system.create_vector()
     x.array[:] = generator.uniform(-size, size, len(x.array))
     x.array[system.fixed_places] = 0
-    system.factor = 1.5
-    system.configure(x)
+    system.configure(x, 1.5)
     system.extrapolate_stress()
     return x
 
 
 def tangents(system, x, step=1e-5):
     """Assembled tangent and differences of the residual of the fourth order, on the free unknowns."""
-    system.configure(x)
+    system.configure(x, system.factor)
     matrix = system.tangent().copy().convert("dense")
     assembled = matrix.getDenseArray().copy()
     size = len(x.array)
@@ -195,7 +195,7 @@ def tangents(system, x, step=1e-5):
             along.zeroEntries()
             along.array[j] = times * step
             system.retract(moved, along)
-            system.configure(moved)
+            system.configure(moved, system.factor)
             system.residual(out)
             differences[:, j] += weight * out.array / (12 * step)
     return assembled[np.ix_(free, free)], differences[np.ix_(free, free)]
@@ -220,15 +220,15 @@ def turn_rigidly(discretisation, angle, axis, steps):
         x = system.create_vector()
         x.array[displacement_field.dofs] = (current @ rotation.T - current).ravel()
         x.array[rotation_field.dofs] = np.tile(2 * tan(part / 2) * axis, len(rotation_field.dofs) // 3)
-        system.configure(x)
-        discretisation.commit()
+        system.configure(x, system.factor)
+        system.history.commit()
 
 
 def energy_and_residual(discretisation):
     """Energy of a linear elastic structure of one part, and the norm of its out-of-balance forces."""
     system = discretisation.system
     energy = 0.0
-    for term in system.internal[0].internal.terms:
+    for term in system.contributions[0].internal.terms:
         density = ufl.inner(term.law(term.strains), term.strains) / 2
         energy += fem.assemble_scalar(fem.form(density * ufl.dx(metadata=term.rule.metadata)))
     out = system.create_vector()

@@ -18,8 +18,9 @@ from sheetfx.mesh.imperfection import imperfect
 from sheetfx.mesh.reader import read
 from sheetfx.model.beam import Bar
 from sheetfx.model.loads import PointForce
-from sheetfx.model.scene import Monitor, Scene, Support, pin
+from sheetfx.model.scene import Monitor, Scene
 from sheetfx.model.section import Elastic, Rectangle
+from sheetfx.model.supports import Support, pin
 from sheetfx.path import Path, Until
 from sheetfx.scenes import plate_buckling, roorda_frame, sinusoidal_arch
 from sheetfx.show.curves import draw_branches

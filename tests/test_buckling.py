@@ -13,9 +13,10 @@ from sheetfx.continuation.control import ArcLength, LoadControl
 from sheetfx.mesh.imperfection import imperfect
 from sheetfx.mesh.reader import read
 from sheetfx.model.beam import Beam
-from sheetfx.model.loads import LineForce, Motion, PointForce
-from sheetfx.model.scene import Monitor, Scene, Support, clamp, pin
+from sheetfx.model.loads import LineForce, PointForce, PrescribedDisplacement
+from sheetfx.model.scene import Monitor, Scene
 from sheetfx.model.section import Elastic, round_bar
+from sheetfx.model.supports import Support, clamp, pin
 from sheetfx.path import Path, Until
 from sheetfx.scenes import cylinder_buckling, plate_buckling
 from sheetfx.show.modes import draw_modes, mode_files
@@ -111,7 +112,7 @@ def test_prescribed_motion():
     """A column shortened by a prescribed motion, a multiplier in the tangent: the reaction is Euler's load."""
     scene = column()
     model = scene.parts[0].model
-    loads = unloaded(replace(scene, loads=[Motion(model, "tip", "x", -1.0)]), count=2)[1]
+    loads = unloaded(replace(scene, loads=[PrescribedDisplacement(model, "tip", "x", -1.0)]), count=2)[1]
     assert [b.load for b in loads] == pytest.approx([-EULER / 4] * 2, rel=2e-3)
 
 

@@ -13,8 +13,9 @@ from sheetfx.continuation.control import ArcLength, LoadControl
 from sheetfx.mesh.reader import read
 from sheetfx.model.beam import Beam
 from sheetfx.model.loads import PointForce
-from sheetfx.model.scene import Monitor, Scene, Support, pin
+from sheetfx.model.scene import Monitor, Scene
 from sheetfx.model.section import Elastic, Rectangle
+from sheetfx.model.supports import Support, pin
 from sheetfx.path import PathFailure, Until
 from sheetfx.stability.critical import state_at
 

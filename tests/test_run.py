@@ -15,9 +15,11 @@ from petsc4py import PETSc
 import sheetfx as fx
 from sheetfx.archive import Archive
 from sheetfx.case import Case, run, trace
+from sheetfx.model.contact import Contact
 from sheetfx.model.loads import PointForce
 from sheetfx.model.obstacles import RigidCylinder
-from sheetfx.model.scene import Contact, Monitor, Scene, Support
+from sheetfx.model.scene import Monitor, Scene
+from sheetfx.model.supports import Support
 from sheetfx.path import PathFailure, Until
 from sheetfx.scenes.arch import arch_model, scene
 
@@ -111,14 +113,21 @@ def test_two_processes_give_the_same_path(tmp_path):
 
 
 def test_new_run_clears_the_falls_of_an_earlier_one(tmp_path):
-    """Files of the user are left."""
-    for name in ("fall1/snap.json", "fall1/before.0.npz", "fall1/after.1.npz", "fall2/snap.json", "fall2/notes.txt"):
-        file = tmp_path / name
-        file.parent.mkdir(exist_ok=True)
-        file.touch()
-    Archive(tmp_path, PETSc.COMM_WORLD.tompi4py()).clear({})
-    assert [str(f.relative_to(tmp_path)) for f in sorted(tmp_path.glob("fall*/**/*"))] == ["fall2/notes.txt"]
-    assert not (tmp_path / "fall1").exists()
+    """Once the user's file between them is away: until then it is refused, and nothing is deleted."""
+    archive, notes = Archive(tmp_path, PETSc.COMM_WORLD.tompi4py()), tmp_path / "fall2" / "notes.txt"
+    archive.clear({})
+    with archive.drawing() as folder:
+        for name in ("fall1/snap.json", "fall1/before.0.npz", "fall1/after.1.npz", "fall2/snap.json"):
+            file = folder / name
+            file.parent.mkdir(exist_ok=True)
+            file.touch()
+    notes.touch()
+    with pytest.raises(ValueError, match="fall2/notes.txt"):
+        archive.clear({})
+    assert len(list(tmp_path.glob("fall*/*"))) == 5
+    notes.unlink()
+    archive.clear({})
+    assert not list(tmp_path.glob("fall*"))
 
 
 def test_own_script(tmp_path):
@@ -189,8 +198,8 @@ def test_load_on_supports_only():
 def test_displacement_prescribed_twice():
     base = scene().scene
     model = base.parts[0].model
-    motions = [fx.Motion(model, "crown", "y", distance) for distance in (-1.0, 1.0)]
-    with pytest.raises(ValueError, match="Motion of 'crown': component y is prescribed twice; keep one"):
+    motions = [fx.PrescribedDisplacement(model, "crown", "y", distance) for distance in (-1.0, 1.0)]
+    with pytest.raises(ValueError, match="PrescribedDisplacement of 'crown': component y is prescribed twice; keep one"):
         Scene(base.parts, base.supports, motions, base.monitor)
 
 

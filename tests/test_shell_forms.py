@@ -15,9 +15,10 @@ from sheetfx.discrete.discretisation import Discretisation
 from sheetfx.forms.shell import ShellStrains
 from sheetfx.mesh.reader import read
 from sheetfx.model.loads import EdgeForce, PointForce, Pressure, SurfaceForce
-from sheetfx.model.scene import Monitor, Scene, Support, clamp, symmetry
+from sheetfx.model.scene import Monitor, Scene
 from sheetfx.model.section import Elastic, GivenPlate, Plate, ShellStiffness
 from sheetfx.model.shell import FORMS, TRIANGLE, Shell
+from sheetfx.model.supports import Support, clamp, symmetry
 from sheetfx.path import Path
 
 SHAPES = ("square", "distorted", "curved")
@@ -65,7 +66,7 @@ def one_cell(form, name, thickness, turned=False):
 
 def eigenvalues(scene):
     system = Discretisation(scene).system
-    system.configure(system.create_vector())
+    system.configure(system.create_vector(), system.factor)
     matrix = system.tangent().copy().convert("dense")
     return np.linalg.eigvalsh(matrix.getDenseArray())
 
@@ -94,7 +95,7 @@ def deformed(form, mixed_points=True, pressure=0.0):
     scene = Scene([shell], [Support(model, "south-west", "x y z")], [load], Monitor(model, "north-east", "z"))
     discretisation = Discretisation(scene, mixed_points)
     move_at_random(discretisation, seed=1, size=0.5)
-    discretisation.commit()
+    discretisation.system.history.commit()
     return discretisation, move_at_random(discretisation, seed=2, size=0.5)
 
 
@@ -113,7 +114,7 @@ def test_tangent_of_pressure_is_the_derivative_of_its_force():
     system = discretisation.system
     pairs = []
     for factor in (1.0, 0.0):
-        system.factor = factor
+        system.factors.set(factor)
         pairs.append(tangents(system, x, step=1e-3))
     (assembled, differences), (unloaded, free) = pairs
     assert distance(assembled - unloaded, differences - free) < 1e-7
@@ -129,8 +130,8 @@ def test_rigid_rotation_beyond_a_turn_changes_nothing(form, size):
                                           [PointForce(model, "north-east", (0.0, 0.0, 1.0))],
                                           Monitor(model, "north-east", "z")))
     move_at_random(discretisation, size=size)
-    discretisation.system.factor = 0.0
-    discretisation.commit()
+    discretisation.system.factors.set(0.0)
+    discretisation.system.history.commit()
     before = energy_and_residual(discretisation)
     assert before[0] > 1e-5 or size == 0.0
     turn_rigidly(discretisation, radians(800.0), (1.0, 2.0, 3.0), steps=7)

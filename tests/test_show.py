@@ -22,9 +22,9 @@ from sheetfx import (
     Elastic,
     LoadControl,
     Monitor,
+    ObstacleForce,
     Plate,
     PointForce,
-    Push,
     Rectangle,
     RigidCylinder,
     Scene,
@@ -56,7 +56,7 @@ def record(tmp_path_factory):
     model = read(lambda: meshes.arc(RADIUS, 0.0, np.radians(7.338), 10, {"crown": 0.0}), 2, 2)
     beam = Beam(model, Rectangle(25.4, 4.7625), Elastic(72395.0))
     punch = RigidCylinder(RADIUS, (0.0, 2 * RADIUS), travel=(0.0, -1.0))
-    scene = Scene([beam], [clamp(model, "end"), symmetry(model, "crown")], [Push(punch, 1 / COPIES)],
+    scene = Scene([beam], [clamp(model, "end"), symmetry(model, "crown")], [ObstacleForce(punch, 1 / COPIES)],
                   Monitor(model, "crown", "y", -1.0), [Contact(beam, punch, "nodes", friction=0.2)], COPIES)
     case = Case(scene, ArcLength(step=0.005), Until(deflection=20.0), axes=("deflection (mm)", "load (N)"))
     archive = Archive(tmp_path_factory.mktemp("run"), MPI.COMM_WORLD)
@@ -74,7 +74,7 @@ def assert_picture(file, shape=None):
 
 
 def fields(record):
-    return {k: v.copy() for k, v in record.path.discretisation.snapshot().items()}
+    return {k: v.copy() for k, v in record.path.discretisation.system.snapshot().items()}
 
 
 def test_path_curve_marks_each_state_and_critical_point(record, tmp_path):

@@ -12,8 +12,8 @@ from scipy.optimize import brentq
 
 from sheetfx.continuation.control import ArcLength, DisplacementControl, LoadControl
 from sheetfx.continuation.state import State
-from sheetfx.model.loads import LineForce, Motion, PointForce
-from sheetfx.model.scene import Support
+from sheetfx.model.loads import LineForce, PointForce, PrescribedDisplacement
+from sheetfx.model.supports import Support
 from sheetfx.path import Path, Until
 from sheetfx.scenes import arch, cylinder_buckling, deep_arch, lee_frame, roof, star_dome, von_mises_truss
 from sheetfx.show.snaps import falls_curve
@@ -51,7 +51,7 @@ def lost(record, fall):
     stored = []
     for state in (fall.before, fall.after):
         record.show(state)
-        stored.append(record.case.scene.copies * energy_and_residual(record.path.discretisation)[0])
+        stored.append(record.case.scene.symmetry_factor * energy_and_residual(record.path.discretisation)[0])
     return stored[0] - stored[1] + fall.before.load * (fall.after.deflection - fall.before.deflection)
 
 
@@ -114,7 +114,7 @@ def test_frame_under_held_displacement(frame, side):
 def test_prescribed_motion_holds_the_displacement(frame):
     """The frame moved by a prescribed displacement, whose reaction is a multiplier, falls as under a held one."""
     scene = frame.case.scene
-    motion = replace(scene, loads=[Motion(scene.parts[0].model, "load", "y", -1.0)])
+    motion = replace(scene, loads=[PrescribedDisplacement(scene.parts[0].model, "load", "y", -1.0)])
     path = Path(motion, frame.case.control, Until(steps=12))
     *_, before = path
     assert before.unstable == 1

@@ -11,10 +11,11 @@ from sheetfx import meshes
 from sheetfx.continuation.control import LoadControl
 from sheetfx.mesh.reader import read
 from sheetfx.model.beam import Beam
-from sheetfx.model.loads import EdgeForce, LineForce, Motion, PointForce
-from sheetfx.model.scene import Monitor, Scene, Support, clamp, pin
+from sheetfx.model.loads import EdgeForce, LineForce, PointForce, PrescribedDisplacement
+from sheetfx.model.scene import Monitor, Scene
 from sheetfx.model.section import Elastic, Plate, Rectangle
 from sheetfx.model.shell import Shell
+from sheetfx.model.supports import Support, clamp, pin
 from sheetfx.path import Path
 from sheetfx.scenes import plate_buckling, von_mises_truss
 from sheetfx.stability.modes import mode_displacement
@@ -147,7 +148,7 @@ def test_mass_of_a_shell_with_offset():
 def test_prescribed_motion_is_a_support():
     """A reaction that is a multiplier has no mass: a cantilever whose tip is moved swings as one whose tip is held."""
     model = straight(10)
-    moved = cantilever(model, lambda beam: [Motion(model, "tip", "y", 1.0)], material=STEEL)
+    moved = cantilever(model, lambda beam: [PrescribedDisplacement(model, "tip", "y", 1.0)], material=STEEL)
     held = cantilever(model, lambda beam: [LineForce(beam, (0.0, 1.0))], "x", material=STEEL)
     held = replace(held, supports=[*held.supports, Support(model, "tip", "y")])
     one, other = ([v.squared for v in unloaded(scene, 3)[1]] for scene in (moved, held))

@@ -38,7 +38,6 @@ class PathStep:
 
     Attributes
     ----------
-    smooth : whether no contact changes the tangent at once
     rounding : largest residual that was accepted because rounding keeps it from falling
     """
 
@@ -46,8 +45,7 @@ class PathStep:
         self.system = None
         self.control: StepRule | None = None
         self.history: list[float] = []
-        self.load_increment = self.rounding = 0.0
-        self.smooth = True
+        self.start = self.load_increment = self.rounding = 0.0
 
     def attach(self, snes: PETSc.SNES, system) -> None:
         """Let the SNES solve this system; called once."""
@@ -56,11 +54,16 @@ class PathStep:
         self._part, self._step, self._unit = (system.create_vector() for _ in range(3))
         snes.setFunction(self._evaluate, self._residual)
         snes.setJacobian(lambda snes, x, a, p: system.tangent(), system.matrix)
-        self.linear = DirectSolver(snes.getKSP(), system.matrix, system.symmetric)
+        self.linear = DirectSolver(snes.getKSP(), system.matrix, system.conservative)
 
     def _evaluate(self, snes, x, out) -> None:
-        self.system.configure(x)
+        self.system.configure(x, self.factor_now)
         self.system.residual(out)
+
+    @property
+    def factor_now(self) -> float:
+        """The load factor of the present iterate."""
+        return self.start + self.load_increment
 
     def begin(self, control, tangent: Tangent, length: float, load_increment: float, guess=None) -> None:
         """Set the step that the next `solve` takes from the converged state.
@@ -149,7 +152,7 @@ class PathStep:
             return residual < 1e-2 and residual > 0.1 * self.history[-2]
         last = self.history[-4:]
         steady = len(last) == 4 and max(last) < 2 * min(last)
-        return self.smooth and step <= 1e-4 and residual < 1e-3 and steady
+        return self.system.smooth and step <= 1e-4 and residual < 1e-3 and steady
 
     def _damping(self) -> float:
         """Half steps where the iteration cycles, as between two sets of contact points."""
@@ -166,4 +169,3 @@ class PathStep:
         self.system.extrapolate_stress(step)
         with self.system.clock("solve"):
             self.system.retract(x, step)
-        self.system.factor = self.start + self.load_increment

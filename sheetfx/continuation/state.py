@@ -16,14 +16,14 @@ class CriticalPoint:
 
     Attributes
     ----------
-    kind : "limit" (the load has an extremum) or "bifurcation"
+    kind : "limit" (the load has an extremum), "bifurcation", or "event" (of one's own, see `continuation.events`)
     load : total load on the whole structure
     deflection : of the monitored point
     step : number of the step that the point lies in
     length : of that step up to the point, in the measure of the control
     multiplicity : number of null vectors of the tangent
     name : "maximum" or "minimum" of the load; "asymmetric", "stable symmetric", "unstable symmetric" or "multiple"
-        bifurcation; "" where the tangent is not symmetric or there is contact, and the energy has no variations
+        bifurcation; the name of an event; "" where the tangent is not symmetric or there is contact, and the energy has no variations
     slope, curvature : Koiter's a and b of a simple bifurcation, factor = critical factor (1 + a xi + b xi^2), where the
         load factor is that of forces or of a prescribed motion, and xi is the mode's largest displacement, its largest
         component being positive; None: not known
@@ -42,6 +42,8 @@ class CriticalPoint:
     @property
     def title(self) -> str:
         """Kind and name in words, for example "limit point (maximum)"."""
+        if self.kind == "event":
+            return self.name
         name = f"{self.multiplicity}-fold" if self.multiplicity > 1 else self.name
         return f"{self.kind} point" + (f" ({name})" if name else "")
 
@@ -53,8 +55,9 @@ class State:
     Attributes
     ----------
     step : number, 0 for the start
-    factor : load factor
-    load : total load on the whole structure
+    stage : number of the load stage that it is in, 0 where the scene has one only
+    factor : load factor of that stage
+    load : total load of that stage on the whole structure
     deflection : monitored displacement
     unstable : negative eigenvalues of the tangent beyond those of multipliers; None: not symmetric, not known
     determinant : sign of the tangent's determinant, where multipliers do not count; None: not known
@@ -90,6 +93,7 @@ class State:
     displacement_extremes: int = 0
     contact_points: int = 0
     penetration: float = 0.0
+    stage: int = 0
     critical: tuple[CriticalPoint, ...] = ()
     increment: np.ndarray = field(repr=False, default=None)
     response: np.ndarray = field(repr=False, default=None)
@@ -123,4 +127,5 @@ class State:
             vectors = {k: archive[k] for k in ("increment", "response")}
         numbers["critical"] = tuple(CriticalPoint(**c) for c in numbers["critical"])
         numbers["reference"] = tuple(numbers["reference"])
+        fields.setdefault("load", np.array([0, numbers["factor"]]))  # files of version 0.1 have it in the numbers only
         return cls(**numbers, **vectors, fields=fields)

@@ -27,12 +27,13 @@ class Missed(ArithmeticError):
 class Stretch:
     """The piece of path from a state to another one, searched by repeating the step with other lengths.
 
-    It is guarded against states off the path where the control is, but for contact, with which tangents waver.
+    It is guarded against states off the path where the control is, but for problems that are not smooth,
+    with whose contacts tangents waver.
     """
 
     def __init__(self, tracer, before: State, after: State):
         self.tracer, self.before, self.after = tracer, before, after
-        self.wavering = bool(tracer.discretisation.contacts)
+        self.wavering = not tracer.system.smooth
         self.guarded = tracer.control.guarded and not self.wavering
         self.states = {0.0: before, after.length: after}
         self._spectra: dict[float, tuple[list[float], list]] = {}

@@ -13,6 +13,7 @@ from ..model.advice import advice_on_supports
 from ..model.scene import Monitor
 from .arclength import create
 from .control import StepRule, Tangent
+from .enforcement import Enforcement
 from .linear import SingularTangent
 from .spectrum import diagonal, nearest_to_zero
 from .state import State
@@ -25,7 +26,7 @@ class Tracer:
         self.discretisation, self.system, self.control = discretisation, discretisation.system, control
         self.snes = create(self.system.comm, self.system, prefix, iterations=20 if control.newton == "full" else 100)
         self.stepper = self.snes.getPythonContext()
-        self.stepper.smooth = not discretisation.contacts
+        self.enforcement = Enforcement(self.system)
         self.x = self.system.create_vector()
         self._response, self._load = self.system.create_vector(), self.system.create_vector()
         monitor = discretisation.scene.monitor
@@ -35,7 +36,7 @@ class Tracer:
         self._reference: tuple[float, float] | None = None
         self.iterations = self._most = 0
         self._factored: tuple[State | None, int] = None, 0
-        discretisation.commit()
+        self.system.history.commit()
         try:
             self.state = self._converged(None)
             self._load.array[:] = np.cos(np.arange(self._load.local_size))
@@ -64,14 +65,14 @@ class Tracer:
         guess : increments of the load factor and of the unknowns (this process's part) to begin with
         """
         start, before, spent = self.state, self.total_factorisations, self.iterations
-        for layers in self.discretisation.enforcement.approaches():
+        for multiples in self.enforcement.approaches():
             self._most = 0
             if guess is None:
                 load_increment = self.control.predict(length, self.control.direction(start), self.tangent)
                 self.stepper.begin(self.control, self.tangent, length, load_increment)
             else:
                 self.stepper.begin(self.control, self.tangent, length, *guess)
-            if self.discretisation.enforcement.solve(self._correct, layers):
+            if self.enforcement.solve(self._correct, multiples):
                 try:
                     self.state = self._converged(start, self.iterations - spent, length, before)
                     self._mark_factored()
@@ -95,6 +96,15 @@ class Tracer:
         before, self.stepper.load_increment, self._most = self.total_factorisations, load_increment, iterations
         found = self._converged(self.state, iterations, factorisations=before)
         self.state = replace(found, next_length=0.0)
+        self._mark_factored()
+        return self.state
+
+    def enter(self, stage: int) -> State:
+        """Begin a load stage at the current state: its load factor varies from zero, that of the last one stays."""
+        before = self.state
+        self.system.factors.enter(stage, 0.0)
+        self._reference, self._most = None, 0
+        self.state = replace(self._converged(None), step=before.step + 1, deflection=before.deflection)
         self._mark_factored()
         return self.state
 
@@ -130,9 +140,8 @@ class Tracer:
 
     def _undo(self, start: State) -> None:
         """Put the fields back to the state that the last attempt started from."""
-        self.system.factor = start.factor
         self.x.zeroEntries()
-        self.system.configure(self.x)
+        self.system.configure(self.x, start.factor)
         if self.control.newton == "modified":
             self.system.extrapolate_stress()
             self.stepper.factor(self.snes, self.x)
@@ -144,8 +153,7 @@ class Tracer:
 
     def back_to(self, state: State) -> None:
         """Return to an earlier state of this path."""
-        self.discretisation.restore(state.fields)
-        self.system.factor = state.factor
+        self.system.restore(state.fields)
         self._response.array[:] = state.response
         self.tangent.initial_norm2, self.tangent.current_stiffness = state.reference[0], state.current_stiffness
         self._reference = state.reference
@@ -162,12 +170,12 @@ class Tracer:
         along = tangent.inner(self.x, self._response) + weight * load_increment
         sign = -1.0 if start and along < 0 else 1.0
         pivots, determinant = self.stepper.linear.negative_pivots(), self.stepper.linear.determinant_sign()
-        touching, penetration = self.discretisation.enforcement.summary()
+        touching, penetration = self.enforcement.summary()
         increment, deflection = self.x.array.copy(), self.monitored(self.x)
-        self.discretisation.commit()
+        self.system.history.commit()
         self.x.zeroEntries()
         return State(
-            step=start.step + 1 if start else 0, factor=system.factor, load=self.discretisation.total_load(),
+            step=start.step + 1 if start else 0, stage=system.factors.stage, factor=system.factor, load=self.discretisation.total_load(),
             deflection=start.deflection + deflection if start else 0.0,
             unstable=None if pivots is None else pivots - system.multipliers,
             determinant=determinant and determinant * (-1) ** system.multipliers,
@@ -176,7 +184,7 @@ class Tracer:
             length=length, next_length=length or self.control.first, load_increment=load_increment,
             current_stiffness=tangent.current_stiffness, displacement_extremes=extremes, reference=self._reference,
             contact_points=touching, penetration=penetration,
-            increment=increment, response=self._response.array.copy(), fields=self.discretisation.snapshot())
+            increment=increment, response=self._response.array.copy(), fields=system.snapshot())
 
     def _load_weight(self) -> float:
         weight = getattr(self.control, "load_weight", None)
@@ -185,7 +193,7 @@ class Tracer:
     def _respond(self) -> None:
         """Response of the current configuration to a unit of load."""
         system = self.system
-        system.configure(self.x)
+        system.configure(self.x, system.factor)
         system.extrapolate_stress()
         self.stepper.factor(self.snes, self.x)
         system.load(self._load)
@@ -216,9 +224,9 @@ class Tracer:
 
         These are the tangents at its start and its end; with contact, where tangents waver, the increment before.
         """
-        wavering = self.discretisation.contacts and before.step > 0
+        wavering = not self.system.smooth and before.increment.any()
         directions = [before.direction] if wavering else [before.tangent]
-        if not self.discretisation.contacts:
+        if self.system.smooth:
             directions.append(after.tangent)
         return max(self.angle(after.direction, d) for d in directions)
 

@@ -11,7 +11,7 @@ from dolfinx import fem
 
 from .. import forms
 from ..compat import JIT
-from ..model.scene import Contact
+from ..model.contact import Contact
 from .unknowns import AdditiveField, Block
 
 # Contact points on the length of a layer, and the numbers of them in a cell that are used: few, so that
@@ -76,7 +76,7 @@ class ContactFields:
         if self.enforcement == "semismooth":
             self.unit = 1e3 * self.scale
             field = AdditiveField(self.multiplier, np.arange(len(self.multiplier.x.array)), np.inf, True)
-            self.block = Block(self.multiplier.function_space, (field,))
+            self.block = Block.of_space(self.multiplier.function_space, field)
         self.gap = self.slip = None
 
     def close(self, position, travel, previous) -> None:

@@ -23,7 +23,9 @@ from ..compat import JIT
 from ..mesh.numbers import lift_numbers
 from ..mesh.quadrature import Rule
 from ..model.work import Internal, Term
+from .contribution import Contribution, Forces
 from .jets import FieldJet, as_function_of_jet
+from .layout import Layout
 from .unknowns import AdditiveField
 
 CHUNK = 64
@@ -51,8 +53,8 @@ class Coupling:
     values: np.ndarray
 
 
-class ElementWork:
-    """Residual and tangent of one group of cells.
+class ElementWork(Contribution):
+    """Internal virtual work of one group of cells.
 
     Parameters
     ----------
@@ -65,47 +67,50 @@ class ElementWork:
     ----------
     places : places in `fields` of those that occur
     couplings : list of Coupling, filled by `tangent`
-    held : for each place the forces of the stresses in the tangent, shape (nodes, components)
     """
 
-    def __init__(self, internal: Internal, fields: list[AdditiveField], increments: list[fem.Function] | None):
+    def __init__(self, internal: Internal, fields: list[AdditiveField], increments: list[fem.Function | None] | None):
         self.internal, mesh, cells = internal, internal.mesh, internal.cells
         self._terms = [_TermWork(t, mesh, cells, fields, increments) for t in internal.terms]
         self.places = sorted({n for t in self._terms for n in t.places})
         self._fields = [fields[n] for n in self.places]
         self._nodes = [f.value.function_space.dofmap.list[cells].astype(np.int64) for f in self._fields]
-        self._raw = [f.value.function_space.dofmap.bs for f in self._fields]
+        self._raw = [f.components for f in self._fields]
         self.couplings = []
         for a, b in combinations_with_replacement(range(len(self.places)), 2):
             nodes, pairs = _node_pairs(self._nodes[a], self._nodes[b], a == b)
             mirrored = np.flatnonzero(nodes[:, 0] != nodes[:, 1]) if a == b else np.arange(len(nodes))
             values = np.zeros((len(nodes), self._fields[a].width, self._fields[b].width))
             self.couplings.append(Coupling(self.places[a], self.places[b], nodes, pairs, mirrored, values))
-        self.held = [np.zeros((len(f.value.x.array) // n, n)) for f, n in zip(self._fields, self._raw, strict=True)]
 
     def _chunks(self):
         count = len(self.internal.cells)
         return [slice(start, min(start + CHUNK, count)) for start in range(0, count, CHUNK)]
 
-    def residual(self, forces: list[np.ndarray]) -> None:
-        """Add internal forces, conjugate to the raw components of each field, shape (nodes, components)."""
+    def pattern(self, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
+        rows, columns = [], []
+        for coupling in self.couplings:
+            shape = coupling.values.shape
+            left = np.broadcast_to(layout.free_places[coupling.rows][coupling.nodes[:, 0], :, None], shape)
+            right = np.broadcast_to(layout.free_places[coupling.columns][coupling.nodes[:, 1], None, :], shape)
+            rows += [left.ravel(), right[coupling.mirrored].ravel()]
+            columns += [right.ravel(), left[coupling.mirrored].ravel()]
+        return np.concatenate(rows), np.concatenate(columns)
+
+    def residual(self, forces: Forces) -> None:
         for chunk in self._chunks():
             for term in self._terms:
                 for place, vectors in term.vectors(chunk):
-                    _add_rows(forces[place], self._nodes[self.places.index(place)][chunk], vectors)
+                    _add_rows(forces.on(place), self._nodes[self.places.index(place)][chunk], vectors)
 
     def extrapolate_stress(self) -> None:
-        """Stresses of the tangent: those of the current state plus their linear change by the increments."""
         for chunk in self._chunks():
             for term in self._terms:
                 term.extrapolate_stress(chunk)
 
-    def tangent(self) -> None:
-        """Put the tangent into `couplings`, and the forces of its stresses into `held`."""
+    def tangent(self, held: Forces) -> np.ndarray:
         for coupling in self.couplings:
             coupling.values[:] = 0
-        for force in self.held:
-            force[:] = 0
         bases = {n: f.variations() for n, f in zip(self.places, self._fields, strict=True)}
         nodes = dict(zip(self.places, self._nodes, strict=True))
         for chunk in self._chunks():
@@ -114,7 +119,7 @@ class ElementWork:
                 for place, vectors in term.add_matrices(chunk, matrices):
                     number = self.places.index(place)
                     if self._fields[number].curved:
-                        _add_rows(self.held[number], self._nodes[number][chunk], vectors)
+                        _add_rows(held.on(place), self._nodes[number][chunk], vectors)
             for coupling in self.couplings:
                 a, b = coupling.rows, coupling.columns
                 if (a, b) in matrices:
@@ -122,6 +127,8 @@ class ElementWork:
                     sizes = tuple((0,) * n for n in (*raw, *coupling.values.shape[1:]))
                     _add_blocks(matrices[a, b], *_layout(*raw, a == b), bases[a], bases[b], nodes[a][chunk],
                                 nodes[b][chunk], coupling.pairs[chunk], coupling.values, sizes)
+        return np.concatenate([values.ravel() for coupling in self.couplings
+                               for values in (coupling.values, coupling.values[coupling.mirrored])])
 
 
 class _TermWork:
@@ -141,7 +148,7 @@ class _TermWork:
             held, stiffness = force, ufl.diff(force, jet)
             self._stress = None
         else:
-            self._prepare_stress(term, values, increments)
+            self._prepare_stress(term, [p.field for p in self._parts], [increments[n] for n in self.places])
             held = ufl.as_vector(self._stress[i] * slopes[i, j], j)
             stiffness = ufl.as_matrix(ufl.diff(resultants, jet)[i, j] * slopes[i, k], (j, k)) + ufl.diff(held, jet)
         size = ufl.JacobianDeterminant(mesh)

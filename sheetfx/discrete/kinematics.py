@@ -44,8 +44,8 @@ class Kinematics:
         return self._value(self.u, model, at)
 
     def point_dofs(self, model: Model, at: str, component: str) -> np.ndarray:
-        """Dofs of a component at the vertices of a named point that this process owns."""
-        dofs = fem.locate_dofs_topological(self.sub_space(component), *model.at(at))
+        """Dofs of a component at the vertices of a named point or edge that this process owns."""
+        dofs = fem.locate_dofs_topological(self.sub_space(component), 0, model.vertices(at))
         space = self.block.space
         return dofs[dofs < space.dofmap.index_map.size_local * space.dofmap.index_map_bs]
 
@@ -76,7 +76,7 @@ def kinematics_of(model: Model, displacement: tuple[str, int], rotation: tuple[s
     u = fem.Function(fem.functionspace(mesh, vector), name="displacement")
     if rotation is None:
         field = AdditiveField(u, np.arange(len(u.x.array)), model.size)
-        return Kinematics(u, None, None, None, Block(u.function_space, (field,)))
+        return Kinematics(u, None, None, None, Block.of_space(u.function_space, field))
     turns = basix.ufl.element(rotation[0], cell, rotation[1], shape=() if dimension == 2 else (3,))
     space = fem.functionspace(mesh, basix.ufl.mixed_element([vector, turns]))
     move = AdditiveField(u, _matching(u.function_space, space.sub(0), dimension), model.size)
@@ -90,7 +90,7 @@ def kinematics_of(model: Model, displacement: tuple[str, int], rotation: tuple[s
         order = _matching(q.function_space, spin.function_space)
         turn = QuaternionField(q, spin, spin_dofs.reshape(-1, 3)[order].ravel())
         spatial, total = forms.rotation.SpatialRotation(q, spin), forms.rotation.SpatialRotation(q)
-    return Kinematics(u, spin, spatial, total, Block(space, (move, turn)))
+    return Kinematics(u, spin, spatial, total, Block.of_space(space, move, turn))
 
 
 def _matching(space, other, width: int = 1) -> np.ndarray:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
-from dolfinx import fem
+from dolfinx import la
 from dolfinx.cpp.la.petsc import get_local_vectors, scatter_local_vectors
 from mpi4py import MPI
 from petsc4py import PETSc
@@ -20,19 +20,26 @@ class Layout:
 
     Vectors are taken apart into arrays, one for each block with the entries of this process and its ghosts.
 
+    Parameters
+    ----------
+    blocks : in their order
+    fixed : for each block the local dofs whose increment is zero; None: none
+
     Attributes
     ----------
     comm : of all processes
     size, start : number of rows of this process, and global number of the first
+    fixed : rows of this process whose increment is zero, counted from its first
     """
 
-    def __init__(self, blocks: Sequence[Block]):
-        self._blocks, self.comm = blocks, blocks[0].space.mesh.comm
-        self._maps = [(b.space.dofmap.index_map, b.space.dofmap.index_map_bs) for b in blocks]
+    def __init__(self, comm: MPI.Comm, blocks: Sequence[Block], fixed: Sequence[np.ndarray] | None = None):
+        self._blocks, self.comm = blocks, comm
+        self._maps = [(b.index_map, b.width) for b in blocks]
         self._owned = [index_map.size_local * width for index_map, width in self._maps]
         self._offsets = np.concatenate(([0], np.cumsum(self._owned)))
         self.size = int(self._offsets[-1])
         self.start = self.comm.scan(self.size) - self.size
+        self.fixed = self.rows(fixed) if fixed is not None else np.empty(0, dtype=np.int32)
 
     def create_vector(self, values: np.ndarray | None = None) -> PETSc.Vec:
         """A vector, zero or with this process's part given."""
@@ -64,15 +71,37 @@ class Layout:
             dofs, self._owned, self._offsets[:-1], strict=True)]).astype(np.int32)
 
     @cached_property
+    def numbers(self) -> list[np.ndarray]:
+        """For each block the global numbers of its entries on this process and its ghosts."""
+        numbers = []
+        for (index_map, width), owned, offset in zip(self._maps, self._owned, self._offsets[:-1], strict=True):
+            number = la.vector(index_map, width)
+            number.array[:owned] = self.start + offset + np.arange(owned)
+            number.scatter_forward()
+            numbers.append(np.rint(number.array).astype(np.int64))
+        return numbers
+
+    @cached_property
     def places(self) -> list[np.ndarray]:
         """For each field the global numbers of its nodes' increments, shape (nodes, width)."""
-        numbers = []
-        for block, owned, offset in zip(self._blocks, self._owned, self._offsets[:-1], strict=True):
-            number = fem.Function(block.space)
-            number.x.array[:owned] = self.start + offset + np.arange(owned)
-            number.x.scatter_forward()
-            numbers.append(number.x.array)
-        return [np.rint(array[f.dofs]).astype(np.int64).reshape(-1, f.width) for f, array in self.fields(numbers)]
+        return [array[f.dofs].reshape(-1, f.width) for f, array in self.fields(self.numbers)]
+
+    def free(self, numbers: np.ndarray) -> np.ndarray:
+        """Global numbers with -1 in the place of those whose increment is zero, which matrices leave out."""
+        return np.where(np.isin(numbers, self._all_fixed), -1, numbers)
+
+    @cached_property
+    def _all_fixed(self) -> np.ndarray:
+        return np.concatenate(self.comm.allgather(self.fixed + self.start))
+
+    @cached_property
+    def free_places(self) -> list[np.ndarray]:
+        """`places` with -1 where the increment is zero."""
+        return [self.free(place) for place in self.places]
+
+    def starts(self) -> np.ndarray:
+        """Global number of the first row of each block on each process, shape (processes, blocks)."""
+        return np.array(self.comm.allgather((self.start + self._offsets[:-1]).tolist()), dtype=np.int64)
 
     def turning_matrix(self) -> PETSc.Mat | None:
         """Matrix from components along the axes of the nodes to those along the directions of space; None: identity."""

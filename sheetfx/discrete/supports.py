@@ -8,9 +8,10 @@ import numpy as np
 from dolfinx import fem
 
 from ..mesh.reader import COMPONENTS
-from ..model.scene import Support
+from ..model.supports import Support
+from .fields import Fields
 from .kinematics import Kinematics
-from .unknowns import AdditiveField
+from .unknowns import AdditiveField, Block
 
 
 def turn_nodes(kinematics: Kinematics, supports: Sequence[Support]) -> None:
@@ -28,7 +29,24 @@ def turn_nodes(kinematics: Kinematics, supports: Sequence[Support]) -> None:
             turned[nodes] = True
 
 
-def fixed_places(kinematics: Kinematics, support: Support) -> np.ndarray:
+def fixed_dofs(fields: Fields, block: Block) -> np.ndarray:
+    """Local dofs of a block that supports fix, or that those who added the block have fixed.
+
+    Rotations of which one component is fixed are then followed by their Rodrigues vector.
+    """
+    dofs = [np.empty(0, dtype=np.int64), *fields.fixed.get(block, [])]
+    for model in fields.models:
+        kinematics = fields.kinematics(model)
+        if kinematics.block is block:
+            dofs += [_fixed_by(kinematics, s) for s in fields.scene.supports if s.model is model]
+    found = np.unique(np.concatenate(dofs))
+    for field in block.fields:
+        if field.curved:
+            field.charted = np.isin(field.dofs, found).reshape(-1, field.width).sum(axis=1) == 1
+    return found
+
+
+def _fixed_by(kinematics: Kinematics, support: Support) -> np.ndarray:
     """Places in the block of the nodal increments that a support fixes.
 
     Raises

@@ -1,4 +1,4 @@
-"""From virtual work to PETSc: residual, tangent and load vector of a problem."""
+"""From contributions to PETSc: residual, tangent and load vector of a problem."""
 
 from __future__ import annotations
 
@@ -7,61 +7,56 @@ from contextlib import contextmanager
 from itertools import repeat
 
 import numpy as np
-import ufl
-from dolfinx import fem
-from mpi4py import MPI
 from petsc4py import PETSc
-from ufl.algorithms.map_integrands import map_integrands
 
 from .. import compat
-from ..compat import JIT
-from ..model.work import Internal
-from .elements import ElementWork
+from .contribution import Contribution, Forces
+from .form_work import FormMatrix
+from .history import History
 from .layout import Layout
+from .load_factors import LoadFactors
 from .timing import Stopwatch
 from .unknowns import Unknowns
 
 
 class System:
-    """Discrete equilibrium R(x, factor) = 0 in increments x since the last converged state.
+    """Discrete equilibrium R(x, factor) = 0 in increments x since the last converged state: a sum of contributions.
 
     Parameters
     ----------
     unknowns : Unknowns
-    factor : ufl variable around a fem.Constant, the load factor as it appears in `work`
-    internal : terms of internal virtual work
-    work : UFL form of all other virtual work (contact positive, loads negative), or None
-    nodal : for each block forces on its dofs for a load factor of 1
-    fixed : for each block the local dofs whose increment is zero
-    symmetric : whether the tangent is symmetric (no friction, conservative loads)
-    mixed_points : use the mixed integration point tangent (Magisano, Leonetti and Garcea 2017)
-        instead of the plain derivative of the residual
+    contributions : what is summed
+    layout : rows of the unknowns, and which of them are fixed
+    factors : load factors of the stages
+    changes : for each field a Function that is given its change in the last Newton step (None for numbers), for the
+        mixed integration point tangent (Magisano, Leonetti and Garcea 2017); None: the tangent is the plain derivative
 
     Attributes
     ----------
+    smooth, conservative : whether all contributions are
+    history : History of fields and contributions
     size : number of free unknowns
     fixed_places : places of fixed unknowns in this process's part of a vector
     multiplier_places : places of free Lagrange multipliers in this process's part of a vector
     multipliers : number of Lagrange multipliers; each gives the tangent one negative pivot
+    matrix : the tangent
     """
 
-    def __init__(self, unknowns: Unknowns, factor, internal: Sequence[Internal], work, *,
-                 nodal: Sequence[np.ndarray], fixed: Sequence[np.ndarray], symmetric: bool = True,
-                 mixed_points: bool = True, clock: Stopwatch | None = None):
-        self.unknowns, self.symmetric = unknowns, symmetric
-        self.clock = clock or Stopwatch()
-        self._factor, self._nodal = factor, nodal
-        self._layout = Layout(unknowns.blocks)
-        self._changes = [fem.Function(f.value.function_space) for f in unknowns.fields] if mixed_points else None
-        with self.clock("compile"):
-            self.internal = [ElementWork(t, unknowns.fields, self._changes) for t in internal]
-            self._compile(work)
-        self.fixed_places = self._layout.rows(fixed)
-        self.size = self.comm.allreduce(self._layout.size - len(self.fixed_places))
+    def __init__(self, unknowns: Unknowns, contributions: Sequence[Contribution], layout: Layout,
+                 factors: LoadFactors, changes: Sequence | None, clock: Stopwatch):
+        self.unknowns, self.contributions, self.factors, self.clock = unknowns, list(contributions), factors, clock
+        self.smooth = all(c.smooth for c in contributions)
+        self.conservative = all(c.conservative for c in contributions)
+        self.history = History(unknowns.fields, contributions)
+        self._layout, self._changes = layout, changes
+        self.fixed_places = layout.fixed
+        self.size = self.comm.allreduce(layout.size - len(self.fixed_places))
         self.multiplier_places = self._multipliers()
         self.multipliers = self.comm.allreduce(len(self.multiplier_places))
+        self.matrix = None
         self._create_matrix()
         self.weights = self._inner_product_weights()
+        self.reaction = 0.0
 
     @property
     def comm(self):
@@ -69,39 +64,8 @@ class System:
 
     @property
     def factor(self) -> float:
-        return float(self._factor.ufl_operands[0].value)
-
-    @factor.setter
-    def factor(self, value: float) -> None:
-        self._factor.ufl_operands[0].value = value
-
-    def _compile(self, work) -> None:
-        self._residual = self._load = self._tangent = None
-        loaded = self.comm.allreduce(any(f.any() for f in self._nodal), op=MPI.LOR)
-        if work is not None:
-            self._compile_work(work)
-        if self._load is None and not loaded:
-            raise ValueError("no load of the scene depends on the load factor; add one to `loads`")
-
-    def _compile_work(self, work) -> None:
-        load = -map_integrands(lambda e: ufl.diff(e, self._factor), ufl.algorithms.expand_derivatives(work))
-        self._residual = self._compiled(work)
-        tangent = self._compiled(self.unknowns.linearise(work))
-        self._tangent = tangent and self._square(tangent)
-        self._load = self._compiled(load)
-
-    def _compiled(self, form) -> list:
-        form = self.unknowns.at_rest(form)
-        return None if form.empty() else fem.form(self.unknowns.blocks_of(form), jit_options=JIT)
-
-    def _square(self, forms: list) -> list:
-        """Put empty forms on the diagonal, which DOLFINx needs for the spaces and for fixed unknowns."""
-        for n, block in enumerate(self.unknowns.blocks):
-            if forms[n][n] is None:
-                zero = fem.Constant(block.space.mesh, 0.0)
-                u, v = ufl.TrialFunction(block.space), ufl.TestFunction(block.space)
-                forms[n][n] = fem.form(zero * ufl.inner(u, v) * ufl.dx, jit_options=JIT)
-        return forms
+        """The load factor of the present configuration."""
+        return self.factors.now
 
     def _multipliers(self) -> np.ndarray:
         """Places of free Lagrange multipliers in this process's part of a vector."""
@@ -113,45 +77,18 @@ class System:
         return np.flatnonzero(vector.array > 0.5)
 
     def _create_matrix(self) -> None:
-        """A matrix for the entries of internal work, of other work and of fixed unknowns, in this order."""
-        places, rows, columns = self._layout.places, [], []
-        for work in self.internal:
-            for coupling in work.couplings:
-                shape = coupling.values.shape
-                left = np.broadcast_to(places[coupling.rows][coupling.nodes[:, 0], :, None], shape)
-                right = np.broadcast_to(places[coupling.columns][coupling.nodes[:, 1], None, :], shape)
-                rows += [left.ravel(), right[coupling.mirrored].ravel()]
-                columns += [right.ravel(), left[coupling.mirrored].ravel()]
-            for number in work.places:
-                if self.unknowns.fields[number].curved:
-                    shape = (*places[number].shape, self.unknowns.fields[number].width)
-                    rows.append(np.broadcast_to(places[number][:, :, None], shape).ravel())
-                    columns.append(np.broadcast_to(places[number][:, None, :], shape).ravel())
-        self._other = self._turned = None
-        self._turn = self._layout.turning_matrix()
-        if self._tangent is not None:
-            self._other = compat.create_matrix(self._tangent)
-            pointer, column, _ = self._other_tangent()
-            first = self._other.getOwnershipRange()[0]
-            rows.append(first + np.repeat(np.arange(len(pointer) - 1), np.diff(pointer)))
-            columns.append(column)
-        rows, columns = np.concatenate(rows), np.concatenate(columns)
-        fixed = self.fixed_places + self._layout.start
-        all_fixed = np.concatenate(self.comm.allgather(fixed))
-        lost = np.isin(rows, all_fixed) | np.isin(columns, all_fixed)
-        rows[lost], columns[lost] = -1, -1
-        rows, columns = np.concatenate((rows, fixed)), np.concatenate((columns, fixed))
-        self.matrix = compat.create_coo_matrix(self.comm, self._layout.size, rows, columns)
-        if self.symmetric:
+        """A matrix for the entries of all contributions, one behind the other, and of the nodes' rotations."""
+        patterns = [c.pattern(self._layout) for c in self.contributions]
+        for place, field in zip(self._layout.free_places, self.unknowns.fields, strict=True):
+            if field.curved:
+                shape = (*place.shape, field.width)
+                patterns.append((np.broadcast_to(place[:, :, None], shape).ravel(),
+                                 np.broadcast_to(place[:, None, :], shape).ravel()))
+        rows, columns = (np.concatenate(numbers) for numbers in zip(*patterns, strict=True))
+        self.matrix = compat.create_coo_matrix(self.comm, self._layout.size, rows, columns, self.matrix)
+        if self.conservative:
             self.matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
             self.matrix.setOption(PETSc.Mat.Option.SYMMETRY_ETERNAL, True)
-
-    def _other_tangent(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Row pointers, columns and values of the tangent of work other than internal."""
-        matrix = compat.assemble_matrix(self._other, self._tangent)
-        if self._turn is not None:
-            matrix = self._turned = matrix.ptap(self._turn, result=self._turned)
-        return matrix.getValuesCSR()
 
     def _inner_product_weights(self) -> PETSc.Vec:
         """Weights that make increments of translations and rotations commensurate.
@@ -160,7 +97,7 @@ class System:
         """
         weights, arrays = self.create_vector(), self._layout.zeros()
         for f, array in self._layout.fields(arrays):
-            array[f.dofs] = 1 / (f.scale**2 * f.value.function_space.dofmap.index_map.size_global)
+            array[f.dofs] = 1 / (f.scale**2 * f.count)
         self._layout.put(arrays, weights)
         weights.array[self.fixed_places] = 0
         return weights
@@ -169,8 +106,9 @@ class System:
         """A vector of increments, zero or with this process's part given."""
         return self._layout.create_vector(values)
 
-    def configure(self, x: PETSc.Vec) -> None:
-        """Put all fields to the last converged state followed by the increments x."""
+    def configure(self, x: PETSc.Vec, factor: float) -> None:
+        """Put all fields to the last converged state followed by the increments x, and the load factor to a value."""
+        self.factors.set(factor)
         for f, array in self._layout.fields(self._layout.arrays(x)):
             f.advance(array)
 
@@ -184,67 +122,65 @@ class System:
 
     def residual(self, out: PETSc.Vec) -> None:
         """Out-of-balance forces of the current configuration."""
-        self._assemble(self._residual, out, -self.factor, self._internal_forces)
-        self.reaction = self.comm.allreduce(float(self._support @ self._support)) ** 0.5
-
-    def bilinear(self, form) -> PETSc.Mat:
-        """Matrix of a form in `unknowns.vary` and `unknowns.linearise` on the rows of the tangent; fixed ones empty."""
-        forms = self._square(self._compiled(form))
-        matrix = compat.assemble_matrix(compat.create_matrix(forms), forms)
-        if self._turn is not None:
-            matrix = matrix.ptap(self._turn)
-        matrix.zeroRowsColumns(self.fixed_places + self._layout.start, 0.0)
-        return matrix
+        with self.clock("assembly"):
+            forces = self._forces()
+            for contribution in self.contributions:
+                contribution.residual(forces)
+            support = self._gather(forces, out)
+        self.reaction = self.comm.allreduce(float(support @ support)) ** 0.5
 
     def load(self, out: PETSc.Vec) -> None:
         """Derivative of the external forces with respect to the load factor."""
-        self._assemble(self._load, out, 1.0)
+        with self.clock("assembly"):
+            forces = self._forces()
+            for contribution in self.contributions:
+                if contribution.stage == self.factors.stage:
+                    contribution.load(forces)
+            self._gather(forces, out)
 
     def tangent(self) -> PETSc.Mat:
         """Derivative of the residual with respect to increments of the current configuration."""
         with self.clock("assembly"):
-            values = []
+            if any(c.moved for c in self.contributions):
+                self._create_matrix()
+            held = self._forces()
+            values = [contribution.tangent(held) for contribution in self.contributions]
             moments = self._moments()
-            for work in self.internal:
-                work.tangent()
-                for coupling in work.couplings:
-                    values += [coupling.values.ravel(), coupling.values[coupling.mirrored].ravel()]
-                for number, held in zip(work.places, work.held, strict=True):
-                    field = self.unknowns.fields[number]
-                    if field.curved:
-                        values.append((field.curvature(held, self.symmetric) + moments.pop(number, 0.0)).ravel())
-            if self._other is not None:
-                values.append(self._other_tangent()[2])
-            values.append(np.ones(len(self.fixed_places)))
+            for number, field in enumerate(self.unknowns.fields):
+                if field.curved:
+                    blocks = field.curvature(held.on(number), self.conservative) + moments.pop(number, 0.0)
+                    values.append(blocks.ravel())
             compat.set_coo_values(self.matrix, np.concatenate(values))
             return self.matrix
 
-    def _assemble(self, forms, out, nodal: float, further=lambda arrays: None) -> None:
-        """Sum of forms, nodal loads times a factor, and what `further` adds; zero where increments are fixed."""
-        with self.clock("assembly"):
-            arrays = self._along_space(forms, nodal)
-            self._turn_inward(arrays)
-            further(arrays)
-            self._layout.put(arrays, out)
-            out.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
-            self._support = out.array[self.fixed_places]
-            out.array[self.fixed_places] = 0
-
-    def _along_space(self, forms, nodal: float) -> list[np.ndarray]:
-        """Forms and nodal loads times a factor on the blocks: forces along space, moments conjugate to the spin."""
-        arrays = [nodal * load for load in self._nodal]
-        for array, form in zip(arrays, forms or [], strict=False):
-            if form is not None:
-                fem.assemble_vector(array, form)
-        return arrays
-
     def _moments(self) -> dict[int, np.ndarray]:
-        """For each field of rotations the change of moments with its increments, in unsymmetric problems."""
-        if self.symmetric:
+        """For each field of rotations the change of moments with its increments, in problems without a potential."""
+        if self.conservative:
             return {}
-        arrays = self._along_space(self._residual, -self.factor)
+        forces = self._forces()
+        for contribution in self.contributions:
+            if contribution.gives_moments:
+                contribution.residual(forces)
         return {number: f.moment_slopes(array[f.dofs].reshape(-1, f.width))
-                for number, (f, array) in enumerate(self._layout.fields(arrays)) if f.curved}
+                for number, (f, array) in enumerate(self._layout.fields(forces.along_space)) if f.curved}
+
+    def _forces(self) -> Forces:
+        return Forces(self.unknowns, self._layout)
+
+    def _gather(self, forces: Forces, out: PETSc.Vec) -> np.ndarray:
+        """Put forces on increments into a vector, zero where these are fixed; return those there."""
+        arrays = forces.along_space
+        self._turn_inward(arrays)
+        for number, (f, array) in enumerate(self._layout.fields(arrays)):
+            force = forces.given(number)
+            if force is not None:
+                basis = np.broadcast_to(f.variations(), (*force.shape, f.width))
+                array[f.dofs] += np.einsum("na,nai->ni", force, basis).ravel()
+        self._layout.put(arrays, out)
+        out.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
+        support = out.array[self.fixed_places]
+        out.array[self.fixed_places] = 0
+        return support
 
     def _turn_inward(self, arrays) -> None:
         """Take nodal vectors of the blocks to forces on increments along the axes of their nodes."""
@@ -262,18 +198,12 @@ class System:
         self._layout.put(arrays, vector)
         return vector
 
-    def _internal_forces(self, arrays) -> None:
-        """Add internal forces to the local arrays of the blocks."""
-        forces = [np.zeros((len(f.value.x.array) // f.value.function_space.dofmap.bs,
-                            f.value.function_space.dofmap.bs)) for f in self.unknowns.fields]
-        for work in self.internal:
-            work.residual(forces)
-        touched = {number for work in self.internal for number in work.places}
-        for number, (f, array) in enumerate(self._layout.fields(arrays)):
-            if number in touched:
-                force = forces[number]
-                basis = np.broadcast_to(f.variations(), (*force.shape, f.width))
-                array[f.dofs] += np.einsum("na,nai->ni", force, basis).ravel()
+    def bilinear(self, form) -> PETSc.Mat:
+        """Matrix of a form in `unknowns.vary` and `unknowns.linearise` on the rows of the tangent; fixed ones empty."""
+        part = FormMatrix(self.unknowns, form)
+        matrix = compat.create_coo_matrix(self.comm, self._layout.size, *part.pattern(self._layout))
+        compat.set_coo_values(matrix, part.values())
+        return matrix
 
     @contextmanager
     def additive_increments(self) -> Iterator[None]:
@@ -297,30 +227,21 @@ class System:
             return
         with self.clock("assembly"):
             for change, values in zip(self._changes, repeat(0.0) if step is None else self.changes(step), strict=False):
-                change.x.array[:] = values
-            for work in self.internal:
-                work.extrapolate_stress()
+                if change is not None:
+                    change.x.array[:] = values
+            for contribution in self.contributions:
+                contribution.extrapolate_stress()
 
     def changes(self, step: PETSc.Vec) -> list[np.ndarray]:
         """First-order change of the values of each field by a further step."""
         return [f.change(array) for f, array in self._layout.fields(self._layout.arrays(step))]
 
-    def commit(self) -> None:
-        """Accept the current configuration as converged; increments count from here."""
-        for f in self.unknowns.fields:
-            f.commit()
-
     def snapshot(self) -> dict[str, np.ndarray]:
-        """Converged values of all fields on this process."""
-        return {self._key(n, f): f.previous.x.array.copy() for n, f in enumerate(self.unknowns.fields)}
+        """All that a state consists of on this process: fields, history, stage and load factor."""
+        return self.history.snapshot() | {"load": np.array([self.factors.stage, self.factors.now])}
 
     def restore(self, snapshot: dict[str, np.ndarray]) -> None:
-        """Return to a converged state that `snapshot` gave."""
-        for n, f in enumerate(self.unknowns.fields):
-            f.previous.x.array[:] = snapshot[self._key(n, f)]
-            f.value.x.array[:] = f.previous.x.array
-
-    @staticmethod
-    def _key(number: int, field) -> str:
-        """Name of a field in a snapshot; fields of several models have the same name but for the number."""
-        return f"{field.name} {number}"
+        """Return to a state that `snapshot` gave."""
+        stage, factor = snapshot["load"]
+        self.factors.enter(int(stage), float(factor))
+        self.history.restore(snapshot)

@@ -9,10 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import ufl
-from dolfinx.fem import Function, FunctionSpace
+from dolfinx.common import IndexMap
+from dolfinx.fem import Constant, Function, FunctionSpace
+from mpi4py import MPI
 from ufl.algorithms.formsplitter import FormSplitter
 
 from ..mesh.numbers import lift_numbers
@@ -39,6 +42,7 @@ class AdditiveField:
     """
 
     axes: np.ndarray | None = None
+    curved = False
 
     def __init__(self, value: Function, dofs: np.ndarray, scale: float, multiplier: bool = False):
         self.value, self.dofs, self.scale, self.multiplier = value, dofs, scale, multiplier
@@ -50,11 +54,24 @@ class AdditiveField:
         return self.value.name
 
     @property
-    def width(self) -> int:
-        """Number of components of a nodal increment."""
+    def components(self) -> int:
+        """Number of components of the value at a node."""
         return self.value.function_space.dofmap.bs
 
-    curved = False
+    @property
+    def width(self) -> int:
+        """Number of components of a nodal increment."""
+        return self.components
+
+    @property
+    def table(self) -> np.ndarray:
+        """Values of the nodes of this process and its ghosts, shape (nodes, components)."""
+        return self.value.x.array.reshape(-1, self.components)
+
+    @cached_property
+    def count(self) -> int:
+        """Number of nodes on all processes."""
+        return self.value.function_space.dofmap.index_map.size_global
 
     def variations(self) -> np.ndarray:
         """Nodal variations by a unit increment, shape (nodes or 1 if all alike, components, width)."""
@@ -83,8 +100,14 @@ class AdditiveField:
         """Follow the increment `total` (changed in place) by `further`."""
         total[self.dofs] += further[self.dofs]
 
-    def commit(self) -> None:
+    def rebase(self) -> None:
+        """Let increments count from the present value."""
         self.previous.x.array[:] = self.value.x.array
+
+    def restore(self, values: np.ndarray) -> None:
+        """Put the value that increments count from, and the present one, to an array of this process."""
+        self.previous.x.array[:] = values
+        self.value.x.array[:] = values
 
     def at_rest(self) -> dict:
         """Replacements that put the increment's symbol to zero in a form."""
@@ -112,14 +135,18 @@ class QuaternionField(AdditiveField):
         value.x.array.reshape(-1, 4)[:] = (1, 0, 0, 0)
         count = len(value.x.array) // 4
         self.charted, self._increment = np.zeros(count, dtype=bool), np.zeros((count, 3))
-        self.commit()
+        self.rebase()
 
     def advance(self, block_increment):
         self._increment = self.outward(block_increment[self.dofs]).reshape(-1, 3)
         self.value.x.array.reshape(-1, 4)[:] = _compose(self._increment, self.previous.x.array.reshape(-1, 4))
 
-    def commit(self):
-        super().commit()
+    def rebase(self):
+        super().rebase()
+        self._increment = np.zeros_like(self._increment)
+
+    def restore(self, values):
+        super().restore(values)
         self._increment = np.zeros_like(self._increment)
 
     def combine(self, total, further):
@@ -201,12 +228,105 @@ def _compose(increment: np.ndarray, quaternion: np.ndarray) -> np.ndarray:
     return product / np.linalg.norm(product, axis=1, keepdims=True)
 
 
-@dataclass(frozen=True)
-class Block:
-    """A function space of the solver's vector and the fields that live in it."""
+class Number:
+    """A single number that all processes share, or one for each of several points, without a finite element space.
 
-    space: FunctionSpace
+    Attributes
+    ----------
+    name : of the number
+    x : holder of `array`, the entries on this process, as a Function has it
+    """
+
+    def __init__(self, name: str, count: int = 1):
+        self.name, self.x, self.array = name, self, np.zeros(count)
+
+
+class NumberField(AdditiveField):
+    """Numbers as unknowns: the travel of an obstacle, the multiplier of a joint.
+
+    Parameters
+    ----------
+    name : of the number
+    index_map : of its entries
+    domain : mesh of the forms that the number occurs in, of one number that all processes share; None: it occurs in
+        none
+
+    Attributes
+    ----------
+    symbol : UFL variable that stands for the number in forms
+    variation : UFL constant that stands for its variation there
+    """
+
+    components = width = 1
+
+    def __init__(self, name: str, index_map: IndexMap, scale: float, multiplier: bool = False, domain=None):
+        count = index_map.size_local + index_map.num_ghosts
+        self.value, self.previous = Number(name, count), Number(name, count)
+        self.dofs, self.scale, self.multiplier, self.index_map = np.arange(count), scale, multiplier, index_map
+        self.symbol = None
+        if domain is not None:
+            self._now, self._before, self.variation = (Constant(domain, 0.0) for _ in range(3))
+            self.symbol = ufl.variable(self._now)
+
+    @property
+    def count(self) -> int:
+        return self.index_map.size_global
+
+    def advance(self, block_increment):
+        super().advance(block_increment)
+        self._show()
+
+    def rebase(self):
+        super().rebase()
+        self._show()
+
+    def restore(self, values):
+        super().restore(values)
+        self._show()
+
+    def start(self, value: float) -> None:
+        """Put the number to a value before the path begins."""
+        self.restore(np.full_like(self.value.x.array, value))
+
+    def _show(self) -> None:
+        """Let forms see the present values."""
+        if self.symbol is not None:
+            self._now.value, self._before.value = self.value.x.array[0], self.previous.x.array[0]
+
+    def earlier(self) -> dict:
+        """Replacement of the number in forms by its value at the last converged state."""
+        return {self.symbol: self._before}
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """A part of the solver's vector and the fields that live in it.
+
+    Attributes
+    ----------
+    fields : one, or displacement and rotation of a mixed space
+    index_map, width : distribution of its entries over the processes, and entries to each index
+    space : function space; None for numbers
+    """
+
     fields: tuple[AdditiveField, ...]
+    index_map: IndexMap
+    width: int
+    space: FunctionSpace | None = None
+
+    @classmethod
+    def of_space(cls, space: FunctionSpace, *fields: AdditiveField) -> Block:
+        return cls(fields, space.dofmap.index_map, space.dofmap.index_map_bs, space)
+
+    @classmethod
+    def of_numbers(cls, field: NumberField) -> Block:
+        return cls((field,), field.index_map, 1)
+
+
+def shared_by_all(comm: MPI.Comm) -> IndexMap:
+    """Distribution of one number that process 0 owns and all others have as a ghost."""
+    ghosts = np.zeros(int(comm.rank > 0), dtype=np.int64)
+    return IndexMap(comm, int(comm.rank == 0), ghosts, ghosts.astype(np.int32))
 
 
 class Unknowns:
@@ -215,43 +335,64 @@ class Unknowns:
     def __init__(self, blocks: Sequence[Block]):
         self.blocks = tuple(blocks)
         self.fields = [f for b in self.blocks for f in b.fields]
-        mixed = ufl.MixedFunctionSpace(*[b.space for b in self.blocks])
+        self.spatial = tuple(b for b in self.blocks if b.space is not None)
+        self.numbers = [f for f in self.fields if isinstance(f, NumberField) and f.symbol is not None]
+        mixed = ufl.MixedFunctionSpace(*[b.space for b in self.spatial])
         self._tests = self._pieces(ufl.TestFunctions(mixed))
         self._trials = self._pieces(ufl.TrialFunctions(mixed))
-        self._symbols = [f.symbol for f in self.fields]
+        self._arguments = ufl.TestFunctions(mixed)
+        self._symbols = [f.symbol for b in self.spatial for f in b.fields]
 
     def _pieces(self, arguments) -> list:
         return [
             piece
-            for block, argument in zip(self.blocks, arguments, strict=True)
+            for block, argument in zip(self.spatial, arguments, strict=True)
             for piece in (ufl.split(argument) if len(block.fields) > 1 else [argument])
         ]
 
     def vary(self, expression):
-        """Variation of an expression in the direction of the test functions."""
-        return ufl.derivative(expression, self._symbols, self._tests)
+        """Variation of an expression in the direction of the test functions, and of the numbers in it."""
+        varied = ufl.derivative(expression, self._symbols, self._tests)
+        for number in self.numbers:
+            varied += number.variation * ufl.diff(expression, number.symbol)
+        return varied
 
     def linearise(self, expression):
         """Derivative of an expression or form in the direction of the trial functions."""
         return ufl.derivative(expression, self._symbols, self._trials)
 
+    def linearise_scalar(self, form):
+        """Derivative of a form without arguments in the direction of the test functions."""
+        return ufl.derivative(form, self._symbols, self._tests)
+
     def previous(self, expression):
         """The expression as it was at the last converged state."""
-        return ufl.replace(expression, {f.value: f.previous for f in self.fields})
+        mapping = {f.value: f.previous for b in self.spatial for f in b.fields}
+        for number in self.numbers:
+            mapping |= number.earlier()
+        return ufl.replace(expression, mapping)
+
+    def part(self, work, number: NumberField | None = None):
+        """Of virtual work the share of one number's variation, or that of all fields (None)."""
+        mapping = {n.variation: ufl.as_ufl(1.0 if n is number else 0.0) for n in self.numbers}
+        if number is not None:
+            mapping |= {argument: ufl.classes.Zero(argument.ufl_shape) for argument in self._arguments}
+        return ufl.replace(ufl.algorithms.expand_derivatives(work), mapping) if mapping else work
 
     def at_rest(self, form):
         """Carry out derivatives, then put the symbols of rotation increments to zero."""
         form = ufl.algorithms.expand_derivatives(form)
         mapping = {k: v for f in self.fields for k, v in f.at_rest().items()}
         form = ufl.replace(form, mapping) if mapping else form
-        return lift_numbers(form, self.blocks[0].space.mesh)
+        domain = ufl.domain.extract_unique_domain(form) if isinstance(form, ufl.core.expr.Expr) else _domain_of(form)
+        return form if domain is None else lift_numbers(form, domain)
 
     def blocks_of(self, form) -> list:
-        """Split a linear form into a list and a bilinear form into a square list of forms.
+        """Split a linear form into a list and a bilinear form into a square list of forms, by blocks with a space.
 
         Unlike `ufl.extract_blocks` this keeps the places of blocks that the form does not touch.
         """
-        split, numbers = FormSplitter().split, range(len(self.blocks))
+        split, numbers = FormSplitter().split, range(len(self.spatial))
 
         def block(*place):
             part = split(form, *place)
@@ -260,3 +401,8 @@ class Unknowns:
         if len(form.arguments()) and max(a.number() for a in form.arguments()) == 1:
             return [[block(i, j) for j in numbers] for i in numbers]
         return [block(i) for i in numbers]
+
+
+def _domain_of(form):
+    """The mesh that a form is integrated over; None for an empty form."""
+    return form.integrals()[0].ufl_domain() if form.integrals() else None

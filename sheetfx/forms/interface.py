@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import ufl
 
+from . import rotation
+
 
 def cylinder_gap(x, centre, radius):
     """Distance of point `x` from a circle or cylinder about `centre`; negative inside.
@@ -58,3 +60,98 @@ def coulomb_traction(multiplier, slip, scale, pressure, friction):
     """
     bound, trial = friction * pressure, multiplier + scale * slip
     return ufl.conditional(ufl.ge(trial, bound), bound, ufl.conditional(ufl.le(trial, -bound), -bound, trial))
+
+
+def linear_spring(extension, stiffness):
+    """Force of a linear spring."""
+    return stiffness * extension
+
+
+def extension(displacements):
+    """Displacement of the last of one or two points against the first, or against the ground.
+
+    Parameters
+    ----------
+    displacements : list of one or two UFL vectors
+    """
+    return displacements[-1] - displacements[0] if len(displacements) > 1 else displacements[0]
+
+
+def relative_quaternion(first, second):
+    """Scalar and vector part of conjugate(first) * second: the turn of the second on the axes of the first."""
+    p0, p = first[0], ufl.as_vector([first[1], first[2], first[3]])
+    q0, q = second[0], ufl.as_vector([second[1], second[2], second[3]])
+    return p0 * q0 + ufl.dot(p, q), p0 * q - q0 * p - ufl.cross(p, q)
+
+
+def rotation_between(rotations):
+    """Rotation of the last of one or two points from the first, or from the ground.
+
+    Parameters
+    ----------
+    rotations : list of one or two UFL vectors, angles of shape (1,) in the plane or quaternions of shape (4,)
+
+    Returns
+    -------
+    UFL vector, shape (1,) or the rotation vector of shape (3,), below half a turn, on the axes of the first point.
+    """
+    if rotations[0].ufl_shape == (1,):
+        return extension(rotations)
+    q = rotations[0]
+    scalar, vector = q[0], ufl.as_vector([q[1], q[2], q[3]])
+    if len(rotations) > 1:
+        scalar, vector = relative_quaternion(*rotations)
+    sine = ufl.sqrt(ufl.dot(vector, vector) + 1e-16)
+    return 2 * ufl.atan2(sine, scalar) / sine * vector
+
+
+def gap_of_arm(first, second, arm):
+    """How far the second of two points is off the end of a rigid arm on the first, and turned against it.
+
+    The gap R^T (u_2 - u_1 + arm) - arm of the places, and twice the vector part of the relative quaternion, both on
+    the axes of the first point (Crisfield 1997, section 24.3, with the arm as an offset).
+
+    Parameters
+    ----------
+    first, second : lists of UFL vectors: displacement and, where there is one, rotation (angle or quaternion)
+    arm : UFL vector from the first to the second point in the reference configuration
+
+    Returns
+    -------
+    list of UFL scalars: components of the gap, then of the turn where both points have a rotation.
+    """
+    apart = second[0] - first[0]
+    if len(first) == 1:
+        gap = apart
+    else:
+        turn = _rotation(first[1])
+        gap = turn.pull_back(apart) + turn.pulled_change(arm)
+    components = [gap[i] for i in range(gap.ufl_shape[0])]
+    if len(first) == 1 or len(second) == 1:
+        return components
+    if first[1].ufl_shape == (1,):
+        return [*components, second[1][0] - first[1][0]]
+    vector = relative_quaternion(first[1], second[1])[1]
+    return components + [2 * vector[i] for i in range(3)]
+
+
+def _rotation(value):
+    """Rotation from an angle of shape (1,) or a quaternion."""
+    return rotation.PlanarRotation(value[0]) if value.ufl_shape == (1,) else rotation.SpatialRotation(value)
+
+
+def with_multipliers(gaps, multipliers):
+    """Generalised strains of a constraint: its gaps, then their Lagrange multipliers.
+
+    Parameters
+    ----------
+    gaps : list of UFL scalars
+    multipliers : list of UFL vectors of shape (1,)
+    """
+    return ufl.as_vector([*gaps, *(m[0] for m in multipliers)])
+
+
+def tied(strains):
+    """Law of a constraint: the gradient of multiplier times gap."""
+    half = strains.ufl_shape[0] // 2
+    return ufl.as_vector([strains[half + i] for i in range(half)] + [strains[i] for i in range(half)])

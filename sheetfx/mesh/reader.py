@@ -12,7 +12,7 @@ from dolfinx import fem
 from dolfinx.mesh import Mesh
 from mpi4py import MPI
 
-from ..compat import model_to_mesh
+from ..compat import geometry_degree, model_to_mesh
 from .partition import keep_junctions_whole
 
 RULES = 8
@@ -56,8 +56,30 @@ class Model:
     @property
     def measure(self) -> float:
         """Length of all curves, or area of all surfaces."""
+        return self.measure_of(None)
+
+    def measure_of(self, group: str | None) -> float:
+        """Length of the curves, or area of the surfaces, of a group (default all)."""
         one = fem.Constant(self.mesh, 1.0)
-        return self.mesh.comm.allreduce(fem.assemble_scalar(fem.form(one * ufl.dx(self.mesh))))
+        dx = ufl.dx(self.mesh) if group is None else self.integral({"quadrature_degree": 2 * self.degree}, group)
+        return self.mesh.comm.allreduce(fem.assemble_scalar(fem.form(one * dx)))
+
+    @property
+    def degree(self) -> int:
+        """Of the geometry of its cells."""
+        return geometry_degree(self.mesh)
+
+    def vertices(self, name: str) -> np.ndarray:
+        """Vertices of a named point or edge on this process and its ghosts."""
+        dimension, entities = self.at(name)
+        self.mesh.topology.create_connectivity(dimension, 0)
+        links = self.mesh.topology.connectivity(dimension, 0)
+        return np.unique(np.concatenate([np.empty(0, dtype=np.int32), *(links.links(e) for e in entities)]))
+
+    def count(self, name: str) -> int:
+        """Number of vertices of a named point or edge, on all processes."""
+        owned = self.vertices(name) < self.mesh.topology.index_map(0).size_local
+        return self.mesh.comm.allreduce(int(owned.sum()))
 
     def integral(self, rule: dict, group: str | None = None):
         """Measure over the cells of a group (default all) with a quadrature rule.

@@ -52,6 +52,10 @@ class Beam:
     def frame(self):
         return forms.beam.curve_frame(self.model.mesh, self.up)
 
+    def measure(self):
+        """Integral along the beams, for loads."""
+        return self.model.integral({"quadrature_degree": 2 * self.degree - 1}, self.group)
+
     def internal(self, u, rotation) -> Internal:
         """Internal virtual work."""
         stiffness = self.section.stiffness(self.material, self.model.dimension, self.shear_rigidity)
@@ -81,12 +85,16 @@ class Bar:
     spaces = ("P", 1), None
 
     def __post_init__(self):
-        if self.model.mesh.geometry.cmap.degree != 1:
-            raise ValueError(f"Bar: the mesh has curved cells of degree {self.model.mesh.geometry.cmap.degree}; "
+        if self.model.degree != 1:
+            raise ValueError(f"Bar: the mesh has curved cells of degree {self.model.degree}; "
                              "bars are straight, read it with order 1")
 
     def frame(self):
         return forms.bar.bar_frame(self.model.mesh)
+
+    def measure(self):
+        """Integral along the bars, for loads."""
+        return self.model.integral({"quadrature_degree": 2 * self.degree - 1}, self.group)
 
     def internal(self, u, rotation) -> Internal:
         """Internal virtual work."""

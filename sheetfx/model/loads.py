@@ -1,4 +1,4 @@
-"""Loads on a structure: plain data, checked when made."""
+"""Loads on a structure: data that owns its weak form, checked when made."""
 
 from __future__ import annotations
 
@@ -7,21 +7,38 @@ from dataclasses import dataclass
 
 import numpy as np
 import ufl
+from dolfinx import fem
 
+from .. import forms
+from ..checks import require_components, require_known_component
+from ..compat import JIT
+from ..mesh.numbers import lift_numbers
 from ..mesh.reader import COMPONENTS, Model
 from .beam import Bar, Beam
 from .obstacles import RigidCylinder, RigidPlane
 from .shell import Shell
+from .work import Acting
 
 
-def _require_components(what: str, given: Sequence[float], count: int) -> None:
-    """Refuse a vector of another length than the structure's space demands."""
-    if len(given) != count:
-        raise ValueError(f"{what} {tuple(map(float, given))} has {len(given)} components; give {count}")
+class Load(Acting):
+    """What grows with the load factor; a load of one's own derives from it and defines `work`.
+
+    `work` is the virtual work of the load *on* the structure at the load factor `fields.factor`.
+    """
+
+    def at_points(self, forces) -> None:
+        """Put forces and moments at points into `forces` (`discrete.fields.NodalForces`), for a load factor of 1."""
+
+    def total(self, fields) -> float | Callable[[], float]:
+        """What is reported as the load: its size for a load factor of 1, or a function that gives it now (a reaction).
+
+        A load that does not define it reports the load factor.
+        """
+        return 1.0
 
 
 @dataclass(frozen=True)
-class PointForce:
+class PointForce(Load):
     """Force of fixed direction at each vertex of a named point, for a load factor of 1."""
 
     model: Model
@@ -30,11 +47,18 @@ class PointForce:
 
     def __post_init__(self):
         self.model.at(self.at)
-        _require_components(f"PointForce at {self.at!r}: force", self.force, self.model.dimension)
+        require_components(f"PointForce at {self.at!r}: force", self.force, self.model.dimension)
+
+    def at_points(self, forces) -> None:
+        for component, value in zip(COMPONENTS[self.model.dimension], self.force, strict=False):
+            forces.add(self.model, self.at, component, value)
+
+    def total(self, fields) -> float:
+        return float(np.linalg.norm(self.force)) * self.model.count(self.at)
 
 
 @dataclass(frozen=True)
-class Moment:
+class Moment(Load):
     """Moment at a named point or per length of a named edge, conjugate to the spin.
 
     One number in the plane, three in space.
@@ -45,11 +69,36 @@ class Moment:
     moment: float | tuple[float, float, float]
 
     def __post_init__(self):
-        _require_components(f"Moment at {self.at!r}: moment", np.ravel(self.moment), 2 * self.model.dimension - 3)
+        require_components(f"Moment at {self.at!r}: moment", np.ravel(self.moment), 2 * self.model.dimension - 3)
+
+    @property
+    def conservative(self) -> bool:
+        """In space the work of a fixed moment depends on the way of turning (Ziegler 1968)."""
+        return self.model.dimension == 2
+
+    @property
+    def _pointed(self) -> bool:
+        return self.at in self.model.points
+
+    def at_points(self, forces) -> None:
+        if self._pointed:
+            for component, value in zip(COMPONENTS[self.model.dimension][self.model.dimension:],
+                                        np.atleast_1d(self.moment), strict=True):
+                forces.add(self.model, self.at, component, value)
+
+    def work(self, fields):
+        if self._pointed:
+            return None
+        moment = fields.factor * forms.vector(self.moment)
+        return forms.load.spin_moment(moment, fields.vary(fields.spin(self.model))) * self.model.facet_measure(self.at)
+
+    def total(self, fields) -> float:
+        extent = self.model.count(self.at) if self._pointed else self.model.edge_length(self.at)
+        return float(np.linalg.norm(self.moment)) * extent
 
 
 @dataclass(frozen=True, eq=False)
-class LineForce:
+class LineForce(Load):
     """Force per reference length on a beam or on bars; `follower`: components on the turning frame.
 
     The force is given by numbers, or by a function from the place (UFL vector) to components.
@@ -64,50 +113,107 @@ class LineForce:
 
     def __post_init__(self):
         if not callable(self.force):
-            _require_components("LineForce: force", self.force, self.beam.model.dimension)
+            require_components("LineForce: force", self.force, self.beam.model.dimension)
         if self.follower and isinstance(self.beam, Bar):
             raise ValueError("LineForce: follower is True, but bars have no cross-section that turns; make it False")
 
-    def components(self) -> Sequence:
+    @property
+    def conservative(self) -> bool:
+        return not self.follower
+
+    @property
+    def _components(self) -> Sequence:
         """Numbers, or UFL expressions of the place."""
         return self.force(ufl.SpatialCoordinate(self.beam.model.mesh)) if callable(self.force) else self.force
 
+    def work(self, fields):
+        model = self.beam.model
+        force, u = [fields.factor * c for c in self._components], fields.displacement(model)
+        if self.follower:
+            density = forms.load.follower_force(force, self.beam.frame(), fields.rotation(model), u, fields.vary)
+        else:
+            density = forms.load.dead_force(forms.vector(force), u, fields.vary)
+        return density * self.beam.measure()
+
+    def total(self, fields) -> float:
+        mesh, force = self.beam.model.mesh, self._components
+        if callable(self.force):
+            size = ufl.sqrt(ufl.dot(forms.vector(force), forms.vector(force)))
+        else:
+            size = fem.Constant(mesh, float(np.linalg.norm(force)))
+        work = fem.form(lift_numbers(size * self.beam.measure(), mesh), jit_options=JIT)
+        return mesh.comm.allreduce(fem.assemble_scalar(work))
+
 
 @dataclass(frozen=True)
-class EdgeForce:
+class EdgeForce(Load):
     """Force of fixed direction per reference length of a named edge of shells."""
 
     model: Model
     at: str
     force: tuple[float, float, float]
 
+    def __post_init__(self):
+        require_components(f"EdgeForce at {self.at!r}: force", self.force, self.model.dimension)
+
+    def work(self, fields):
+        force, u = fields.factor * forms.vector(self.force), fields.displacement(self.model)
+        return forms.load.dead_force(force, u, fields.vary) * self.model.facet_measure(self.at)
+
+    def total(self, fields) -> float:
+        return float(np.linalg.norm(self.force)) * self.model.edge_length(self.at)
+
 
 @dataclass(frozen=True, eq=False)
-class SurfaceForce:
+class SurfaceForce(Load):
     """Force of fixed direction per reference area of a shell."""
 
     shell: Shell
     force: tuple[float, float, float]
 
+    def __post_init__(self):
+        require_components("SurfaceForce: force", self.force, self.shell.model.dimension)
+
+    def work(self, fields):
+        force, u = fields.factor * forms.vector(self.force), fields.displacement(self.shell.model)
+        return forms.load.dead_force(force, u, fields.vary) * self.shell.measure()
+
+    def total(self, fields) -> float:
+        return float(np.linalg.norm(self.force)) * self.shell.model.measure_of(self.shell.group)
+
 
 @dataclass(frozen=True, eq=False)
-class Pressure:
+class Pressure(Load):
     """Pressure along the current normal of a shell, which follows it as it turns."""
 
     shell: Shell
     pressure: float
+    conservative = False
+
+    def work(self, fields):
+        frame, u = self.shell.frame(), fields.displacement(self.shell.model)
+        return forms.load.pressure(fields.factor * self.pressure, u, frame, fields.vary) * self.shell.measure()
+
+    def total(self, fields) -> float:
+        return abs(self.pressure)
 
 
 @dataclass(frozen=True, eq=False)
-class Push:
+class ObstacleForce(Load):
     """Force on an obstacle along its travel."""
 
     obstacle: RigidCylinder | RigidPlane
     force: float
 
+    def at_points(self, forces) -> None:
+        forces.add_to_own(self.obstacle, "travel", self.force)
+
+    def total(self, fields) -> float:
+        return abs(self.force)
+
 
 @dataclass(frozen=True)
-class Motion:
+class PrescribedDisplacement(Load):
     """Prescribed displacement component of a named point, or of all of a named edge; its reaction is an unknown.
 
     Nodes of the edge where a support fixes the component stay there.
@@ -119,7 +225,22 @@ class Motion:
     distance: float
 
     def __post_init__(self):
-        known = COMPONENTS[self.model.dimension][:self.model.dimension]
         self.model.at(self.at)
-        if self.component not in known:
-            raise ValueError(f"Motion of {self.at!r}: no component {self.component!r}; choose from {' '.join(known)}")
+        require_known_component(f"PrescribedDisplacement of {self.at!r}", self.component,
+                                COMPONENTS[self.model.dimension][:self.model.dimension])
+
+    def unknowns(self, fields) -> None:
+        held = [s.at for s in fields.scene.supports
+                if s.model is self.model and s.axes is None and self.component in s.fixed.split()]
+        fields.add_multiplier(self, self.model, "reaction", self.at, held)
+
+    def work(self, fields):
+        """The reaction r holds the displacement at its value: the variation of r (factor distance - u)."""
+        index = COMPONENTS[self.model.dimension].index(self.component)
+        error = fields.factor * self.distance - fields.displacement(self.model)[index]
+        return fields.vary(fields.own(self, "reaction") * error) * self.model.facet_measure(self.at)
+
+    def total(self, fields) -> Callable[[], float]:
+        reaction = fields.own(self, "reaction") * self.model.facet_measure(self.at)
+        form, comm = fem.form(-reaction, jit_options=JIT), self.model.mesh.comm
+        return lambda: comm.allreduce(fem.assemble_scalar(form))

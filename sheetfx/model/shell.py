@@ -10,7 +10,7 @@ import ufl
 from dolfinx import fem
 
 from .. import forms
-from ..compat import JIT
+from ..compat import JIT, geometry_degree
 from ..mesh.numbers import as_constants
 from ..mesh.quadrature import Rule, gauss, simplex
 from ..mesh.reader import Model
@@ -126,10 +126,18 @@ class Shell:
         """Family and degree of displacement and rotation."""
         return self.discrete.displacement, self.discrete.rotation
 
+    def frame(self) -> forms.shell.SurfaceFrame:
+        """Reference frame with normals interpolated at the nodes of each cell."""
+        return surface_frame(self.model.mesh)
+
+    def measure(self):
+        """Integral over the shells, for loads."""
+        return self.model.integral({"quadrature_degree": 2 * self.discrete.displacement[1]}, self.group)
+
     def internal(self, u, rotation) -> Internal:
         """Internal virtual work: each energy, and their coupling where there is one, with its rule."""
         form, mesh = self.discrete, self.model.mesh
-        frame = surface_frame(mesh)
+        frame = self.frame()
         stiffness, thickness, offset = as_constants(
             mesh, (self.section.stiffness(self.material), self.section.thickness, self.offset))
         measure = self.strains or (lambda u, rotation, frame: forms.shell.naghdi(u, rotation, frame, offset))
@@ -157,7 +165,7 @@ class Shell:
 
 def surface_frame(mesh) -> forms.shell.SurfaceFrame:
     """Frame of a surface with its normals interpolated at the nodes of each cell."""
-    degree = mesh.geometry.cmap.degree
+    degree = geometry_degree(mesh)
     if mesh.basix_cell() == TRIANGLE and degree == 1:
         return forms.shell.surface_frame(mesh)
     family = "DG" if mesh.basix_cell() == TRIANGLE else "DQ"

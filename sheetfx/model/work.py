@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,3 +40,29 @@ class Internal:
     terms: Sequence[Term]
     mesh: Mesh
     cells: np.ndarray
+
+
+class Acting:
+    """What acts on a structure: a joint or a load; what it does not define it leaves as here.
+
+    `fields` is what virtual work is written in (`discrete.fields.Fields`): `fields.displacement(model)`,
+    `fields.rotation(model)`, `fields.factor` (the load factor) and `fields.vary(expression)`.
+
+    Attributes
+    ----------
+    smooth : whether its forces change smoothly with the state; contact does not
+    conservative : whether its forces have a potential
+    """
+
+    smooth = conservative = True
+
+    def unknowns(self, fields) -> None:
+        """Add unknowns of its own, such as multipliers."""
+
+    def work(self, fields):
+        """Its virtual work as a UFL form; None: none."""
+        return None
+
+    def contributions(self, fields) -> Iterable:
+        """Contributions to the system beside that form (`discrete.contribution.Contribution`)."""
+        return ()

@@ -14,8 +14,9 @@ from .. import meshes
 from ..case import Case, Record
 from ..continuation.control import LoadControl, StepRule
 from ..mesh.reader import Model, read
-from ..model.scene import Monitor, Scene, Support
+from ..model.scene import Monitor, Scene
 from ..model.shell import FORMS, TRIANGLE, Shell, named_form
+from ..model.supports import Support
 from ..path import Until
 from ..show.curves import path_curve, smooth
 from ..show.evaluate import communicator, last_state_kept
@@ -99,7 +100,7 @@ def benchmark(
     axes: tuple[str, str],
     *,
     steps: int = 1,
-    copies: int = 1,
+    symmetry_factor: int = 1,
     control: StepRule | None = None,
     until: Until | None = None,
     published: Published | None = None,
@@ -121,7 +122,7 @@ def benchmark(
         pictures.append(lambda record, folder: published_points(record, folder, readings, published))
     return Case(
         scene=Scene([shell], supports, loads, Monitor(shell.model, first.at, first.component, first.sign),
-                    copies=copies),
+                    symmetry_factor=symmetry_factor),
         control=control or LoadControl(step=1 / max(steps, 1), target=min(steps, 1), fixed=True),
         until=until or Until(), quantities=quantities or (lambda record: at_load(record, readings)),
         pictures=pictures, axes=axes)

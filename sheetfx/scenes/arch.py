@@ -14,10 +14,12 @@ from ..case import Case, Record, trace
 from ..continuation.control import ArcLength
 from ..mesh.reader import Model, read
 from ..model.beam import Beam
-from ..model.loads import PointForce, Push
+from ..model.contact import Contact
+from ..model.loads import ObstacleForce, PointForce
 from ..model.obstacles import RigidCylinder
-from ..model.scene import Contact, Monitor, Scene, clamp, symmetry
+from ..model.scene import Monitor, Scene
 from ..model.section import Elastic, Rectangle
+from ..model.supports import clamp, symmetry
 from ..path import Until
 from ..show import contact as contact_pictures
 from ..show.curves import path_curve
@@ -50,10 +52,10 @@ def scene(
     """
     model = arch_model(half_angle, elements, degree, full, imperfection)
     beam = Beam(model, Rectangle(WIDTH, thickness), Elastic(MODULUS), degree=degree)
-    copies = 1 if full else 2
+    symmetry_factor = 1 if full else 2
     contacts, pictures = [], [path_curve, shapes, paraview]
     if no_punch:
-        loads = [PointForce(model, "crown", (0.0, -1.0 / copies))]
+        loads = [PointForce(model, "crown", (0.0, -1.0 / symmetry_factor))]
     else:
         if not ratio > 0:
             raise ValueError(f"arch: ratio is {ratio}; it must be positive (for no punch use --no-punch)")
@@ -61,11 +63,11 @@ def scene(
         top = crown_height(model)
         punch = RigidCylinder(radius, (0.0, top + radius), travel=(0.0, -1.0))
         contacts = [Contact(beam, punch, contact, friction, layer=layer, enforcement=enforcement)]
-        loads = [Push(punch, 1.0 / copies)]
+        loads = [ObstacleForce(punch, 1.0 / symmetry_factor)]
         pictures += [contact_pictures.contact_history, contact_pictures.tractions(500.0)]
     return Case(
         scene=Scene(
-            parts=[beam], contacts=contacts, loads=loads, copies=copies,
+            parts=[beam], contacts=contacts, loads=loads, symmetry_factor=symmetry_factor,
             supports=[clamp(model, "end"), clamp(model, "start") if full else symmetry(model, "crown")],
             monitor=Monitor(model, "crown", "y", -1.0)),
         control=ArcLength(step=step, largest=4.0), until=Until(deflection=to),
@@ -121,7 +123,7 @@ def limit_without_contact(record: Record) -> float:
     """Limit load of the same arch under a point load."""
     scene = record.case.scene
     model = scene.parts[0].model
-    bare = Scene(scene.parts, scene.supports, [PointForce(model, "crown", (0.0, -1.0 / scene.copies))],
-                 scene.monitor, copies=scene.copies)
+    bare = Scene(scene.parts, scene.supports, [PointForce(model, "crown", (0.0, -1.0 / scene.symmetry_factor))],
+                 scene.monitor, symmetry_factor=scene.symmetry_factor)
     path = trace(Case(bare, until=Until(deflection=15.0)))
     return next(p.load for p in path.critical_points if p.kind == "limit")

@@ -8,9 +8,9 @@ from typer import Option
 
 from ..case import Case
 from ..model.loads import EdgeForce
-from ..model.scene import clamp
 from ..model.section import Elastic, Plate
 from ..model.shell import Shell
+from ..model.supports import clamp
 from ._benchmark import Cells, Form, Published, Reading, Steps, benchmark, members, surface
 
 LENGTH, WIDTH = 10.0, 1.0

@@ -18,8 +18,9 @@ from ..continuation.control import LoadControl
 from ..mesh.reader import read
 from ..model.beam import Beam
 from ..model.loads import PointForce
-from ..model.scene import Monitor, Scene, Support
+from ..model.scene import Monitor, Scene
 from ..model.section import Elastic, Rectangle
+from ..model.supports import Support
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes

@@ -17,9 +17,10 @@ from typer import Option
 
 from ..case import Case, Record
 from ..model.loads import EdgeForce
-from ..model.scene import Monitor, Scene, Support, symmetry
+from ..model.scene import Monitor, Scene
 from ..model.section import Elastic, Plate
 from ..model.shell import Shell
+from ..model.supports import Support, symmetry
 from ..path import Until
 from ..show.modes import draw_modes, mode_files
 from ..stability.buckling import buckling
@@ -53,7 +54,7 @@ def scene(
         scene=Scene(
             [shell], free,
             [EdgeForce(model, "south", (0.0, 0.0, force)), EdgeForce(model, "north", (0.0, 0.0, -force))],
-            Monitor(model, "north-west", "z", -1.0), copies=4),
+            Monitor(model, "north-west", "z", -1.0), symmetry_factor=4),
         until=Until(steps=0),
         buckling=lambda path, state: buckling(path, state, count, supports=held, tolerance=5e-3),
         quantities=lambda record: quantities(record, thickness, length),

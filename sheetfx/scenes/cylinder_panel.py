@@ -17,9 +17,10 @@ from ..case import Case
 from ..checks import require_positive_number
 from ..continuation.control import ArcLength
 from ..model.loads import EdgeForce
-from ..model.scene import Monitor, Scene, Support, symmetry
+from ..model.scene import Monitor, Scene
 from ..model.section import Elastic, Plate
 from ..model.shell import Shell
+from ..model.supports import Support, symmetry
 from ..path import Until
 from ..show.curves import path_curve
 from ..show.files import paraview

@@ -23,8 +23,9 @@ from ..continuation.control import ArcLength
 from ..mesh.reader import read
 from ..model.beam import Beam
 from ..model.loads import PointForce
-from ..model.scene import Monitor, Scene, clamp, pin, symmetry
+from ..model.scene import Monitor, Scene
 from ..model.section import Elastic, Rectangle
+from ..model.supports import clamp, pin, symmetry
 from ..path import Until
 from ..show.curves import path_curve
 from ..show.files import paraview
@@ -49,7 +50,7 @@ def scene(
         raise ValueError(f"deep-arch: depth is {depth}; a slender arch needs one between 0 and {RADIUS / 10:g}")
     if not 0 < opening < 360:
         raise ValueError(f"deep-arch: opening is {opening} degrees; it must lie between 0 and 360")
-    half, copies = radians(opening / 2), 2 if hinged else 1
+    half, symmetry_factor = radians(opening / 2), 2 if hinged else 1
     model = read(lambda: meshes.arc(RADIUS, 0.0 if hinged else -half, half, elements, {"crown": 0.0}), 2,
                  min(degree, 2))
     section, material = Rectangle(1.0, depth), Elastic(MODULUS)
@@ -58,7 +59,7 @@ def scene(
     return Case(
         scene=Scene(
             parts=[beam], supports=[symmetry(model, "crown") if hinged else clamp(model, "start"), pin(model, "end")],
-            loads=[PointForce(model, "crown", (0.0, -unit / copies))], copies=copies,
+            loads=[PointForce(model, "crown", (0.0, -unit / symmetry_factor))], symmetry_factor=symmetry_factor,
             monitor=Monitor(model, "crown", "y", -1.0)),
         control=ArcLength(step=step), until=Until(load=200 * unit) if hinged else Until(deflection=to),
         quantities=lambda record: quantities(record, unit),

@@ -11,9 +11,9 @@ from ..case import Case
 from ..continuation.control import ArcLength
 from ..mesh.reader import Model
 from ..model.loads import PointForce
-from ..model.scene import Support, symmetry
 from ..model.section import Elastic, Plate
 from ..model.shell import Shell
+from ..model.supports import Support, symmetry
 from ..path import Until
 from ._benchmark import Cells, FirstArc, Form, Published, Reading, benchmark, cylinder, members
 
@@ -56,4 +56,4 @@ def scene(
     return benchmark(
         Shell(model, Plate(thickness), Elastic(3e4, 0.3), form=form), supports,
         [PointForce(model, "A", (0.0, 0.0, -load / 4))], READINGS, ("deflection of A", "sum of both forces"),
-        copies=8, control=ArcLength(step=step), until=Until(load=2 * load), published=PUBLISHED)
+        symmetry_factor=8, control=ArcLength(step=step), until=Until(load=2 * load), published=PUBLISHED)

@@ -13,9 +13,9 @@ from typer import Option
 
 from ..case import Case
 from ..model.loads import PointForce
-from ..model.scene import Support, symmetry
 from ..model.section import Elastic, Plate
 from ..model.shell import Shell
+from ..model.supports import Support, symmetry
 from ._benchmark import Cells, Form, Published, Reading, Steps, at_load, benchmark, members, slopes, surface
 
 RADIUS, HOLE = 10.0, radians(18.0)

@@ -33,5 +33,5 @@ def scene(
     return benchmark(
         Shell(model, Plate(thickness, shear_factor), Elastic(3e6, 0.3), form=form), supports,
         [PointForce(model, "A", (0.0, 0.0, -load / 4))], READINGS,
-        ("deflection under a force", "sum of both forces"), steps=steps, copies=8,
+        ("deflection under a force", "sum of both forces"), steps=steps, symmetry_factor=8,
         quantities=lambda record: slopes(record, READINGS, 0))

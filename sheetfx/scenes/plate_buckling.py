@@ -17,9 +17,10 @@ from typer import Option
 
 from ..case import Case, Record
 from ..model.loads import EdgeForce
-from ..model.scene import Monitor, Scene, Support
+from ..model.scene import Monitor, Scene
 from ..model.section import Elastic, Plate
 from ..model.shell import Shell
+from ..model.supports import Support
 from ..path import Until
 from ..show.modes import draw_modes, mode_files
 from ..stability.buckling import buckling

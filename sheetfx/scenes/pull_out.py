@@ -9,9 +9,9 @@ from typer import Option
 
 from ..case import Case
 from ..model.loads import PointForce
-from ..model.scene import symmetry
 from ..model.section import Elastic, Plate
 from ..model.shell import Shell
+from ..model.supports import symmetry
 from ._benchmark import Cells, Form, Published, Reading, Steps, benchmark, cylinder, members
 
 RADIUS, LENGTH = 4.953, 10.35
@@ -45,4 +45,4 @@ def scene(
         Shell(model, Plate(thickness), Elastic(10.5e6, 0.3125), form=form),
         [symmetry(model, "west", "x"), symmetry(model, "south", "y"), symmetry(model, "north", "z")],
         [PointForce(model, "A", (0.0, 0.0, load / 4))], READINGS, ("deflection of A", "sum of both forces"),
-        steps=steps, copies=8, published=PUBLISHED)
+        steps=steps, symmetry_factor=8, published=PUBLISHED)

@@ -13,9 +13,10 @@ from ..continuation.control import LoadControl
 from ..mesh.reader import Model, read
 from ..model.beam import Beam
 from ..model.loads import Moment
-from ..model.scene import Monitor, Scene, Support, clamp, symmetry
+from ..model.scene import Monitor, Scene
 from ..model.section import Elastic, Plate, Rectangle
 from ..model.shell import FORMS, Shell
+from ..model.supports import Support, clamp, symmetry
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes

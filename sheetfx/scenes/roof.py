@@ -12,9 +12,9 @@ from typer import Option
 from ..case import Case
 from ..continuation.control import ArcLength
 from ..model.loads import PointForce
-from ..model.scene import Support, symmetry
 from ..model.section import Elastic, Plate
 from ..model.shell import Shell
+from ..model.supports import Support, symmetry
 from ..path import Until
 from ._benchmark import Cells, FirstArc, Form, Published, Reading, benchmark, cylinder, members
 from .lee_frame import quantities
@@ -58,5 +58,5 @@ def scene(
         Shell(model, Plate(thickness), Elastic(3102.75, 0.3), form=form),
         [symmetry(model, "west", "x"), symmetry(model, "south", "y"), Support(model, "north", "x y z")],
         [PointForce(model, "crown", (0.0, 0.0, -0.25))], READINGS, ("deflection of the crown (mm)", "force (N)"),
-        copies=4, control=ArcLength(step=step), until=Until(deflection=to), published=PUBLISHED.get(thickness),
+        symmetry_factor=4, control=ArcLength(step=step), until=Until(deflection=to), published=PUBLISHED.get(thickness),
         quantities=quantities)

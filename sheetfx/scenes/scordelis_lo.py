@@ -9,9 +9,9 @@ from typer import Option
 
 from ..case import Case
 from ..model.loads import SurfaceForce
-from ..model.scene import Support, symmetry
 from ..model.section import Elastic, Plate
 from ..model.shell import Shell
+from ..model.supports import Support, symmetry
 from ._benchmark import Cells, Form, LinearSteps, Reading, ShearFactor, benchmark, cylinder, members, slopes
 
 RADIUS, LENGTH, HALF_ANGLE = 25.0, 50.0, radians(40.0)
@@ -36,5 +36,5 @@ def scene(
     return benchmark(
         shell, [symmetry(model, "west", "x"), symmetry(model, "south", "y"), Support(model, "east", "y z")],
         [SurfaceForce(shell, (0.0, 0.0, -load))], READINGS,
-        ("deflection of the free edge", "weight"), steps=steps, copies=4,
+        ("deflection of the free edge", "weight"), steps=steps, symmetry_factor=4,
         quantities=lambda record: slopes(record, READINGS, 0))

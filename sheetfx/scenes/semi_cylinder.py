@@ -10,9 +10,9 @@ from typer import Option
 from ..case import Case
 from ..continuation.control import ArcLength
 from ..model.loads import PointForce
-from ..model.scene import clamp, symmetry
 from ..model.section import Elastic, Plate
 from ..model.shell import Shell
+from ..model.supports import clamp, symmetry
 from ..path import Until
 from ._benchmark import Cells, FirstArc, Form, Published, Reading, benchmark, cylinder, members
 
@@ -44,4 +44,4 @@ def scene(
         Shell(model, Plate(thickness), Elastic(2068.5, 0.3), form=form),
         [clamp(model, "west"), symmetry(model, "south", "y"), symmetry(model, "north", "z")],
         [PointForce(model, "A", (0.0, 0.0, -load / 2))], READINGS, ("deflection under the force", "force"),
-        copies=2, control=ArcLength(step=step), until=Until(load=load), published=PUBLISHED)
+        symmetry_factor=2, control=ArcLength(step=step), until=Until(load=load), published=PUBLISHED)

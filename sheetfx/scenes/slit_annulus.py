@@ -10,9 +10,9 @@ from typer import Option
 
 from ..case import Case
 from ..model.loads import EdgeForce
-from ..model.scene import clamp
 from ..model.section import Elastic, Plate
 from ..model.shell import Shell
+from ..model.supports import clamp
 from ._benchmark import Form, Published, Reading, Steps, benchmark, members, surface
 
 INNER, OUTER = 6.0, 10.0

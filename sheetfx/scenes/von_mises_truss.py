@@ -17,8 +17,9 @@ from ..continuation.control import ArcLength
 from ..mesh.reader import read
 from ..model.beam import Bar
 from ..model.loads import PointForce
-from ..model.scene import Monitor, Scene, pin
+from ..model.scene import Monitor, Scene
 from ..model.section import Elastic, Rectangle
+from ..model.supports import pin
 from ..path import Until
 from ..show.curves import path_curve
 from ..show.files import paraview

@@ -55,7 +55,7 @@ def draw_tractions(record: Record, state: State, contacts: list[ContactState]):
     axes.axhline(0, color="black", linewidth=0.7)
     quantity = "contact force of a node" if nodal else "contact force per length"
     axes.set_ylabel(quantity + _brackets(force if nodal else _per_length(force, length)))
-    part = f", one of {scene.copies} equal parts" if scene.copies > 1 else ""
+    part = f", one of {scene.symmetry_factor} equal parts" if scene.symmetry_factor > 1 else ""
     axes.set_xlabel(f"current position x{_brackets(length)}{part}")
     axes.legend(frameon=True, framealpha=0.9, edgecolor="none", fontsize=9,
                 title=f"at load {with_unit(state.load, force)}, deflection {with_unit(state.deflection, length)}",
@@ -124,8 +124,8 @@ def draw_history(record: Record, table: dict[str, np.ndarray]):
     for axes in (numbers, place):
         axes.legend(frameon=True, framealpha=0.9, edgecolor="none", fontsize=9)
     figure.align_ylabels()
-    if record.case.scene.copies > 1:
-        numbers.set_ylabel(f"contact points\n(one of {record.case.scene.copies} equal parts)")
+    if record.case.scene.symmetry_factor > 1:
+        numbers.set_ylabel(f"contact points\n(one of {record.case.scene.symmetry_factor} equal parts)")
     return figure
 
 
@@ -177,8 +177,8 @@ def _total(name: str, density: np.ndarray, contact: ContactState, unit: str, sce
     total, pushed = contact.weight @ density, contact.weight @ contact.pressure
     total = float(total) if abs(total) > 1e-6 * pushed else 0.0
     label = f"{name}, sum {with_unit(total, unit)}"
-    if scene.copies > 1:
-        label += f" in each of {scene.copies} parts, {with_unit(scene.copies * total, unit)} in all"
+    if scene.symmetry_factor > 1:
+        label += f" in each of {scene.symmetry_factor} parts, {with_unit(scene.symmetry_factor * total, unit)} in all"
     return label
 
 

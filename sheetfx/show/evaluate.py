@@ -131,12 +131,7 @@ def _merge(parts: list[dict], numbers: np.ndarray) -> ContactState:
 
 
 def travel(record: Record, obstacle) -> np.ndarray:
-    """Displacement of an obstacle in the shown state, shape (2,); meaningful on process 0."""
+    """Displacement of an obstacle in the shown state, shape (2,)."""
     if obstacle.travel is None:
         return np.zeros(2)
-    components = ufl.as_vector(record.path.discretisation.travel(obstacle))
-    mesh = next(c.beam.model.mesh for c in record.case.scene.contacts if c.obstacle is obstacle)
-    cells = np.arange(min(1, mesh.topology.index_map(1).size_local), dtype=np.int32)
-    values = fem.Expression(components, np.array([[0.5]]), jit_options=JIT).eval(mesh, cells)
-    gathered = communicator(record).gather(values.reshape(-1, 2))
-    return np.concatenate(gathered)[0] if gathered is not None else np.zeros(2)
+    return record.path.discretisation.travelled(obstacle) * np.array(obstacle.travel)

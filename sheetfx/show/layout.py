@@ -25,12 +25,12 @@ class Sheet:
     spatial : isometric view; otherwise the plane of x and y, with heights exaggerated where the
         structure is shallow
     unit : of lengths
-    copies : of the drawn part in the whole structure
+    symmetry_factor : of the drawn part in the whole structure
     entries : in the legend besides the lines, at most
     """
 
-    def __init__(self, size: tuple[int, int], spatial: bool, unit: str, copies: int, entries: int):
-        self.size, self.spatial, self.unit, self.copies = size, spatial, unit, copies
+    def __init__(self, size: tuple[int, int], spatial: bool, unit: str, symmetry_factor: int, entries: int):
+        self.size, self.spatial, self.unit, self.symmetry_factor = size, spatial, unit, symmetry_factor
         self._entries = entries
         self._lines: list[tuple[str, str, np.ndarray, float]] = []
         self._obstacles: list[tuple[str, np.ndarray]] = []
@@ -119,7 +119,7 @@ class Sheet:
         extent = (self._low[0], self._high[0], self._low[1], self._high[1])
         axes.imshow(image, extent=extent, aspect="auto", interpolation="antialiased")
         unit = f" ({self.unit})" if self.unit else ""
-        part = f", one of {self.copies} equal parts" if self.copies > 1 else ""
+        part = f", one of {self.symmetry_factor} equal parts" if self.symmetry_factor > 1 else ""
         times = f", heights x {self.exaggeration}" if self.exaggeration > 1 else ""
         axes.set_xlabel(f"x{unit}{part}", fontsize=14)
         axes.set_ylabel(f"y{unit}{times}", fontsize=14)

@@ -68,8 +68,8 @@ def draw_views(record: Record, views: list[View], file: Folder) -> None:
     unit = unit_of(record.case.axes[0])
     bar.set_label(f"displacement ({unit})" if unit else "displacement", fontsize=13)
     bar.ax.tick_params(labelsize=11)
-    copies = record.case.scene.copies
-    notes = [f"one of {copies} equal parts" if copies > 1 else "", "grey: edges before deformation",
+    symmetry_factor = record.case.scene.symmetry_factor
+    notes = [f"one of {symmetry_factor} equal parts" if symmetry_factor > 1 else "", "grey: edges before deformation",
              f"heights (z) x {camera.exaggeration}" if camera.exaggeration > 1 else ""]
     figure.text(0.99, 0.015, "; ".join(n for n in notes if n), ha="right", fontsize=11, color="#555555")
     figure.savefig(file, dpi=DPI)

@@ -85,7 +85,7 @@ def buckling(path, state: State, count: int = 6, *, supports: Sequence | None = 
     discretisation = path.discretisation
     if supports is not None:
         discretisation = Discretisation(replace(discretisation.scene, supports=supports))
-    with discretisation.visiting(state):
+    with discretisation.visiting(state.fields):
         problem = _Problem(discretisation, state, state.step > 0 if prebuckling is None else prebuckling)
         found = _complete(problem, count, tolerance)
         return problem.describe(found, tolerance)
@@ -104,7 +104,7 @@ class _Problem:
         self.slope = self._by_differences(STEP / length) if prebuckling else self._by_stress(1 / length)
         if not self.slope.norm() > 0:
             raise ValueError("buckling: no stress changes with the load; with mixed_points=False give prebuckling=True")
-        self.solver = DirectSolver(self._ksp(), self.tangent, self.system.symmetric)
+        self.solver = DirectSolver(self._ksp(), self.tangent, self.system.conservative)
         self.solver.factor()
         pivots = self.solver.negative_pivots()
         self.definite, self.stable = pivots == 0, pivots == self.system.multipliers
@@ -113,12 +113,11 @@ class _Problem:
         """Tangent where response and load have gone on by `step`, and stress and load further by `held`."""
         system, x = self.system, self.response.copy()
         x.scale(step)
-        system.factor = self.state.factor + step + held
-        system.configure(x)
+        system.configure(x, self.state.factor + step + held)
         x.array[:] = held * self.response.array
         system.extrapolate_stress(x)
         matrix = system.tangent().copy()
-        if system.symmetric:
+        if system.conservative:
             matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         return matrix
 
@@ -150,7 +149,7 @@ class _Problem:
         eps.setTolerances(1e-10, 500)
         ksp = eps.getST().getKSP()
         ksp.setType(PETSc.KSP.Type.PREONLY)
-        ksp.getPC().setType(PETSc.PC.Type.CHOLESKY if self.system.symmetric else PETSc.PC.Type.LU)
+        ksp.getPC().setType(PETSc.PC.Type.CHOLESKY if self.system.conservative else PETSc.PC.Type.LU)
         ksp.getPC().setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
         eps.setFromOptions()
         eps.solve()
@@ -195,8 +194,7 @@ class _Problem:
     def _total_load(self, increment: float) -> float:
         x = self.response.copy()
         x.scale(increment)
-        self.system.factor = self.state.factor + increment
-        self.system.configure(x)
+        self.system.configure(x, self.state.factor + increment)
         return self.discretisation.total_load()
 
 

@@ -43,7 +43,7 @@ def locate(tracer, earlier: State | None, before: State, after: State,
     hidden = _hidden(before, after)
     if stretch.guarded and most is not None and hidden > most:
         raise Jump(f"{hidden} bifurcations lie in one step")
-    if tracer.discretisation.contacts:
+    if not tracer.system.smooth:
         limits = _turning_loads(stretch, earlier)
     else:
         if stretch.guarded:
@@ -149,10 +149,10 @@ def _bifurcations(stretch: Stretch, limits: list[float]) -> list[_Crossing]:
 
     With contact, where eigenvalues waver, only the ends of the step are compared; with friction nothing is.
     """
-    near, contacts = 1e-5 * stretch.after.length, stretch.tracer.discretisation.contacts
-    if contacts and not stretch.tracer.system.symmetric:
+    near, system = 1e-5 * stretch.after.length, stretch.tracer.system
+    if not system.smooth and not system.conservative:
         return []
-    candidates = [0.0, stretch.after.length] if contacts else sorted(stretch.states)
+    candidates = sorted(stretch.states) if system.smooth else [0.0, stretch.after.length]
     lengths = [s for s in candidates if all(abs(s - limit) > near for limit in limits)]
     found = [c for pair in zip(lengths[:-1], lengths[1:], strict=True) for c in _crossings(stretch, *pair, near)]
     return sorted(found, key=lambda c: c.length)
@@ -266,7 +266,7 @@ def _bifurcation(stretch: Stretch, crossings: list[_Crossing]) -> CriticalPoint:
     first, count, tracer = crossings[0], len(crossings), stretch.tracer
     state = stretch[first.length]
     point = CriticalPoint("bifurcation", first.load, first.deflection, stretch.after.step, first.length, count)
-    if tracer.discretisation.contacts or not tracer.system.symmetric:
+    if not tracer.system.smooth or not tracer.system.conservative:
         return point
     values, modes = stretch.spectrum(first.length, count)
     tracer.factor_at(state)

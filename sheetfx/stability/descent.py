@@ -166,7 +166,7 @@ class Fall:
         size = max(system.reaction, abs(system.factor) * self._load.norm())
         residual = self._residual.norm() / size if size else 0.0
         self._held.assemble()
-        self.history.append(FallStep(discretisation.scene.copies * self._energy, residual, self._shift,
+        self.history.append(FallStep(discretisation.scene.symmetry_factor * self._energy, residual, self._shift,
                                      discretisation.total_load(), self._deflection))
         self._listener(self.history[-1])
 
@@ -220,12 +220,12 @@ class Fall:
 
     def _take(self, step: _Step) -> None:
         """Move by that part of a step over which the energy falls, and adapt the shift."""
-        start, factor = self.tracer.discretisation.snapshot(), self.system.factor
+        start = self.system.snapshot()
         length, deflection = self._inner(self._step, self._step) ** 0.5, self._deflection
         part = min(1.0, LONGEST / length)
         while not (change := self._try(part, step)) < min(POOR * step.expected(part), 0.0):
-            self.tracer.discretisation.restore(start)
-            self.system.factor, self._deflection = factor, deflection
+            self.system.restore(start)
+            self._deflection = deflection
             part /= 2
             if part < SMALLEST_PART:
                 raise SnapFailure(f"snap: the energy does not fall along a step from deflection "
@@ -273,24 +273,22 @@ class Fall:
         return change
 
     def _move(self, way: PETSc.Vec, load_increment: float) -> float:
-        """Follow a straight way, commit its end, and return the change of the energy: the integral of the residual."""
+        """Follow a straight way, let increments count from its end, and return the change of the energy: the integral of the residual."""
         system, x, force = self.system, self.tracer.x, self.system.create_vector()
         start, change = system.factor, 0.0
         with system.additive_increments():
             for point, weight in zip(POINTS, WEIGHTS, strict=True):
                 x.array[:] = point * way.array
-                system.factor = start + point * load_increment
-                system.configure(x)
+                system.configure(x, start + point * load_increment)
                 system.residual(force)
                 change += weight * force.dot(way)
         x.zeroEntries()
-        system.configure(x)
+        system.configure(x, start)
         x.array[:] = way.array
         system.extrapolate_stress(x)
-        system.factor = start + load_increment
-        system.configure(x)
+        system.configure(x, start + load_increment)
         self._deflection += self.tracer.monitored(x)
-        self.tracer.discretisation.commit()
+        system.history.rebase()
         x.zeroEntries()
-        system.configure(x)
+        system.configure(x, start + load_increment)
         return float(change)

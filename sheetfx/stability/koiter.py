@@ -36,7 +36,7 @@ class Energy:
     def gradient(self, x: PETSc.Vec) -> PETSc.Vec:
         out = x.duplicate()
         with self._system.additive_increments():
-            self._system.configure(x)
+            self._system.configure(x, self._factor)
             self._system.residual(out)
         return out
 
@@ -44,13 +44,11 @@ class Energy:
         """Its products with modes, where the load factor has changed by `load`."""
         system, products = self._system, [x.duplicate() for _ in modes]
         with system.additive_increments():
-            system.factor = self._factor + load
-            system.configure(x)
+            system.configure(x, self._factor + load)
             system.extrapolate_stress()
             matrix = system.tangent()
             for mode, product in zip(modes, products, strict=True):
                 matrix.mult(mode, product)
-            system.factor = self._factor
         return products
 
     def third(self, modes: Sequence[PETSc.Vec], along: PETSc.Vec, load: float = 0.0) -> list[PETSc.Vec]:
@@ -61,7 +59,7 @@ class Energy:
 
     def leave(self) -> None:
         """Put the fields back to the state."""
-        self._system.configure(self._system.create_vector())
+        self._system.configure(self._system.create_vector(), self._factor)
 
 
 @dataclass(frozen=True)

@@ -134,17 +134,16 @@ class Reduction:
 
     def _iterated(self, direction: np.ndarray, amplitude: float) -> Solution:
         system, x = self.system, self.tracer.x
-        system.factor, load_increment, forces = self.bifurcation.factor, 0.0, np.zeros(len(direction))
+        load_increment, forces = 0.0, np.zeros(len(direction))
         x.zeroEntries()
-        system.configure(x)
+        system.configure(x, self.bifurcation.factor)
         step = self.combined(self.modes, amplitude * direction)
         taken, allowed = np.inf, 4 * amplitude
         tangential = np.linalg.svd(direction[None, :])[2][1:]
         for iteration in range(ITERATIONS):
             system.extrapolate_stress(step)
             system.retract(x, step)
-            system.factor = self.bifurcation.factor + load_increment
-            system.configure(x)
+            system.configure(x, self.bifurcation.factor + load_increment)
             system.residual(self._residual)
             system.load(self._load)
             self._residual.axpy(-1.0, self.combined(self.weighted, forces))
@@ -228,7 +227,7 @@ class Reduction:
         """The solution as a state that follows the bifurcation."""
         self.tracer.back_to(self.bifurcation)
         self.tracer.x.array[:] = solution.increment
-        self.system.factor = self.bifurcation.factor + solution.load_increment
+        self.system.configure(self.tracer.x, self.bifurcation.factor + solution.load_increment)
         state = self.tracer.accept(solution.load_increment, solution.iterations)
         self.tracer.back_to(self.bifurcation)
         return state

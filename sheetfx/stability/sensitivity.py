@@ -81,9 +81,7 @@ def imperfection_sensitivity(path, before: State, after: State, point: CriticalP
     pushes = []
     for sign in (1.0, -1.0):
         imperfect = Discretisation(scene(sign * amplitude))
-        imperfect.restore(state.fields)
-        imperfect.system.factor = state.factor
-        imperfect.system.configure(imperfect.system.create_vector())
+        imperfect.system.restore(state.fields)
         residual = imperfect.system.create_vector()
         imperfect.system.residual(residual)
         pushes.append(residual.dot(e.mode))

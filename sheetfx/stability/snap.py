@@ -63,7 +63,7 @@ def snap(path, state: State, hold: str = "load", side: int = 1,
     ----------
     path : Path or Tracer that the state belongs to; it stays at its present state
     state : unstable, or at a critical point
-    hold : what the test holds during the fall: "load", the load factor (with a prescribed Motion the displacement), or
+    hold : what the test holds during the fall: "load", the load factor (with a prescribed PrescribedDisplacement the displacement), or
         "displacement", that on which the load works: the monitored one where the load is a force there
     side : 1 or -1, the sense of the fall along the unstable direction; 1: that of the path where the two are not
         perpendicular, as at limit points
@@ -115,7 +115,6 @@ def _check(tracer, state: State, hold: str, side: int) -> None:
         raise ValueError("snap: the structure has no energy that could fall (friction, pressure, follower forces or "
                          "moments in space make its tangent unsymmetric), or its tangent is not factored with its "
                          "inertia; use loads of fixed direction, contact without friction, and the default solver")
-    for contact in tracer.discretisation.contacts:
-        if contact.enforcement != "penalty":
-            raise ValueError(f"snap: contact with enforcement {contact.enforcement!r} has no energy between its "
-                             "solutions; use Contact(..., enforcement='penalty') or a layer")
+    for contribution in tracer.system.contributions:
+        if contribution.without_descent:
+            raise ValueError(f"snap: {contribution.without_descent}")

@@ -60,17 +60,17 @@ def frequencies(path, state: State, count: int = 6) -> list[Vibration]:
     """
     require_positive_number("frequencies", count=count)
     discretisation = path.discretisation
-    if not discretisation.system.symmetric:
+    if not discretisation.system.conservative:
         raise ValueError("frequencies: the tangent is not symmetric (friction, pressure, follower forces or moments in "
                          "space), so that they can be complex; use loads of fixed direction")
-    with discretisation.visiting(state):
+    with discretisation.visiting(state.fields):
         return _about_current(discretisation, count)
 
 
 def _about_current(discretisation: Discretisation, count: int) -> list[Vibration]:
     system = discretisation.system
     mass = system.bilinear(sum(inertia(discretisation, part) for part in discretisation.scene.parts))
-    system.configure(system.create_vector())
+    system.configure(system.create_vector(), system.factor)
     system.extrapolate_stress()
     solver = DirectSolver(PETSc.KSP().create(system.comm), system.tangent(), True)
     solver.factor()
@@ -94,7 +94,7 @@ def _shell_inertia(discretisation: Discretisation, shell: Shell):
     translations = [change(k.u) + offset * ufl.cross(spin, normal)
                     for change, spin in zip((unknowns.linearise, unknowns.vary), spins, strict=True)]
     work = forms.inertia.translation(mass, *translations) + forms.inertia.director(rotary, *spins, normal)
-    return work * shell.model.integral({"quadrature_degree": 2 * shell.discrete.displacement[1]}, shell.group)
+    return work * shell.measure()
 
 
 def _bar_inertia(discretisation: Discretisation, part):

@@ -27,7 +27,8 @@ def _follow(rule: type[StepRule], **options) -> Callable[[Case], Case]:
         step = old.predict(old.first, 1.0, tangent) / new.predict(1.0, 1.0, tangent)
         until = case.until
         if isinstance(old, LoadControl):
-            path.discretisation.system.factor = old.target
+            system = path.discretisation.system
+            system.configure(system.create_vector(), old.target)
             until = replace(until, load=abs(path.discretisation.total_load()))
         return replace(case, control=replace(new, step=step), until=until)
     return change

@@ -49,12 +49,13 @@ def run_group(listing: Annotated[bool, typer.Option("--list", help="Print the na
 
 def _runner(name: str, function):
     """A command with the options of a scene's function and those of every run."""
-    def command(output: Path | None, resume: bool, **parameters):
+    def command(output: str | None, resume: bool, **parameters):
         run_scene(name, function, parameters, output, resume)
 
     own = [
         inspect.Parameter("output", inspect.Parameter.KEYWORD_ONLY, default=None, annotation=Annotated[
-            Path | None, typer.Option("-o", "--output", help="Folder of the results; default results/NAME.")]),
+            str | None, typer.Option("-o", "--output", metavar="PATH",
+                                     help="Folder of the results; default results/NAME.")]),
         inspect.Parameter("resume", inspect.Parameter.KEYWORD_ONLY, default=False, annotation=Annotated[
             bool, typer.Option("--resume", help="Go on with an interrupted run in that folder.")]),
     ]
@@ -64,12 +65,14 @@ def _runner(name: str, function):
     return command
 
 
-def run_scene(name: str, function, parameters: dict, output: Path | None, resume: bool) -> None:
+def run_scene(name: str, function, parameters: dict, output: str | None, resume: bool) -> None:
     """Run one scene with progress on the terminal."""
     from ..case import run
     from ..show.progress import Progress
 
-    folder = output or Path("results") / Path(name).stem
+    if output == "":
+        raise ValueError("-o: the name '' is empty; give the name of a folder, or leave -o out")
+    folder = Path("results") / Path(name).stem if output is None else Path(output)
     with Progress(Path(name).stem, folder) as progress:
         case = function(**parameters)
         progress.begin(case)

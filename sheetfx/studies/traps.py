@@ -12,8 +12,8 @@ from functools import partial
 import numpy as np
 
 from ..case import Case
-from ..model.loads import Motion
-from ..model.scene import Support
+from ..model.loads import PrescribedDisplacement
+from ..model.supports import Support
 from ..scenes import (
     arch,
     column,
@@ -118,7 +118,7 @@ def _slender_arch(depth: float) -> Trap:
 
 def _under_motion(case: Case, at: str) -> Case:
     """A case under a prescribed displacement downwards instead of its loads."""
-    return _with(case, loads=[Motion(case.scene.models[0], at, "y", -1.0)])
+    return _with(case, loads=[PrescribedDisplacement(case.scene.models[0], at, "y", -1.0)])
 
 
 def _with(case: Case, **changes) -> Case:

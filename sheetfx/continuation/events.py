@@ -1,0 +1,79 @@
+"""Events of a path: states at which a test function of one's own passes zero, pinpointed as critical points are."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from .state import CriticalPoint, State
+from .stretch import Missed, Stretch
+
+EXACT = 1e-10  # relative error of the load at an event
+SHORTEST = 1e-6  # of a step, within which a test that is only true or false changes
+
+
+@dataclass(frozen=True)
+class Event:
+    """Something that happens on a path: first contact, a stress that is reached, a plate that slides off.
+
+    Attributes
+    ----------
+    name : what the path calls it
+    test : function of a `State` whose value passes zero where it happens, or that turns from False to True (or back)
+    """
+
+    name: str
+    test: Callable[[State], float | bool]
+
+    def value(self, state: State) -> float:
+        found = self.test(state)
+        if isinstance(found, bool):
+            return 1.0 if found else -1.0
+        return float(found)
+
+
+def occurrences(tracer, before: State, after: State, events: Sequence[Event]) -> list[tuple[Event, CriticalPoint]]:
+    """Events that happen in the step from `before` to `after`, in their order; the tracer ends at `after`."""
+    found = []
+    for event in events:
+        left, right = event.value(before), event.value(after)
+        if left * right < 0 or left and not right:
+            found.append((event, _point(tracer, before, after, event)))
+    if found:
+        tracer.back_to(after)
+    return sorted(found, key=lambda pair: pair[1].length)
+
+
+def _point(tracer, before: State, after: State, event: Event) -> CriticalPoint:
+    stretch = Stretch(tracer, before, after)
+    if isinstance(event.test(after), bool):
+        length = _bisected(stretch, event)
+    else:
+        values = stretch.root(lambda s: event.value(stretch[s]), 0.0, after.length, EXACT)
+        length = next(iter(values))
+    state = stretch[length]
+    return CriticalPoint("event", state.load, state.deflection, after.step, float(length), name=event.name)
+
+
+def _bisected(stretch: Stretch, event: Event) -> float:
+    """Length at which a test that is only true or false has changed."""
+    left, right = 0.0, stretch.after.length
+    start = event.value(stretch.before)
+    while right - left > SHORTEST * stretch.after.length:
+        middle = (left + right) / 2
+        try:
+            changed = event.value(stretch[middle]) != start
+        except Missed:
+            break
+        left, right = (left, middle) if changed else (middle, right)
+    return right
+
+
+def end_at(tracer, before: State, after: State, point: CriticalPoint) -> State:
+    """The state of an event as the end of a step; the tracer ends there."""
+    if point.length >= after.length * (1 - 1e-12):
+        return after
+    stretch = Stretch(tracer, before, after)
+    state = stretch[point.length]
+    tracer.back_to(state)
+    return state

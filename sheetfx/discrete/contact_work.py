@@ -1,0 +1,84 @@
+"""Contact of a beam with an obstacle as a contribution to the system, with what it remembers."""
+
+from __future__ import annotations
+
+import numpy as np
+from mpi4py import MPI
+
+from .contact import ContactFields, ContactState
+from .form_work import FormWork
+from .timing import Stopwatch
+from .unknowns import Unknowns
+
+PENETRATION = 1e-6  # over the depth, that augmentation leaves
+
+
+class ContactWork(FormWork):
+    """Virtual work of the tractions of one contact.
+
+    Multipliers that are not unknowns are its history: tractions that the next step starts from.
+
+    Attributes
+    ----------
+    fields : ContactFields
+    """
+
+    def __init__(self, unknowns: Unknowns, fields: ContactFields, clock: Stopwatch):
+        super().__init__(unknowns, fields.work(unknowns.vary), smooth=False, conservative=not fields.contact.friction)
+        self.fields, self._clock = fields, clock
+        self._kept = fields.multiplier if fields.block is None else None
+        if fields.layer:
+            self.approaches = fields.contact.approach
+        if fields.enforcement != "penalty":
+            self.without_descent = (f"contact with enforcement {fields.enforcement!r} has no energy between its "
+                                    "solutions; use Contact(..., enforcement='penalty') or a layer")
+        self._keep()
+
+    def _keep(self) -> None:
+        """Take the multipliers as they are for those of the last accepted state."""
+        self._committed = None if self._kept is None else self._kept.x.array.copy()
+
+    def commit(self) -> None:
+        if self._kept is not None:
+            self.fields.store(self._state(), normal=self.fields.enforcement == "uzawa")
+        self._keep()
+
+    def snapshot(self) -> dict[str, np.ndarray]:
+        return {} if self._kept is None else {self._kept.name: self._kept.x.array.copy()}
+
+    def restore(self, snapshot: dict[str, np.ndarray]) -> None:
+        if self._kept is not None:
+            self._kept.x.array[:] = snapshot[self._kept.name]
+        self._keep()
+
+    def rewind(self) -> None:
+        if self._kept is not None:
+            self._kept.x.array[:] = self._committed
+
+    def regularise(self, times: float) -> None:
+        self.fields.thicken(times)
+
+    def augment(self) -> bool:
+        if self.fields.enforcement != "uzawa":
+            return True
+        state = self._state()
+        if self._penetration(state) <= PENETRATION * self.fields.contact.beam.section.depth:
+            return True
+        self.fields.store(state, normal=True)
+        return False
+
+    def touching(self) -> tuple[int, float]:
+        state = self._state()
+        return self._comm.allreduce(self.fields.touching(state)), self._penetration(state)
+
+    @property
+    def _comm(self) -> MPI.Comm:
+        return self.fields.contact.beam.model.mesh.comm
+
+    def _state(self) -> ContactState:
+        with self._clock("contact"):
+            return self.fields.evaluate()
+
+    def _penetration(self, state: ContactState) -> float:
+        """Largest penetration at contact points, on all processes."""
+        return max(0.0, self._comm.allreduce(float(-state.gap.min(initial=np.inf)), op=MPI.MAX))

@@ -1,0 +1,116 @@
+"""What a system is the sum of: anything that does virtual work on the unknowns."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from .layout import Layout
+from .unknowns import Unknowns
+
+
+class Forces:
+    """Forces that contributions add up on this process and its ghosts.
+
+    Attributes
+    ----------
+    along_space : for each block an array of forces along the directions of space, moments being conjugate to the
+        spin; filled by forms and by loads at points
+    """
+
+    def __init__(self, unknowns: Unknowns, layout: Layout):
+        self._fields, self._values = unknowns.fields, {}
+        self.along_space = layout.zeros()
+
+    def on(self, number: int) -> np.ndarray:
+        """Forces conjugate to the nodal values of a field, shape (nodes, components), to be added to.
+
+        Those on rotations are conjugate to the components of the nodal quaternions.
+
+        Parameters
+        ----------
+        number : of the field in `Unknowns.fields`
+        """
+        if number not in self._values:
+            self._values[number] = np.zeros_like(self._fields[number].table)
+        return self._values[number]
+
+    def given(self, number: int) -> np.ndarray | None:
+        """What has been added to a field; None: nothing."""
+        return self._values.get(number)
+
+
+class Contribution:
+    """One summand of a system; what it does not define it leaves as here.
+
+    A contribution couples unknowns (`pattern`), and adds its residual, its load and the values of its tangent. All are
+    called on every process for the part of the contribution that this process answers for.
+
+    Attributes
+    ----------
+    smooth : whether its tangent changes continuously with the state; contact does not
+    conservative : whether its forces have a potential, so that its tangent is symmetric
+    without_descent : why falls cannot descend its energy, in words; "": they can
+    moved : whether it couples other unknowns than when `pattern` was last asked; the system then asks again
+    gives_moments : whether it adds moments to `Forces.along_space`, which turn with the nodes
+    stage : number of the load stage that its load belongs to; None: it has none
+    approaches : multiples of its regularisation through which a step's solution is approached
+    """
+
+    smooth = conservative = True
+    without_descent = ""
+    moved = gives_moments = False
+    stage: int | None = None
+    approaches: Sequence[float] = (1.0,)
+
+    def pattern(self, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
+        """Global rows and columns of the entries of the tangent, -1 where an increment is zero.
+
+        `layout.free_places[number]` has the numbers of the increments at each node of a field.
+        """
+        return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
+
+    def residual(self, forces: Forces) -> None:
+        """Add what the contribution does on the unknowns now: internal forces, minus external ones."""
+
+    def load(self, forces: Forces) -> None:
+        """Add the derivative of the external forces with respect to the load factor of its stage."""
+
+    def extrapolate_stress(self) -> None:
+        """Take the stresses of the tangent on by the change of the fields in the last Newton step."""
+
+    def tangent(self, held: Forces) -> np.ndarray:
+        """Values of the tangent in the order of `pattern`, as derivatives by nodal increments.
+
+        Forces on rotations that the tangent holds fixed are added to `held`: the system makes their share of the
+        tangent, which comes from the curvature of the rotations, for all contributions at once.
+        """
+        return np.empty(0)
+
+    def commit(self) -> None:
+        """Accept the present state: history moves on. Increments still count from where they did."""
+
+    def snapshot(self) -> dict[str, np.ndarray]:
+        """History at the last accepted state on this process, by names that no other contribution uses."""
+        return {}
+
+    def restore(self, snapshot: dict[str, np.ndarray]) -> None:
+        """Return to what `snapshot` gave."""
+
+    def rewind(self) -> None:
+        """Forget what a step that failed has changed since the last accepted state."""
+
+    def regularise(self, times: float) -> None:
+        """Make the regularisation a multiple of what it is in accepted states; see `approaches`."""
+
+    def augment(self) -> bool:
+        """Whether a converged solution satisfies the contribution; if not, change what the next solution starts from.
+
+        Augmented-Lagrangian contact updates its multipliers here.
+        """
+        return True
+
+    def touching(self) -> tuple[int, float]:
+        """Number of points in contact and largest penetration, on all processes."""
+        return 0, 0.0

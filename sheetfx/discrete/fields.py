@@ -1,0 +1,215 @@
+"""What parts, joints, contacts and loads write their virtual work in."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from dolfinx import fem
+from dolfinx.common import IndexMap
+from mpi4py import MPI
+from scipy.spatial import cKDTree
+
+from ..mesh.reader import Model
+from ..model.scene import Scene
+from .kinematics import Kinematics, kinematics_of
+from .load_factors import LoadFactors
+from .points import PointLaw, PointWork, Trace
+from .unknowns import AdditiveField, Block, NumberField, Unknowns, shared_by_all
+
+QUANTITIES = "displacement", "rotation"
+SAME_PLACE = 1e-6  # distance of nodes that are joined, over the size of their model
+
+
+class Fields:
+    """Unknown fields of a scene, the load factor, and variations.
+
+    Things of a scene first add unknowns of their own, then write their virtual work.
+
+    Attributes
+    ----------
+    scene : Scene
+    blocks : of the solver's vector, in their order
+    fixed : for blocks that things have added arrays of local dofs whose increment is zero
+    unknowns : Unknowns, once all blocks are there
+    stage : number of the load stage whose factor `factor` is
+    """
+
+    def __init__(self, scene: Scene):
+        self.scene, self.fixed = scene, {}
+        self._kinematics = {p.model: kinematics_of(p.model, *p.spaces) for p in scene.parts}
+        self._own: dict[tuple, NumberField | AdditiveField] = {}
+        self._factors = LoadFactors(scene.parts[0].model.mesh, len(scene.all_stages))
+        self._names: dict[str, int] = {}
+        self.blocks: list[Block] = [k.block for k in self._kinematics.values()]
+        self.unknowns: Unknowns | None = None
+        self.stage = 0
+
+    @property
+    def factors(self) -> LoadFactors:
+        return self._factors
+
+    @property
+    def factor(self):
+        """The load factor as a UFL variable."""
+        return self._factors.symbols[self.stage]
+
+    def factor_now(self) -> float:
+        """The present value of the load factor."""
+        return self._factors.value(self.stage)
+
+    def at_stage(self, stage: int) -> Fields:
+        """The same fields with the load factor of a stage."""
+        view = copy.copy(self)
+        view.stage = stage
+        return view
+
+    @property
+    def models(self) -> list[Model]:
+        return list(self._kinematics)
+
+    def kinematics(self, model: Model) -> Kinematics:
+        return self._kinematics[model]
+
+    def displacement(self, model: Model) -> fem.Function:
+        """Displacement of a model's parts (length unit of the mesh)."""
+        return self._kinematics[model].u
+
+    def rotation(self, model: Model):
+        """Rotation of a model's parts, see `forms.rotation`; None where they have none."""
+        return self._kinematics[model].rotation
+
+    def spin(self, model: Model):
+        """What moments are conjugate to; None where parts have no rotation."""
+        return self._kinematics[model].spin
+
+    def vary(self, expression):
+        """Variation of a UFL expression of the fields and numbers."""
+        return self.unknowns.vary(expression)
+
+    def previous(self, expression):
+        """A UFL expression as it was at the last converged state."""
+        return self.unknowns.previous(expression)
+
+    def add_number(self, owner, model: Model, name: str, scale: float, multiplier: bool = False) -> None:
+        """Add one number that all processes share, and that forms on a model's mesh may use."""
+        field = NumberField(self._unique(name), shared_by_all(model.mesh.comm), scale, multiplier, model.mesh)
+        self._add(owner, name, Block.of_numbers(field))
+
+    def add_numbers(self, owner, model: Model, name: str, count: int) -> None:
+        """Add Lagrange multipliers at points, so many on this process."""
+        field = NumberField(self._unique(name), IndexMap(model.mesh.comm, count), np.inf, True)
+        self._add(owner, name, Block.of_numbers(field))
+
+    def add_multiplier(self, owner, model: Model, name: str, at: str, without: Sequence[str] = ()) -> None:
+        """Add a field of Lagrange multipliers on a component of displacement at a named point or edge.
+
+        Parameters
+        ----------
+        without : points and edges where supports hold the component, so that there is no multiplier
+        """
+        element = self.displacement(model).function_space.ufl_element().sub_elements[0]
+        space = fem.functionspace(model.mesh, element)
+        value = fem.Function(space, name=self._unique(name))
+        block = Block.of_space(space, AdditiveField(value, np.arange(len(value.x.array)), np.inf, True))
+        self._add(owner, name, block)
+        there, *held = (fem.locate_dofs_topological(space, *model.at(place)) for place in (at, *without))
+        nodes = np.setdiff1d(there, np.concatenate([np.empty(0, dtype=there.dtype), *held]))
+        self.fixed[block] = [np.setdiff1d(block.fields[0].dofs, nodes)]
+
+    def _unique(self, name: str) -> str:
+        self._names[name] = self._names.get(name, -1) + 1
+        return f"{name}{self._names[name]}"
+
+    def _add(self, owner, name: str, block: Block) -> None:
+        self._own[owner, name] = block.fields[0]
+        self.blocks.append(block)
+
+    def has(self, owner, name: str) -> bool:
+        """Whether an owner has added an unknown of this name."""
+        return (owner, name) in self._own
+
+    def own(self, owner, name: str):
+        """What an owner has added, as it occurs in forms."""
+        return self._own[owner, name].symbol
+
+    def own_field(self, owner, name: str) -> AdditiveField:
+        """What an owner has added, as an unknown field."""
+        return self._own[owner, name]
+
+    def nodes(self, model: Model, at: str, quantity: str = "displacement", ghosts: bool = False) -> np.ndarray:
+        """Local numbers of the nodes of a named point or edge that this process owns, or also knows of (`ghosts`)."""
+        space = self._field(model, quantity).value.function_space
+        nodes = fem.locate_dofs_topological(space, *model.at(at))
+        return nodes if ghosts else nodes[nodes < space.dofmap.index_map.size_local]
+
+    def places(self, model: Model, nodes: np.ndarray, quantity: str = "displacement") -> np.ndarray:
+        """Places of nodes in the reference configuration, shape (n, dimension)."""
+        return self._field(model, quantity).value.function_space.tabulate_dof_coordinates()[nodes, :model.dimension]
+
+    def matching(self, model: Model, at: str, places: np.ndarray, quantity: str = "displacement") -> np.ndarray:
+        """Nodes of a named point, or of a named edge those that stand at given places.
+
+        Raises
+        ------
+        ValueError
+            If they do not match, or another process has them.
+        """
+        nodes = self.nodes(model, at, quantity, ghosts=True)
+        matched = len(places) == 0 or len(nodes) == len(places) == 1
+        found = nodes[: len(places)]
+        if not matched and len(nodes):
+            distances, order = cKDTree(self.places(model, nodes, quantity)).query(places)
+            matched = len(set(order)) == len(places) and distances.max() <= SAME_PLACE * model.size
+            found = nodes[order]
+        comm = model.mesh.comm
+        if comm.allreduce(not matched, op=MPI.LOR):
+            others = f", or stand on different ones of the {comm.size} processes, which is not possible yet" * (
+                comm.size > 1)
+            raise ValueError(f"joint at {at!r}: its nodes do not match those that it is joined to{others}; join points, "
+                             "or edges whose nodes have the same places")
+        return found
+
+    def _field(self, model: Model, quantity: str) -> AdditiveField:
+        return self._kinematics[model].block.fields[QUANTITIES.index(quantity)]
+
+    def trace(self, model: Model, nodes: np.ndarray, quantity: str = "displacement") -> Trace:
+        """Values of displacement or rotation at nodes."""
+        return Trace.at_nodes(self.unknowns.fields.index(self._field(model, quantity)), nodes)
+
+    def own_trace(self, owner, name: str, nodes: np.ndarray) -> Trace:
+        """Values of numbers that an owner has added."""
+        return Trace.at_nodes(self.unknowns.fields.index(self._own[owner, name]), nodes)
+
+    def point_work(self, traces: Sequence[Trace], strains: Callable, law: Callable, data: Sequence[np.ndarray] = (),
+                   stage: int | None = None) -> PointWork:
+        """Virtual work of the values of traces, from strains and a law in UFL, see `points.PointLaw`."""
+        sizes = [self.unknowns.fields[t.field].components for t in traces]
+        forces = PointLaw(strains, law, sizes, data, len(traces[0].nodes), self.factor_now)
+        return PointWork(self.unknowns, traces, forces, load=None if stage is None else forces.load, stage=stage)
+
+
+class NodalForces:
+    """Where loads put forces at points, for a load factor of 1."""
+
+    def __init__(self, fields: Fields):
+        self._fields, self.arrays = fields, [None] * len(fields.blocks)
+
+    def add(self, model: Model, at: str, component: str, value: float) -> None:
+        """Add a force or moment at each vertex of a named point."""
+        kinematics = self._fields.kinematics(model)
+        self._array(kinematics.block)[kinematics.point_dofs(model, at, component)] += value
+
+    def add_to_own(self, owner, name: str, value: float) -> None:
+        """Add a force on a number that an owner has added."""
+        field = self._fields.own_field(owner, name)
+        block = next(b for b in self._fields.blocks if b.fields[0] is field)
+        self._array(block)[: block.index_map.size_local] += value
+
+    def _array(self, block: Block) -> np.ndarray:
+        place = self._fields.blocks.index(block)
+        if self.arrays[place] is None:
+            count = block.index_map.size_local + block.index_map.num_ghosts
+            self.arrays[place] = np.zeros(count * block.width)
+        return self.arrays[place]

@@ -1,0 +1,62 @@
+"""What a problem remembers: the values that increments count from, and the history of its contributions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from .contribution import Contribution
+from .unknowns import AdditiveField
+
+
+class History:
+    """The one list of all that a state consists of.
+
+    Two acts move it on. *Rebasing* lets increments count from the present values: every converged configuration does,
+    those on the way of a fall too. *Committing* accepts the present state: slip, multipliers and plastic strains of
+    contributions take it for the start of the next step.
+
+    Parameters
+    ----------
+    fields : unknown fields, in the order in which snapshots count them
+    contributions : of the system
+    """
+
+    def __init__(self, fields: Sequence[AdditiveField], contributions: Sequence[Contribution]):
+        self._fields, self._contributions = fields, contributions
+
+    def rebase(self) -> None:
+        """Let increments count from the present values."""
+        for field in self._fields:
+            field.rebase()
+
+    def commit(self) -> None:
+        """Accept the present state; increments count from it."""
+        for contribution in self._contributions:
+            contribution.commit()
+        self.rebase()
+
+    def rewind(self) -> None:
+        """Forget what a failed step has changed in the history of contributions."""
+        for contribution in self._contributions:
+            contribution.rewind()
+
+    def snapshot(self) -> dict[str, np.ndarray]:
+        """All values at the last converged state on this process."""
+        kept = {self._key(n, f): f.previous.x.array.copy() for n, f in enumerate(self._fields)}
+        for contribution in self._contributions:
+            kept |= contribution.snapshot()
+        return kept
+
+    def restore(self, snapshot: dict[str, np.ndarray]) -> None:
+        """Return to a state that `snapshot` gave."""
+        for n, field in enumerate(self._fields):
+            field.restore(snapshot[self._key(n, field)])
+        for contribution in self._contributions:
+            contribution.restore(snapshot)
+
+    @staticmethod
+    def _key(number: int, field: AdditiveField) -> str:
+        """Name of a field in a snapshot; fields of several models have the same name but for the number."""
+        return f"{field.name} {number}"

@@ -1,0 +1,176 @@
+"""Virtual work of the values that fields have at points: springs, joints, constraints.
+
+The values z = P x at the points are linear in nodal values x (rotations enter by their quaternions), so that forces
+f(z) and stiffness df/dz at the points become P^T f and P^T df/dz P on nodal values, and by the nodal variations an
+exact Hessian.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import ufl
+from dolfinx import fem
+from dolfinx.mesh import create_interval
+from mpi4py import MPI
+
+from ..compat import JIT
+from ..mesh.numbers import lift_numbers
+from .contribution import Contribution, Forces
+from .layout import Layout
+from .unknowns import AdditiveField, Unknowns
+
+
+@dataclass(frozen=True)
+class Trace:
+    """Values of a field at points, by interpolation between nodes: rows of P.
+
+    Attributes
+    ----------
+    field : number in `Unknowns.fields`
+    nodes : shape (points, k), local numbers of nodes
+    weights : shape (points, k)
+    """
+
+    field: int
+    nodes: np.ndarray
+    weights: np.ndarray
+
+    @classmethod
+    def at_nodes(cls, field: int, nodes: np.ndarray) -> Trace:
+        """The nodal values themselves."""
+        nodes = np.asarray(nodes, dtype=np.int64).reshape(-1, 1)
+        return cls(field, nodes, np.ones(nodes.shape))
+
+
+class PointWork(Contribution):
+    """Virtual work of the values of fields at points.
+
+    Parameters
+    ----------
+    unknowns : Unknowns
+    traces : of the fields whose values count; their components one behind the other are z, shape (points, m)
+    law : function from z to the forces conjugate to it, shape (points, m), and their derivative, shape (points, m, m)
+    load : function from z to the derivative of the external forces by the load factor, shape (points, m); None: none
+    smooth, conservative : as of a Contribution
+    stage : number of the load stage
+    """
+
+    def __init__(self, unknowns: Unknowns, traces: Sequence[Trace], law: Callable, *, load: Callable | None = None,
+                 smooth: bool = True, conservative: bool = True, stage: int | None = None):
+        self._traces, self._law, self._load = list(traces), law, load
+        self._fields: list[AdditiveField] = [unknowns.fields[t.field] for t in traces]
+        self.smooth, self.conservative, self.stage = smooth, conservative, stage
+        ends = np.cumsum([f.components for f in self._fields])
+        self._parts = [slice(end - f.components, end) for end, f in zip(ends, self._fields, strict=True)]
+
+    def values(self) -> np.ndarray:
+        """z at all points of this process."""
+        return np.concatenate([np.einsum("nk,nkc->nc", t.weights, f.table[t.nodes])
+                               for t, f in zip(self._traces, self._fields, strict=True)], axis=1)
+
+    def residual(self, forces: Forces) -> None:
+        self._add(forces, self._law(self.values())[0])
+
+    def load(self, forces: Forces) -> None:
+        if self._load is not None:
+            self._add(forces, self._load(self.values()))
+
+    def _add(self, forces: Forces, values: np.ndarray, curved_only: bool = False) -> None:
+        for trace, field, part in zip(self._traces, self._fields, self._parts, strict=True):
+            if field.curved or not curved_only:
+                np.add.at(forces.on(trace.field), trace.nodes,
+                          trace.weights[:, :, None] * values[:, None, part])
+
+    def pattern(self, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
+        places = [layout.free_places[t.field][t.nodes] for t in self._traces]
+        rows, columns = [np.empty(0, dtype=np.int64)], [np.empty(0, dtype=np.int64)]
+        for left in places:
+            for right in places:
+                shape = (*left.shape, *right.shape[1:])
+                rows.append(np.broadcast_to(left[:, :, :, None, None], shape).ravel())
+                columns.append(np.broadcast_to(right[:, None, None, :, :], shape).ravel())
+        return np.concatenate(rows), np.concatenate(columns)
+
+    def tangent(self, held: Forces) -> np.ndarray:
+        forces, stiffness = self._law(self.values())
+        self._add(held, forces, curved_only=True)
+        bases = [t.weights[:, :, None, None] * np.broadcast_to(
+            f.variations(), (len(f.table), f.components, f.width))[t.nodes]
+            for t, f in zip(self._traces, self._fields, strict=True)]
+        values = [np.empty(0)]
+        for left, rows in zip(bases, self._parts, strict=True):
+            for right, columns in zip(bases, self._parts, strict=True):
+                values.append(np.einsum("nkcv,ncd,nldw->nkvlw", left, stiffness[:, rows, columns], right).ravel())
+        return np.concatenate(values)
+
+
+class PointLaw:
+    """Forces at points from a strain measure and a law that are written in UFL.
+
+    With strains e(z) and resultants s(e) the forces are f = s . de/dz. The points are the cells of a mesh of their own,
+    on which z is constant in each cell, so that all are evaluated by one compiled kernel.
+
+    Parameters
+    ----------
+    strains : function (values, data, factor) -> UFL vector; `values` and `data` are lists of UFL vectors
+    law : function from strains to resultants, both UFL vectors
+    sizes : numbers of components of the values
+    data : arrays of shape (points, components) that strains may depend on
+    factor : function that gives the load factor
+    """
+
+    def __init__(self, strains: Callable, law: Callable, sizes: Sequence[int], data: Sequence[np.ndarray],
+                 count: int, factor: Callable[[], float]):
+        self._factor, self._count, self._size = factor, count, sum(sizes)
+        if not count:
+            return
+        mesh = self._mesh = create_interval(MPI.COMM_SELF, count, (0.0, 1.0))
+        self._cells = np.arange(count, dtype=np.int32)
+        self._constant = fem.Constant(mesh, 0.0)
+        self._z = self._on_cells(self._size)
+        constants = [self._on_cells(d.shape[1], d) for d in data]
+        z, now = ufl.variable(self._z), ufl.variable(self._constant)
+        ends = np.cumsum(sizes)
+        values = [ufl.as_vector([z[int(i)] for i in range(end - size, end)]) for end, size in zip(ends, sizes,
+                                                                                                  strict=True)]
+        e = strains(values, constants, now)
+        i, j = ufl.indices(2)
+        force = ufl.as_vector(law(e)[i] * ufl.diff(e, z)[i, j], j)
+        self._force, self._stiffness = self._expression(force), self._expression(ufl.diff(force, z))
+        self._pull = self._expression(-ufl.diff(force, now))
+
+    def _on_cells(self, size: int, values: np.ndarray | None = None) -> fem.Function:
+        function = fem.Function(fem.functionspace(self._mesh, ("DG", 0, (size,))))
+        if values is not None:
+            self._put(function, values)
+        return function
+
+    def _put(self, function: fem.Function, values: np.ndarray) -> None:
+        function.x.array.reshape(values.shape)[function.function_space.dofmap.list[:, 0]] = values
+
+    def _expression(self, expression) -> fem.Expression | None:
+        expression = ufl.algorithms.expand_derivatives(expression)
+        if isinstance(expression, ufl.classes.Zero):
+            return None
+        return fem.Expression(lift_numbers(expression, self._mesh), np.array([[0.5]]), jit_options=JIT)
+
+    def _evaluate(self, expression: fem.Expression | None, z: np.ndarray, *shape: int) -> np.ndarray:
+        if not self._count or expression is None:
+            return np.zeros((self._count, *shape))
+        self._put(self._z, z)
+        self._constant.value = self._factor()
+        return expression.eval(self._mesh, self._cells).reshape(-1, *shape)
+
+    def __call__(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Forces and stiffness."""
+        if not self._count:
+            return np.zeros((0, self._size)), np.zeros((0, self._size, self._size))
+        return (self._evaluate(self._force, z, self._size),
+                self._evaluate(self._stiffness, z, self._size, self._size))
+
+    def load(self, z: np.ndarray) -> np.ndarray:
+        """Derivative of the external forces by the load factor."""
+        return self._evaluate(self._pull if self._count else None, z, self._size)

@@ -1,0 +1,232 @@
+"""Joints: what connects parts with each other or with the ground, written as work at points or along parts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import ufl
+
+from .. import forms
+from ..checks import require_components, require_known_component
+from ..mesh.reader import COMPONENTS, Model
+from .beam import Bar, Beam
+from .shell import Shell
+from .work import Acting
+
+
+class Joint(Acting):
+    """What connects parts; a joint of one's own derives from it and defines `work` or `contributions`.
+
+    `work` is the virtual work that the joint does *against* a motion, as strains of parts do.
+    """
+
+    @property
+    def models(self) -> Sequence[Model]:
+        """Models that it connects; those that no joint connects are told when the scene is made."""
+        return ()
+
+
+@dataclass(frozen=True)
+class End:
+    """A named point of a model."""
+
+    model: Model
+    at: str
+
+    def nodes(self, fields) -> np.ndarray:
+        """Its nodes that this process owns."""
+        return fields.nodes(self.model, self.at)
+
+    def traces(self, fields, places: np.ndarray) -> list:
+        """Displacement and, where there is one, rotation at its nodes, in the order of given places."""
+        quantities = ["displacement"] if fields.spin(self.model) is None else ["displacement", "rotation"]
+        return [self.trace(fields, places, q) for q in quantities]
+
+    def trace(self, fields, places: np.ndarray, quantity: str):
+        """One quantity at its nodes, in the order of given places."""
+        return fields.trace(self.model, fields.matching(self.model, self.at, places, quantity), quantity)
+
+
+@dataclass(frozen=True, eq=False)
+class Spring(Joint):
+    """Spring from a named point to the ground, or to another point.
+
+    Attributes
+    ----------
+    model, at : the point; at each node of an edge there is a spring
+    component : x, y or z, or rx, ry or rz for a spring against rotation (in space against that component of the
+        rotation vector of the second point from the first, on axes that turn with the first)
+    stiffness : force per length, or moment per radian
+    to : model and name of the other point; None: the ground
+    law : function from extension and stiffness to the force, both UFL scalars; None: their product
+    """
+
+    model: Model
+    at: str
+    component: str
+    stiffness: float
+    to: tuple[Model, str] | None = None
+    law: Callable = forms.interface.linear_spring
+
+    def __post_init__(self):
+        known = COMPONENTS[self.model.dimension]
+        require_known_component(f"Spring at {self.at!r}", self.component, known)
+        for end in self._ends:
+            end.model.at(end.at)
+
+    @property
+    def _ends(self) -> list[End]:
+        return [End(self.model, self.at), *([End(*self.to)] if self.to else [])]
+
+    @property
+    def models(self) -> Sequence[Model]:
+        return [end.model for end in self._ends] if self.to else []
+
+    def contributions(self, fields):
+        index, dimension = COMPONENTS[self.model.dimension].index(self.component), self.model.dimension
+        quantity = "displacement" if index < dimension else "rotation"
+        places = fields.places(self.model, self._ends[0].nodes(fields))
+        traces = [end.trace(fields, places, quantity) for end in self._ends]
+
+        def extension(values, data, factor):
+            if quantity == "displacement":
+                return ufl.as_vector([forms.interface.extension(values)[index]])
+            return ufl.as_vector([forms.interface.rotation_between(values)[index - dimension]])
+
+        yield fields.point_work(traces, extension, lambda e: ufl.as_vector([self.law(e[0], self.stiffness)]))
+
+
+@dataclass(frozen=True, eq=False)
+class Foundation(Joint):
+    """Elastic foundation along beams or bars, or under shells (Winkler 1867).
+
+    Attributes
+    ----------
+    part : what rests on it
+    stiffness : for each direction of space a force per length (per area of shells) and displacement
+    law : function from displacement and stiffness along a direction to the pressure, UFL scalars; None: their product
+    """
+
+    part: Beam | Bar | Shell
+    stiffness: tuple[float, ...]
+    law: Callable = forms.interface.linear_spring
+
+    def __post_init__(self):
+        require_components("Foundation: stiffness", self.stiffness, self.part.model.dimension)
+
+    def work(self, fields):
+        u = fields.displacement(self.part.model)
+        along = [(component, k) for component, k in enumerate(self.stiffness) if k]
+        return sum(self.law(u[i], k) * fields.vary(u[i]) for i, k in along) * self.part.measure()
+
+
+@dataclass(frozen=True, eq=False)
+class Tie(Joint):
+    """Rigid connection of components between a named point and another one, exact by Lagrange multipliers.
+
+    The second point stands where a rigid arm from the first, which turns with it, ends; its rotation is that of the
+    first. Components that are not tied are free, on axes that turn with the first point.
+
+    Attributes
+    ----------
+    model, at : the first point
+    to : model and name of the second point
+    components : any of x y z rx ry rz, separated by spaces
+    """
+
+    model: Model
+    at: str
+    to: tuple[Model, str]
+    components: str
+
+    def __post_init__(self):
+        self.model.at(self.at)
+        self.to[0].at(self.to[1])
+        if self.to == (self.model, self.at):
+            raise ValueError(f"Tie at {self.at!r}: ties the point to itself; name another point in `to`")
+        if self.to[0].dimension != self.model.dimension:
+            raise ValueError(f"Tie at {self.at!r}: joins a model in {self.model.dimension} with one in "
+                             f"{self.to[0].dimension} dimensions; read both with the same")
+        for name in self.components.split():
+            require_known_component(f"Tie at {self.at!r}", name, COMPONENTS[self.model.dimension])
+
+    @property
+    def models(self) -> Sequence[Model]:
+        return [self.model, self.to[0]]
+
+    def unknowns(self, fields) -> None:
+        count = len(End(self.model, self.at).nodes(fields)) * len(self.components.split())
+        fields.add_numbers(self, self.model, "tie", count)
+
+    def contributions(self, fields):
+        first, second = End(self.model, self.at), End(*self.to)
+        places = fields.places(first.model, first.nodes(fields))
+        other = fields.places(second.model, fields.matching(second.model, second.at, places))
+        arms, sides = other - places, [first.traces(fields, places), second.traces(fields, other)]
+        names, count = self.components.split(), len(places)
+        self._check(sides, arms)
+        multipliers = [fields.own_trace(self, "tie", np.arange(count) * len(names) + i) for i in range(len(names))]
+        chosen = [COMPONENTS[self.model.dimension].index(name) for name in names]
+        split = len(sides[0])
+
+        def strains(values, data, factor):
+            first, second = values[:split], values[split: split + len(sides[1])]
+            gap = forms.interface.gap_of_arm(first, second, data[0])
+            return forms.interface.with_multipliers([gap[i] for i in chosen], values[-len(names):])
+
+        yield fields.point_work([*sides[0], *sides[1], *multipliers], strains, forms.interface.tied, [arms])
+
+    def _check(self, sides, arms) -> None:
+        turning = any(name.startswith("r") for name in self.components.split())
+        if turning and min(map(len, sides)) < 2:
+            raise ValueError(f"Tie at {self.at!r}: ties rotations, but bars have none; tie displacements only")
+        if len(sides[0]) < 2 and np.abs(arms).max(initial=0.0) > 1e-9 * self.model.size:
+            raise ValueError(f"Tie at {self.at!r}: the points are {np.abs(arms).max():.4g} apart, but the first one is "
+                             "on bars, which cannot turn an arm; give the part with rotations first")
+
+
+def hinge(model: Model, at: str, to: tuple[Model, str]) -> Tie:
+    """Two points that move together and turn freely."""
+    return Tie(model, at, to, " ".join(COMPONENTS[model.dimension][:model.dimension]))
+
+
+def weld(model: Model, at: str, to: tuple[Model, str]) -> Tie:
+    """Two points that move and turn together; where they stand apart, a rigid link turns with the first."""
+    return Tie(model, at, to, " ".join(COMPONENTS[model.dimension]))
+
+
+@dataclass(frozen=True, eq=False)
+class Uniform(Joint):
+    """All nodes of an edge or point move alike along one direction, by a free amount.
+
+    Attributes
+    ----------
+    model, at : the edge
+    component : x, y or z
+    """
+
+    model: Model
+    at: str
+    component: str
+
+    def __post_init__(self):
+        self.model.at(self.at)
+        require_known_component(f"Uniform at {self.at!r}", self.component,
+                                COMPONENTS[self.model.dimension][:self.model.dimension])
+
+    def unknowns(self, fields) -> None:
+        fields.add_number(self, self.model, "motion", self.model.size)
+        fields.add_numbers(self, self.model, "tie", len(fields.nodes(self.model, self.at)))
+
+    def contributions(self, fields):
+        nodes, index = fields.nodes(self.model, self.at), COMPONENTS[self.model.dimension].index(self.component)
+        traces = [fields.trace(self.model, nodes), fields.own_trace(self, "motion", np.zeros(len(nodes), dtype=np.int64)),
+                  fields.own_trace(self, "tie", np.arange(len(nodes)))]
+
+        def strains(values, data, factor):
+            u, motion, multiplier = values
+            return forms.interface.with_multipliers([u[index] - motion[0]], [multiplier])
+
+        yield fields.point_work(traces, strains, forms.interface.tied)

@@ -1,0 +1,75 @@
+"""Supports: components of displacement and rotation that are held."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..mesh.reader import COMPONENTS, Model
+
+
+@dataclass(frozen=True)
+class Support:
+    """Fixed components at a named point or edge: any of x y z rx ry rz, separated by spaces.
+
+    Attributes
+    ----------
+    axes : three orthonormal directions that x, y, z and rx, ry, rz stand for, or a function from places, shape
+        (n, 3), to directions, shape (n, 3 directions, 3 components); None: those of space
+    """
+
+    model: Model
+    at: str
+    fixed: str
+    axes: Sequence[Sequence[float]] | Callable | None = None
+
+    def __post_init__(self):
+        known = COMPONENTS[self.model.dimension]
+        self.model.at(self.at)
+        for name in self.fixed.split():
+            if name not in known:
+                raise ValueError(f"Support at {self.at!r}: no component {name!r}; choose from {' '.join(known)}")
+        if self.axes is not None and self.model.dimension != 3:
+            raise ValueError(f"Support at {self.at!r}: axes are for structures in space")
+
+    def directions(self, places: np.ndarray) -> np.ndarray:
+        """Directions at places, shape (n, 3, 3), one direction in each row."""
+        axes = self.axes(places) if callable(self.axes) else np.broadcast_to(self.axes, (len(places), 3, 3))
+        axes = np.asarray(axes, dtype=float)
+        if not np.allclose(axes @ axes.transpose(0, 2, 1), np.eye(3), atol=1e-9):
+            raise ValueError(f"Support at {self.at!r}: axes must be three orthonormal directions")
+        return axes
+
+
+def clamp(model: Model, at: str) -> Support:
+    """All displacements and rotations fixed."""
+    return Support(model, at, " ".join(COMPONENTS[model.dimension]))
+
+
+def pin(model: Model, at: str) -> Support:
+    """All displacements fixed."""
+    return Support(model, at, " ".join(c for c in COMPONENTS[model.dimension] if not c.startswith("r")))
+
+
+def symmetry(model: Model, at: str, normal: str | Sequence[float] = "x") -> Support:
+    """Structure cut by a plane: no displacement along its normal, rotation about the normal only.
+
+    Parameters
+    ----------
+    normal : x, y or z, or a vector of any direction
+    """
+    if not isinstance(normal, str):
+        return Support(model, at, "x ry rz", _axes_from(normal))
+    if normal not in ("x", "y", "z"):
+        raise ValueError(f"symmetry at {at!r}: normal is {normal!r}; it must be x, y or z")
+    turns = [f"r{c}" for c in "xyz" if c != normal and f"r{c}" in COMPONENTS[model.dimension]]
+    return Support(model, at, " ".join([normal, *turns]))
+
+
+def _axes_from(first: Sequence[float]) -> np.ndarray:
+    """Three orthonormal directions of which the first is given."""
+    columns = np.column_stack((first, np.eye(3)[np.argsort(np.abs(first))[:2]].T))
+    axes = np.linalg.qr(columns)[0].T
+    return axes * np.sign(axes[0] @ np.asarray(first, dtype=float))

@@ -1,0 +1,225 @@
+"""A run's folder: what a new run deletes there, which folders are refused, and who may write."""
+
+import os
+import shutil
+import socket
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from sheetfx.archive import Archive
+from sheetfx.continuation.state import State
+
+PARAMETERS = {"elements": 8}
+PICTURES = ("path.png", "shape [1].png", "paraview/path.pvd", "fall1/snap.json")
+
+
+def state(step):
+    return State(step, 0.1 * step, 0.2 * step, 0.3 * step, 0, 1, 0.5, 3, 3, 4, 0.1, 0.1, 0.1, 1.0, (1.0, 1.0),
+                 increment=np.ones(2), response=np.ones(2), fields={"u": np.ones(2)})
+
+
+def draw(archive, *names):
+    with archive.drawing() as folder:
+        for name in names if archive.comm.rank == 0 else ():
+            (folder / name).parent.mkdir(exist_ok=True)
+            (folder / name).write_text(f"drawn {name}")
+
+
+def write_run(folder, steps=3, resume=False, pictures=PICTURES):
+    """A run without a structure; the number of states that it went on from."""
+    archive = Archive(folder, MPI.COMM_WORLD)
+    with archive.opened(PARAMETERS, resume) as start:
+        for step in range(len(start), steps):
+            archive(state(step))
+        draw(archive, *pictures)
+        if archive.comm.rank == 0:
+            archive.write_json("summary.json", {})
+    return len(start)
+
+
+def in_processes(number, folder, body):
+    """The result of a script that knows the folder and what is defined here, on a number of MPI processes."""
+    script = "import signal\nfrom test_archive import *\nfolder = Path(sys.argv[1])\n" + textwrap.dedent(body)
+    return subprocess.run(["mpirun", "-n", str(number), sys.executable, "-c", script, str(folder)],
+                          capture_output=True, text=True, timeout=60, cwd=Path(__file__).parent)
+
+
+def content(folder):
+    """Bytes of all files by their names, but for the lock's."""
+    return {f.relative_to(folder).as_posix(): f.read_bytes() for f in folder.rglob("*")
+            if f.is_file() and f.name != ".lock"}
+
+
+def put(folder, *names):
+    for name in names:
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text("mine")
+
+
+def test_new_run_deletes_what_an_earlier_one_wrote(tmp_path):
+    write_run(tmp_path)
+    assert set(PICTURES) < set(content(tmp_path))
+    write_run(tmp_path, steps=1, pictures=())
+    assert set(content(tmp_path)) == {"manifest.json", "parameters.json", "path.csv", "states/000000.0.npz",
+                                      "summary.json"}
+    assert sorted(f.name for f in tmp_path.iterdir() if f.is_dir()) == ["states"]
+
+
+@pytest.mark.parametrize("names", [
+    ["states/mine.npz"], ["states/000001.0.npz"], ["path.png"], ["manifest.json"], ["paraview/deep/mine.vtu"]])
+def test_folder_without_a_run_is_refused(tmp_path, names):
+    """Nothing in it is touched, and it gets no lock."""
+    put(tmp_path, *names)
+    with pytest.raises(ValueError, match=f"{tmp_path} holds files .*: {names[0]}; choose an empty folder with -o"):
+        write_run(tmp_path)
+    assert [f for f in tmp_path.rglob("*") if f.is_file()] == [tmp_path / names[0]]
+    assert (tmp_path / names[0]).read_text() == "mine"
+
+
+@pytest.mark.parametrize("name", ["notes.txt", "states/mine.npz", "states/000001.0.npz.bak", "shape 1.png", "states2"])
+def test_file_beside_an_earlier_run_is_refused(tmp_path, name):
+    write_run(tmp_path)
+    put(tmp_path, name)
+    before = content(tmp_path)
+    with pytest.raises(ValueError, match=f": {name};"):
+        write_run(tmp_path)
+    assert content(tmp_path) == before
+
+
+def test_linked_folder_is_refused(tmp_path):
+    """Neither followed nor passed over: states behind it would be taken for those of the new run."""
+    put(tmp_path / "elsewhere", "000007.0.npz")
+    write_run(tmp_path / "run")
+    shutil.rmtree(tmp_path / "run" / "states")
+    (tmp_path / "run" / "states").symlink_to(tmp_path / "elsewhere")
+    with pytest.raises(ValueError, match=": states;"):
+        write_run(tmp_path / "run")
+    assert (tmp_path / "elsewhere" / "000007.0.npz").exists()
+
+
+def test_refusal_names_three_files(tmp_path):
+    put(tmp_path, *"abcde")
+    with pytest.raises(ValueError, match=r": [a-e], [a-e], [a-e] and others; "):
+        write_run(tmp_path)
+
+
+def test_hidden_files_are_left(tmp_path):
+    put(tmp_path, ".gitignore", ".mine/notes.txt")
+    write_run(tmp_path)
+    write_run(tmp_path)
+    assert {".gitignore", ".mine/notes.txt"} < set(content(tmp_path))
+    assert not (tmp_path / ".pictures.part").exists()
+
+
+def test_resumed_run_leaves_files_of_the_user(tmp_path):
+    write_run(tmp_path, steps=2, pictures=["path.png"])
+    put(tmp_path, "notes.txt", "states/mine.0.npz")
+    assert write_run(tmp_path, resume=True) == 2
+    assert {"notes.txt", "states/mine.0.npz", "states/000002.0.npz", *PICTURES} < set(content(tmp_path))
+    with pytest.raises(ValueError, match="notes.txt"):
+        write_run(tmp_path)
+
+
+def test_resumed_run_draws_over_no_picture_of_the_user(tmp_path):
+    write_run(tmp_path, pictures=[])
+    put(tmp_path, "path.png")
+    with pytest.raises(ValueError, match="path.png is not of this run.*; move it away and add --resume"):
+        write_run(tmp_path, resume=True)
+    assert (tmp_path / "path.png").read_text() == "mine"
+    (tmp_path / "path.png").unlink()
+    assert write_run(tmp_path, resume=True) == 3
+    assert (tmp_path / "path.png").read_text() == "drawn path.png"
+
+
+def test_run_of_an_older_version_can_only_be_resumed(tmp_path):
+    """It has no manifest."""
+    write_run(tmp_path, pictures=[])
+    (tmp_path / "manifest.json").unlink()
+    with pytest.raises(ValueError, match="holds files .* and others; .* or move or delete them"):
+        write_run(tmp_path)
+    assert write_run(tmp_path, resume=True) == 3
+    write_run(tmp_path)
+
+
+def test_run_that_was_killed(tmp_path):
+    """Its states and a half-drawn picture are known as the program's: a new run deletes them, --resume goes on."""
+    killed = tmp_path / "killed"
+    result = in_processes(1, killed, """
+        archive = Archive(folder, MPI.COMM_WORLD)
+        with archive.opened(PARAMETERS, False):
+            for step in range(2):
+                archive(state(step))
+            draw(archive, "path.png")
+            (folder / "states" / "000002.0.part").touch()  # a state half-written
+            with archive.drawing() as unfinished:
+                (unfinished / "shape.png").touch()
+                os.kill(os.getpid(), signal.SIGKILL)
+        """)
+    assert (killed / ".pictures.part" / "shape.png").exists(), result.stderr
+    shutil.copytree(killed, tmp_path / "resumed")
+    assert write_run(tmp_path / "resumed", resume=True) == 2
+    write_run(killed)
+    write_run(tmp_path / "whole")
+    new, resumed, whole = (set(content(tmp_path / name)) for name in ("killed", "resumed", "whole"))
+    assert new == resumed == whole
+
+
+def test_second_run_in_a_folder_is_refused(tmp_path):
+    """On all MPI processes, with the process that holds it; not once the first has ended."""
+    archive = Archive(tmp_path, MPI.COMM_SELF)
+    with archive.opened(PARAMETERS, False):
+        archive.write_json("parameters.json", PARAMETERS | {"processes": 2})
+        before = content(tmp_path)
+        result = in_processes(2, tmp_path, """
+            for resume in (False, True):
+                try:
+                    write_run(folder, resume=resume)
+                except ValueError as error:
+                    os.write(1, f"{error}\\n".encode())
+            """)
+        assert content(tmp_path) == before
+    line = (f"{tmp_path} is in use by process {os.getpid()} on {socket.gethostname()}; wait for its end, "
+            "or choose another folder with -o")
+    assert result.stdout.splitlines() == 4 * [line], result.stderr
+    write_run(tmp_path)
+
+
+def test_states_of_all_processes_are_deleted(tmp_path):
+    result = in_processes(2, tmp_path, "write_run(folder)\nwrite_run(folder, steps=2)")
+    assert result.returncode == 0, result.stderr
+    assert sorted(f.name for f in (tmp_path / "states").iterdir()) == [
+        f"00000{step}.{rank}.npz" for step in range(2) for rank in range(2)]
+    write_run(tmp_path, steps=1)
+    assert [f.name for f in (tmp_path / "states").iterdir()] == ["000000.0.npz"]
+
+
+def test_folder_is_cleared_again_and_again_by_one_process(tmp_path):
+    """As the failure map does, which locks no folder and reads others' states."""
+    archive = Archive(tmp_path / "method", MPI.COMM_SELF)
+    for steps in (3, 1):
+        archive.clear({})
+        for step in range(steps):
+            archive(state(step))
+    assert [s.step for s in Archive(tmp_path / "method", MPI.COMM_SELF).states()] == [0]
+    assert Archive(tmp_path / "nothing", MPI.COMM_SELF).states() == []
+    assert not (tmp_path / "nothing").exists()
+
+
+def test_file_instead_of_a_folder(tmp_path):
+    put(tmp_path, "file")
+    with pytest.raises(ValueError, match=f"{tmp_path / 'file'} is a file; choose a folder"):
+        write_run(tmp_path / "file")
+
+
+def test_empty_name_of_a_folder(tmp_path):
+    result = subprocess.run([sys.executable, "-m", "sheetfx", "run", "arch", "--elements", "4", "-o", ""],
+                            capture_output=True, text=True, timeout=60, cwd=tmp_path)
+    assert result.returncode == 2
+    assert result.stderr == "sheetfx: error: -o: the name '' is empty; give the name of a folder, or leave -o out\n"
+    assert not list(tmp_path.iterdir())

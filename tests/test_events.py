@@ -1,0 +1,56 @@
+"""Events: test functions of a state whose crossing is pinpointed and named as limit points are."""
+
+from __future__ import annotations
+
+import pytest
+from helpers import shallow_arch
+
+import sheetfx as fx
+from sheetfx.scenes import arch
+
+UNTIL = fx.Until(deflection=15.0)
+
+
+def traced(until=UNTIL, events=(), step=0.005):
+    return fx.trace(fx.Case(shallow_arch(10), fx.ArcLength(step), until, events=events))
+
+
+def test_path_ends_at_an_event():
+    """Exactly there, and the same for other steps."""
+    ends = [traced(fx.Until(lambda state: state.deflection - 7.5), step=step) for step in (0.002, 0.005, 0.02)]
+    for record in ends:
+        assert record.states[-1].deflection == pytest.approx(7.5, rel=1e-9)
+        assert record.path.message == "event 'end' reached"
+        assert [p.kind for p in record.critical_points] == ["event"], "the limit point lies behind it"
+    assert [r.states[-1].load for r in ends] == pytest.approx([ends[0].states[-1].load] * 3, rel=1e-9)
+
+
+def test_events_stand_among_the_critical_points_in_order():
+    """The load 140 is passed before and behind the limit of 159.1."""
+    record = traced(fx.Until(deflection=20.0), [fx.Event("load 140", lambda state: state.load - 140.0)], 0.02)
+    assert [p.title for p in record.critical_points] == ["load 140", "limit point (maximum)", "load 140"]
+    loads = [p.load for p in record.critical_points if p.kind == "event"]
+    assert loads == pytest.approx([140.0, 140.0], rel=1e-9)
+    assert traced(fx.Until(deflection=20.0), step=0.02).states[-1].load == pytest.approx(record.states[-1].load, 1e-9)
+
+
+def test_event_that_is_true_or_false():
+    record = traced(UNTIL, [fx.Event("half", lambda state: state.deflection > 7.5)])
+    (half,) = (p for p in record.critical_points if p.kind == "event")
+    assert half.deflection == pytest.approx(7.5, rel=1e-5)
+
+
+def test_event_with_contact():
+    """The punched arch touches at its crown from the start; the contact splits into two later."""
+    case = arch.case(elements=40, ratio=1.0, to=9.0)
+    record = fx.trace(fx.Case(case.scene, case.control, case.until,
+                              events=[fx.Event("spread", lambda state: state.contact_points - 9.5)]))
+    (point,) = (p for p in record.critical_points if p.name == "spread")
+    assert 0 < point.deflection < 9.0
+
+
+def test_resumed_path_knows_its_events():
+    case = fx.Case(shallow_arch(10), fx.ArcLength(0.005), fx.Until(lambda state: state.deflection - 7.5))
+    whole = fx.trace(case).states
+    assert fx.trace(case, start=whole[:4]).states[-1].deflection == pytest.approx(7.5, rel=1e-9)
+    assert len(fx.trace(case, start=whole).states) == len(whole), "a path that has ended has"

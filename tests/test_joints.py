@@ -1,0 +1,255 @@
+"""Springs, hinges, welds, rigid links, uniform motion, foundations, and parts that nothing joins.
+
+Beams of unit length and bending stiffness, shear-rigid and hardly extensible, against beam theory.
+"""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+import pytest
+from helpers import distance, move_at_random, on_two_processes, tangents
+
+import sheetfx as fx
+from sheetfx.discrete.discretisation import Discretisation
+
+UNIT = {"section": fx.Rectangle(1.0, 0.001), "material": fx.Elastic(12e9, 0.0), "shear_rigidity": 1e3}
+SPATIAL = {"section": fx.Rectangle(0.1, 0.1), "material": fx.Elastic(1.2e5, 0.0)}  # bending stiffness 1
+
+
+def member(start, end, name="beam", elements=4, dimension=2, order=1):
+    """A straight model with the points start, middle and end."""
+    middle = tuple((np.array(start) + end) / 2)
+    nodes = {"start": start, "middle": middle, "end": end}
+    members = {f"{name} 1": ("start", "middle", elements // 2), f"{name} 2": ("middle", "end", elements // 2)}
+    return fx.read(lambda: fx.meshes.frame(nodes, members), dimension, order)
+
+
+def settled(beams, supports, loads, monitor, steps=1, **scene):
+    """Last state of a scene under dead load control, and its record."""
+    record = fx.trace(fx.Case(fx.Scene(beams, supports, loads, monitor, **scene),
+                              fx.LoadControl(1 / steps, fixed=True)))
+    return record.states[-1], record
+
+
+def cantilever_with(joint, load=1e-4):
+    model = member((0.0, 0.0), (1.0, 0.0))
+    state, _ = settled([fx.Beam(model, **UNIT)], [fx.clamp(model, "start")],
+                       [fx.PointForce(model, "end", (0.0, load))], fx.Monitor(model, "end", "y"), joints=[joint(model)])
+    return state.deflection / load
+
+
+@pytest.mark.parametrize(("joint", "flexibility"), [
+    (lambda m: fx.Spring(m, "end", "y", 4.0), 1 / 7),
+    (lambda m: fx.Spring(m, "end", "rz", 1.0), 1 / 3 - 1 / 4 / 2),
+    (lambda m: fx.Spring(m, "start", "y", 5.0), 1 / 3),
+    (lambda m: fx.Spring(m, "middle", "y", 4.0, (m, "start")), 1 / 3 - (5 / 48) ** 2 * 4 / (1 + 4 / 24)),
+], ids=["translation", "rotation", "at a support", "between points"])
+def test_springs(joint, flexibility):
+    assert cantilever_with(joint) == pytest.approx(flexibility, rel=1e-6)
+
+
+def test_spring_with_a_law():
+    """A cubic spring: 3 v + c v^3 = F."""
+    def cubic(extension, stiffness):
+        return stiffness * extension**3
+
+    load = 1e-3
+    found = load * cantilever_with(lambda m: fx.Spring(m, "end", "y", 4e6, law=cubic), load)
+    assert 3 * found + 4e6 * found**3 == pytest.approx(load, rel=1e-5)
+    assert 4e6 * found**3 > 0.2 * load
+
+
+def test_spring_between_models():
+    """Two cantilevers, tip to tip: the free one is held by k 3 / (k + 3)."""
+    models = [member((0.0, y), (1.0, y)) for y in (0.0, 0.1)]
+    state, _ = settled([fx.Beam(m, **UNIT) for m in models], [fx.clamp(m, "start") for m in models],
+                       [fx.PointForce(models[0], "end", (0.0, 1e-4))], fx.Monitor(models[0], "end", "y"),
+                       joints=[fx.Spring(models[0], "end", "y", 6.0, (models[1], "end"))])
+    assert state.deflection == pytest.approx(1e-4 / (3 + 2), rel=1e-6)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_column_on_a_rotational_spring(dimension):
+    """A rigid column on a spring buckles at k / L (stable symmetric: P = k angle / (L sin angle))."""
+    stiff = {"section": fx.Rectangle(0.1, 0.1), "material": fx.Elastic(1.2e11, 0.0)}
+    start, end = ((0.0,) * dimension, (1.0,) + (0.0,) * (dimension - 1))
+    model = member(start, end, dimension=dimension)
+    held = "x y" if dimension == 2 else "x y z rx ry"
+    load = (-1.0,) + (0.0,) * (dimension - 1)
+    supports = [fx.Support(model, "start", held)]
+    if dimension == 3:
+        supports.append(fx.Support(model, "end", "z"))
+    scene = fx.Scene([fx.Beam(model, **stiff)], supports, [fx.PointForce(model, "end", load)],
+                     fx.Monitor(model, "end", "y"), joints=[fx.Spring(model, "start", "rz", 2.0)])
+    (point,) = fx.trace(fx.Case(scene, fx.LoadControl(0.7, target=3.0))).critical_points
+    assert point.load == pytest.approx(2.0, rel=1e-6) and point.name == "stable symmetric"
+    assert point.curvature == pytest.approx(1 / 6, rel=1e-3), "of angle / sin angle, with the tip's way as amplitude"
+
+
+def test_hinge_between_models():
+    """A beam hinged to a cantilever's tip brings half of the force in its middle there."""
+    one, two = member((0.0, 0.0), (1.0, 0.0)), member((1.0, 0.0), (2.0, 0.0))
+    state, record = settled(
+        [fx.Beam(m, **UNIT) for m in (one, two)], [fx.clamp(one, "start"), fx.Support(two, "end", "y")],
+        [fx.PointForce(two, "middle", (0.0, 1e-4))], fx.Monitor(one, "end", "y"),
+        joints=[fx.hinge(one, "end", (two, "start"))])
+    assert state.deflection == pytest.approx(0.5e-4 / 3, rel=1e-6)
+    assert record.rotation("start", two) != pytest.approx(record.rotation("end", one), rel=0.1)
+    assert state.unstable_modes == 0, "each multiplier has its negative pivot"
+
+
+def test_release_in_a_frame():
+    """The same hinge as a release of a member's end, in one mesh."""
+    nodes = {"a": (0.0, 0.0), "b": (1.0, 0.0), "c": (1.5, 0.0), "d": (2.0, 0.0)}
+    members = {"left": ("a", "b", 4), "middle": ("b", "c", 2), "right": ("c", "d", 2)}
+    model = fx.read(lambda: fx.meshes.frame(nodes, members, releases=[("middle", "b")]), 2)
+    state, _ = settled([fx.Beam(model, **UNIT)], [fx.clamp(model, "a"), fx.Support(model, "d", "y")],
+                       [fx.PointForce(model, "c", (0.0, 1e-4))], fx.Monitor(model, "b", "y"),
+                       joints=[fx.hinge(model, "b", (model, "b of middle"))])
+    assert state.deflection == pytest.approx(0.5e-4 / 3, rel=1e-6)
+
+
+def bent_in_space(joined: bool):
+    """Tip of an L of two arms in space under a large force, in one model or welded from two."""
+    corner, tip, force = (1.0, 0.0, 0.0), (1.0, 1.0, 0.0), (0.5, 0.3, 2.0)
+    if joined:
+        nodes = {"start": (0.0, 0.0, 0.0), "corner": corner, "end": tip}
+        models = [fx.read(lambda: fx.meshes.frame(nodes, {"a": ("start", "corner", 4), "b": ("corner", "end", 4)}), 3)]
+        joints = []
+    else:
+        models = [member((0.0, 0.0, 0.0), corner, dimension=3), member(corner, tip, dimension=3)]
+        joints = [fx.weld(models[0], "end", (models[1], "start"))]
+    state, record = settled([fx.Beam(m, **SPATIAL) for m in models], [fx.clamp(models[0], "start")],
+                            [fx.PointForce(models[-1], "end", force)], fx.Monitor(models[-1], "end", "z"), 4,
+                            joints=joints)
+    return record.displacement("end", models[-1]), state
+
+
+def test_weld_is_as_one_model():
+    """Large rotations in space; the tie is exact, so that only the solver's tolerance is left."""
+    one, whole = bent_in_space(True)
+    two, state = bent_in_space(False)
+    assert np.linalg.norm(one) > 0.5
+    assert two == pytest.approx(one, rel=1e-7)
+    assert state.unstable_modes == whole.unstable_modes == 0
+
+
+def test_rigid_link_turns_with_its_first_end():
+    """An arm of length e across a cantilever's tip under a force F along the beam: the moment F e, bent far.
+
+    The end of the arm stands at the tip plus e times the turned normal, exactly.
+    """
+    beam, stub = member((0.0, 0.0), (1.0, 0.0)), member((1.0, 0.3), (1.0, 0.5))
+    state, record = settled([fx.Beam(m, **SPATIAL) for m in (beam, stub)], [fx.clamp(beam, "start")],
+                            [fx.PointForce(stub, "start", (-2.0, 0.0))], fx.Monitor(beam, "end", "y"), 4,
+                            joints=[fx.weld(beam, "end", (stub, "start"))])
+    angle = record.rotation("end", beam)
+    arm = np.array([1.0, 0.3]) + record.displacement("start", stub) - np.array([1.0, 0.0]) - record.displacement(
+        "end", beam)
+    assert angle > 0.5
+    assert arm == pytest.approx([-0.3 * np.sin(angle), 0.3 * np.cos(angle)], abs=1e-9)
+    assert record.rotation("start", stub) == pytest.approx(angle, rel=1e-9)
+
+
+def test_tangents_of_joints_are_derivatives():
+    """Springs and ties in space, far from equilibrium and from each other."""
+    models = [member((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), dimension=3), member((1.0, 0.2, 0.0), (2.0, 0.2, 0.1),
+                                                                          dimension=3)]
+    joints = [fx.weld(models[0], "end", (models[1], "start")), fx.Spring(models[0], "middle", "rx", 3.0),
+              fx.Spring(models[0], "middle", "y", 2.0, (models[1], "middle")),
+              fx.Spring(models[0], "middle", "rz", 2.0, (models[1], "end"))]
+    scene = fx.Scene([fx.Beam(m, **SPATIAL) for m in models], [fx.clamp(models[0], "start")],
+                     [fx.PointForce(models[1], "end", (0.0, 0.0, 1.0))], fx.Monitor(models[1], "end", "z"),
+                     joints=joints)
+    discretisation = Discretisation(scene, mixed_points=False)
+    x = move_at_random(discretisation)
+    assembled, differences = tangents(discretisation.system, x)
+    assert distance(assembled, assembled.T) < 1e-13
+    assert distance(assembled + assembled.T, differences + differences.T) < 1e-7
+
+
+def test_edge_that_moves_alike():
+    """A plate pulled at one corner of an edge that stays straight and parallel moves as under the mean force."""
+    model = fx.read(lambda: fx.meshes.rectangle((3, 2)), 3, 2)
+    shell = fx.Shell(model, fx.Plate(0.01), fx.Elastic(1e4, 0.0), form="naghdi-q2")
+    state, record = settled(
+        [shell], [fx.Support(model, "west", "x y z rx ry rz"), fx.Support(model, "north", "y"),
+                  fx.Support(model, "south", "y"), fx.Support(model, "east", "y z rx ry rz")],
+        [fx.PointForce(model, "south-east", (1e-3, 0.0, 0.0))], fx.Monitor(model, "north-east", "x"),
+        joints=[fx.Uniform(model, "east", "x")])
+    u = record.path.discretisation.kinematics(model).u
+    places = u.function_space.tabulate_dof_coordinates()
+    edge = u.x.array.reshape(-1, 3)[places[:, 0] > 1 - 1e-9, 0]
+    assert edge == pytest.approx(state.deflection, rel=1e-9)
+    assert state.deflection == pytest.approx(1e-3 / (1e4 * 0.01), rel=1e-4), "F L / (E t b), but for its square"
+
+
+def test_foundation_under_a_shell():
+    """A rigid plate sinks by its load over the stiffness of its foundation."""
+    model = fx.read(lambda: fx.meshes.rectangle((2, 2)), 3)
+    shell = fx.Shell(model, fx.Plate(0.1), fx.Elastic(1e6, 0.3), form="naghdi-q2")
+    state, _ = settled([shell], [fx.Support(model, "south-west", "x y rz")],
+                       [fx.SurfaceForce(shell, (0.0, 0.0, 2.0))], fx.Monitor(model, "north-east", "z"),
+                       joints=[fx.Foundation(shell, (0.0, 0.0, 50.0))])
+    assert state.deflection == pytest.approx(2.0 / 50.0, rel=1e-6)
+
+
+def test_models_that_nothing_joins_are_told():
+    models = [member((0.0, y), (1.0, y), name) for y, name in ((0.0, "plate"), (0.1, "stiffener"))]
+    beams = [fx.Beam(m, **UNIT) for m in models]
+
+    def scene(joints):
+        return fx.Scene(beams, [fx.clamp(m, "start") for m in models],
+                        [fx.PointForce(models[0], "end", (0.0, 1.0))], fx.Monitor(models[0], "end", "y"), joints=joints)
+
+    with pytest.warns(UserWarning, match="nothing joins the Beam on plate 1, plate 2 and the Beam on stiffener 1.*weld"):
+        scene([])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        scene([fx.hinge(models[0], "end", (models[1], "end"))])
+
+
+@pytest.mark.parametrize(("make", "words"), [
+    (lambda m: fx.Spring(m, "end", "z", 1.0), "Spring at 'end': no component 'z'; choose from x y rz"),
+    (lambda m: fx.Spring(m, "tip", "y", 1.0), "no point or edge named 'tip'"),
+    (lambda m: fx.Tie(m, "end", (m, "end"), "x"), "Tie at 'end': ties the point to itself"),
+    (lambda m: fx.Tie(m, "end", (m, "start"), "x w"), "Tie at 'end': no component 'w'"),
+    (lambda m: fx.Uniform(m, "end", "rz"), "Uniform at 'end': no component 'rz'"),
+    (lambda m: fx.Foundation(fx.Beam(m, **UNIT), (1.0,)), "Foundation: stiffness.*has 1 components; give 2"),
+    (lambda m: fx.Until(40.0), "Until: event is 40.0; it must be an Event or a function"),
+])
+def test_wrong_joints_are_named(make, words):
+    with pytest.raises(ValueError, match=words):
+        make(member((0.0, 0.0), (1.0, 0.0)))
+
+
+def test_bars_have_no_rotations_to_tie():
+    model = member((0.0, 0.0), (1.0, 0.0))
+    other = member((1.0, 0.0), (2.0, 0.0), elements=2)
+    scene = fx.Scene([fx.Bar(other, UNIT["section"], UNIT["material"]), fx.Beam(model, **UNIT)],
+                     [fx.clamp(model, "start"), fx.pin(other, "end"), fx.Support(other, "middle", "y")],
+                     [fx.PointForce(model, "end", (0.0, 1.0))], fx.Monitor(model, "end", "y"),
+                     joints=[fx.weld(model, "end", (other, "start"))])
+    with pytest.raises(ValueError, match="Tie at 'end': ties rotations, but bars have none"):
+        fx.Path(scene)
+
+
+def test_springs_on_two_processes():
+    """A spring to the ground and an edge of equal motion; points on different processes are refused clearly."""
+    lines = on_two_processes('''
+import sheetfx as fx
+from test_joints import UNIT, member, settled
+model = member((0.0, 0.0), (1.0, 0.0), elements=8)
+state, _ = settled([fx.Beam(model, **UNIT)], [fx.clamp(model, "start")], [fx.PointForce(model, "end", (0.0, 1e-4))],
+                   fx.Monitor(model, "end", "y"), joints=[fx.Spring(model, "end", "y", 4.0)])
+print(state.deflection)
+try:
+    settled([fx.Beam(model, **UNIT)], [fx.clamp(model, "start")], [fx.PointForce(model, "end", (0.0, 1e-4))],
+            fx.Monitor(model, "end", "y"), joints=[fx.Spring(model, "end", "y", 4.0, (model, "start"))])
+except ValueError as error:
+    print(error)
+''')
+    assert float(lines[0]) == pytest.approx(1e-4 / 7, rel=1e-6)
+    assert "different ones of the 2 processes" in lines[1]
