@@ -21,7 +21,8 @@ import numpy as np
 import ufl
 
 import sheetfx as fx
-from sheetfx.scenes.arch import quantities, scene
+from sheetfx.scenes.arch import case as arch_case
+from sheetfx.scenes.arch import quantities
 from sheetfx.show.contact import tractions
 
 QUICK = bool(os.environ.get("SHEETFX_QUICK"))
@@ -76,7 +77,7 @@ SEMI_ANALYTIC = [1.0000, 1.0000, 1.0219, 1.1564, 1.2920]
 
 
 def limit_ratio(**parameters):
-    case = scene(**parameters)
+    case = arch_case(**parameters)
     return quantities(fx.trace(case), 4.7625)["limit_ratio"]
 
 
@@ -114,7 +115,7 @@ for name, values in (("converged", converged), ("40 elements", forty), ("thesis"
 # touching node slides, so that its tangential force is 0.3 times the normal one.
 
 # %%
-rough = fx.trace(scene(ratio=0.4, friction=0.3, elements=80, degree=1, contact="nodes", step=0.001, to=52.0))
+rough = fx.trace(arch_case(ratio=0.4, friction=0.3, elements=80, degree=1, contact="nodes", step=0.001, to=52.0))
 tractions(500.0)(rough, Path("."))
 rough.show(rough.nearest(500.0))
 contact = rough.path.discretisation.contacts[0].evaluate()
@@ -125,7 +126,7 @@ assert slip.max() <= 0.3 * (1 + 1e-6)
 
 # %%
 smooth_limit, rough_limit = (
-    quantities(fx.trace(scene(ratio=1.0, elements=160, layer=2.7, to=20.0, friction=f)), 4.7625)["limit_load"]
+    quantities(fx.trace(arch_case(ratio=1.0, elements=160, layer=2.7, to=20.0, friction=f)), 4.7625)["limit_load"]
     for f in (0.0, 0.3))
 print(f"limit load at r/R = 1: {smooth_limit:.2f} N without, {rough_limit:.2f} N with friction 0.3")
 assert abs(rough_limit / smooth_limit - 1) < 5e-3

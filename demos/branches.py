@@ -60,10 +60,10 @@ def follow(scene, branch, control, until):
     return [branch.start, *fx.Path(scene, control, until, start=[branch.start])]
 
 
-halves = [(point, follow(column.scene, branch, fx.ArcLength(0.03, largest=2.0), fx.Until(deflection=0.38)))
+halves = [(point, follow(column.case, branch, fx.ArcLength(0.03, largest=2.0), fx.Until(deflection=0.38)))
           for branch in fx.branches(record.path, record.states, point)]
 draw_branches(record, halves).savefig("column_branches.png", dpi=150)
-assert all(state.unstable == 0 for _, states in halves for state in states)
+assert all(state.unstable_modes == 0 for _, states in halves for state in states)
 
 # %% [markdown]
 # ## The star dome
@@ -74,7 +74,7 @@ assert all(state.unstable == 0 for _, states in halves for state in states)
 # both halves are the same but for a turn of 60 degrees.
 
 # %%
-dome = star_dome.scene()
+dome = star_dome.case()
 record = fx.trace(dome)
 bifurcations = [p for p in record.critical_points if p.kind == "bifurcation"][:2]
 branches = [fx.branches(record.path, record.states, point) for point in bifurcations]
@@ -98,7 +98,7 @@ for point, found in zip(bifurcations, branches, strict=True):
         steps = branch.start.step + (15 if QUICK else 40)
         traced.append((point, follow(dome.scene, branch, fx.ArcLength(0.002, largest=1.0), fx.Until(steps=steps))))
 draw_branches(record, traced).savefig("dome_branches.png", dpi=150)
-assert all(states[0].unstable > 0 for _, states in traced)
+assert all(states[0].unstable_modes > 0 for _, states in traced)
 ends = [(round(states[-1].load, 6), round(states[-1].deflection, 3)) for point, states in traced
         if point is bifurcations[0]]
 print("ends of the branches of the first bifurcation (load, deflection):", sorted(set(ends)))

@@ -17,7 +17,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import sheetfx as fx
-from sheetfx.scenes.plate_buckling import EDGES, buckling_factor, scene
+from sheetfx.scenes.plate_buckling import EDGES, buckling_factor
+from sheetfx.scenes.plate_buckling import case as plate_case
 
 QUICK = bool(os.environ.get("SHEETFX_QUICK"))
 
@@ -34,7 +35,7 @@ ASPECTS = [0.7, 1.0] if QUICK else [0.6, 0.7, 0.85, 1.0, 1.2, 1.414, 1.6, 1.8, 2
 
 def factors(edges, aspect):
     """Factor k of the finite elements and of theory."""
-    case = scene(edges=edges, aspect=aspect, cells=6, count=1)
+    case = plate_case(edges=edges, aspect=aspect, cells=6, count=1)
     found = case.quantities(fx.trace(case))
     return found["factor"], found["theory"]
 

@@ -13,13 +13,14 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import sheetfx as fx
-from sheetfx.scenes.arch import quantities, scene
+from sheetfx.scenes.arch import case as arch_case
+from sheetfx.scenes.arch import quantities
 
 QUICK = bool(os.environ.get("SHEETFX_QUICK"))
 
 
 def limit_load(elements, degree):
-    case = scene(no_punch=True, elements=elements, degree=degree, to=12.0)
+    case = arch_case(no_punch=True, elements=elements, degree=degree, to=12.0)
     return quantities(fx.trace(case), 4.7625)["limit_load"]
 
 

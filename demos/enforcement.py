@@ -11,7 +11,7 @@ import time
 import matplotlib.pyplot as plt
 
 import sheetfx as fx
-from sheetfx.scenes.arch import scene
+from sheetfx.scenes.arch import case as arch_case
 
 QUICK = bool(os.environ.get("SHEETFX_QUICK"))
 TO = 8.0 if QUICK else 20.0
@@ -19,10 +19,10 @@ TO = 8.0 if QUICK else 20.0
 
 def measure(**parameters):
     """Path, CPU seconds without compilation, iterations and largest penetration over the depth."""
-    fx.trace(scene(**parameters | {"to": 0.5}))
+    fx.trace(arch_case(**parameters | {"to": 0.5}))
     start = time.process_time()
     try:
-        record = fx.trace(scene(**parameters))
+        record = fx.trace(arch_case(**parameters))
         outcome = "to the end"
     except fx.PathFailure as failure:
         record, outcome = failure.record, f"stopped at {failure.record.states[-1].deflection:.1f} mm"

@@ -44,7 +44,8 @@ def patch(imperfection):
         [fx.Shell(model, fx.Plate(THICKNESS), fx.Elastic(modulus, POISSON), form="naghdi-q3")],
         [fx.symmetry(model, "west", "x"), fx.symmetry(model, "south", "y"),
          fx.symmetry(model, "north", (0.0, np.cos(end), -np.sin(end))), fx.Support(model, "east", "ry rz")],
-        [fx.PrescribedDisplacement(model, "east", "x", -side / (modulus * THICKNESS))], fx.Monitor(model, "south-east", "x", -1.0))
+        [fx.PrescribedDisplacement(model, "east", "x", -side / (modulus * THICKNESS))],
+        fx.Monitor(model, "south-east", "x", -1.0))
 
 
 def buckling_load(imperfection):

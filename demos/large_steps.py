@@ -13,10 +13,10 @@ from sheetfx.scenes import arch, bend, deep_arch, lee_frame
 
 # %%
 CASES = {
-    "45-degree bend, 6 load steps": bend.scene(),
-    "Lee's frame, arc length": lee_frame.scene(),
-    "215-degree arch, arc length": deep_arch.scene(),
-    "shallow arch, arc length": arch.scene(no_punch=True, elements=40),
+    "45-degree bend, 6 load steps": bend.case(),
+    "Lee's frame, arc length": lee_frame.case(),
+    "215-degree arch, arc length": deep_arch.case(),
+    "shallow arch, arc length": arch.case(no_punch=True, elements=40),
 }
 print(f"{'':32s}{'mixed points':>24s}{'plain Newton':>24s}")
 print(f"{'':32s}" + 2 * f"{'steps':>8s}{'factorisations':>16s}")

@@ -44,7 +44,7 @@ def naghdi(u, rotation, frame):
 # A quarter with R / t = 250, pulled at A and pushed at B, as in `sheetfx run hemisphere`, but with the strains above.
 
 # %%
-scene = hemisphere.scene().scene
+scene = hemisphere.case().scene
 scene = replace(scene, parts=[replace(scene.parts[0], strains=naghdi)])
 paths = [fx.trace(fx.Case(scene, fx.LoadControl(step=1 / n, fixed=True))) for n in (2, 6 if QUICK else 20)]
 for name, value in at_load(paths[0], hemisphere.READINGS).items():

@@ -28,11 +28,11 @@ from sheetfx.show.snaps import draw_snaps
 # maximum; the frame falls at that displacement then, and the load drops.
 
 # %%
-case = lee_frame.scene(elements=20, to=93.0)
+case = lee_frame.case(elements=20, to=93.0)
 case = replace(case, control=fx.ArcLength(step=0.02, largest=4.0))
 record = fx.trace(case)
 limit, lower = record.critical_points
-before = next(state for state in record.states if state.unstable)
+before = next(state for state in record.states if state.unstable_modes)
 by_load = fx.snap(record.path, before, hold="load")
 (by_displacement,) = fx.snaps(record.path, record.states, hold="displacement")
 assert by_load.before.load <= limit.load and by_displacement.after.load >= lower.load

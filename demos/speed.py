@@ -23,7 +23,7 @@ if not QUICK:
 
 def measure(form, cells):
     """Unknowns, factorisations, and CPU seconds of assembly, of factorisation and back-substitution, and in all."""
-    case = hemisphere.scene(cells=cells, form=form)
+    case = hemisphere.case(cells=cells, form=form)
     path = fx.Path(case.scene, case.control, case.until)
     seconds, before = path.clock.seconds, path.tracer.total_factorisations
     seconds.clear()
@@ -76,7 +76,7 @@ if not QUICK:
 # %%
 def factorisations(steps, mixed):
     """Of the path in equal steps, none of which may be cut; None where one does not converge."""
-    scene = hemisphere.scene(cells=6).scene
+    scene = hemisphere.case(cells=6).scene
     control = fx.LoadControl(step=1 / steps, fixed=True, smallest=1.0)
     try:
         return sum(state.factorisations for state in fx.trace(fx.Case(scene, control, mixed_points=mixed)).states)

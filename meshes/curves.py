@@ -61,6 +61,7 @@ def _circle_pieces(radius, centre, tags, a, b, elements, parts):
 def frame(
     nodes: Mapping[str, Sequence[float]],
     members: Mapping[str, tuple[str, str, int]],
+    releases: Sequence[tuple[str, str]] = (),
 ) -> None:
     """Straight members between named nodes.
 
@@ -69,12 +70,19 @@ def frame(
     nodes : name -> coordinates (2 or 3 numbers)
     members : name -> (first node, last node, number of elements); members that share a node are
         rigidly joined there
+    releases : pairs of a member and a node of it, where its end is a point of its own, named "NODE of MEMBER", that
+        a joint connects with the node
     """
     geo = gmsh.model.geo
     tags = {name: geo.addPoint(*x, *([0.0] * (3 - len(x)))) for name, x in nodes.items()}
+    for member, node in releases:
+        if node not in members.get(member, ())[:2]:
+            raise ValueError(f"frame: no end of a member {member!r} at a node {node!r} to release")
+        tags[f"{node} of {member}"] = geo.addPoint(*nodes[node], *([0.0] * (3 - len(nodes[node]))))
     groups: dict[str, int] = {}
     for name, (first, last, elements) in members.items():
-        groups[name] = geo.addLine(tags[first], tags[last])
+        ends = (tags.get(f"{node} of {name}", tags[node]) for node in (first, last))
+        groups[name] = geo.addLine(*ends)
         geo.mesh.setTransfiniteCurve(groups[name], elements + 1)
     geo.synchronize()
     for name, curve in groups.items():

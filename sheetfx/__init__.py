@@ -13,7 +13,7 @@ _ROOMS = {
     "model.contact": "Contact",
     "model.joints": "Foundation Joint Spring Tie Uniform hinge weld",
     "model.loads": "EdgeForce LineForce Load Moment "
-                   "ObstacleForce PointForce PrescribedDisplacement Pressure SurfaceForce",
+                   "ObstacleForce PointForce PrescribedDisplacement PrescribedRotation Pressure SurfaceForce",
     "model.obstacles": "RigidCylinder RigidPlane",
     "model.scene": "Monitor Scene Stage",
     "model.section": "Elastic GivenPlate Plate Rectangle ShellStiffness Tube round_bar",
@@ -32,7 +32,8 @@ _ROOMS = {
     "stability.snap": "Snap snap snaps",
     "stability.vibration": "Vibration frequencies",
     "path": "Path PathFailure Until",
-    "case": "Case Record run trace",
+    "record": "Record",
+    "case": "Case run trace",
 }
 _HOMES = {name: room for room, names in _ROOMS.items() for name in names.split()}
 _MODULES = ("forms", "meshes", "show")

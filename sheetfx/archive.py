@@ -23,7 +23,8 @@ from pathlib import Path
 from .continuation.state import State
 
 COLUMNS = ("step", "load", "deflection", "factor", "unstable", "load_rate", "iterations", "factorisations",
-           "length", "contact_points", "penetration")
+           "length", "contact_points", "penetration", "stage")
+ATTRIBUTES = {"unstable": "unstable_modes"}  # columns that are named otherwise in a State
 STEP = 6 * "[0-9]"
 MANIFEST, LIST = "manifest.json", "written by sheetfx"
 # On the manifest from the start, so that a run that is killed leaves no state that is not listed.
@@ -142,7 +143,7 @@ class Archive:
                 writer = csv.writer(stream)
                 if state.step == 0:
                     writer.writerow(COLUMNS)
-                writer.writerow([getattr(state, c) for c in COLUMNS])
+                writer.writerow([getattr(state, ATTRIBUTES.get(c, c)) for c in COLUMNS])
 
     def _on_process_0(self, action: Callable[[], object]) -> None:
         """Let process 0 act; what it refuses or the system denies it, every process raises."""

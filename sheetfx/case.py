@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from pathlib import Path as Folder
 from typing import TYPE_CHECKING
 
@@ -12,9 +11,11 @@ from mpi4py import MPI
 
 from .archive import Archive
 from .continuation.control import ArcLength, StepRule
-from .continuation.state import CriticalPoint, State
+from .continuation.events import Event
+from .continuation.state import State
 from .model.scene import Scene
 from .path import Path, PathFailure, Until
+from .record import Record
 
 if TYPE_CHECKING:
     from .stability.buckling import BucklingLoad
@@ -23,7 +24,7 @@ PARTS = ("compile", "assembly", "factorisation", "solve", "contact", "path", "ou
 
 
 def _linear_buckling(path: Path, state: State) -> list[BucklingLoad]:
-    """`solve.buckling.buckling`, imported when first asked for: SLEPc starts slowly."""
+    """`stability.buckling.buckling`, imported when first asked for: SLEPc starts slowly."""
     from .stability.buckling import buckling
 
     return buckling(path, state)
@@ -39,11 +40,13 @@ class Case:
     control : of the path
     until : end of the path
     quantities : function (record) -> name and value of what the scene is known for
-    pictures : functions (record, folder), each draws one picture
+    pictures : functions (record, folder), each draws one picture; what it writes moves to the run's folder when it
+        is whole
     axes : names of deflection and load on plots
     mixed_points : large-step tangent
     buckling : function (path, state) -> buckling loads, for `Record.buckling`; with `Until(steps=0)` they are those
         of the unloaded structure and the only result
+    events : what the path looks for beside limit points and bifurcations
     """
 
     scene: Scene
@@ -54,32 +57,7 @@ class Case:
     axes: tuple[str, str] = ("deflection (mm)", "load (N)")
     mixed_points: bool = True
     buckling: Callable[[Path, State], list[BucklingLoad]] = _linear_buckling
-
-
-@dataclass
-class Record:
-    """A traced path: its case, its states and the discrete problem they belong to."""
-
-    case: Case
-    path: Path
-    states: list[State]
-
-    @property
-    def critical_points(self) -> list[CriticalPoint]:
-        return [point for state in self.states for point in state.critical]
-
-    @cached_property
-    def buckling(self) -> list[BucklingLoad]:
-        """Linear buckling loads about the last state, found when first asked for."""
-        return self.case.buckling(self.path, self.states[-1])
-
-    def show(self, state: State) -> None:
-        """Put all fields to those of a state, for evaluation and pictures."""
-        self.path.discretisation.system.restore(state.fields)
-
-    def nearest(self, load: float) -> State:
-        """The state whose load is closest to `load`."""
-        return min(self.states, key=lambda s: abs(s.load - load))
+    events: Sequence[Event] = ()
 
 
 def trace(case: Case, listeners: Sequence[Callable[[State], None]] = (), start: Sequence[State] = ()) -> Record:
@@ -96,7 +74,7 @@ def trace(case: Case, listeners: Sequence[Callable[[State], None]] = (), start: 
         With the attribute `record`, the path so far.
     """
     path = Path(case.scene, case.control, case.until, start=start,
-                mixed_points=case.mixed_points)
+                mixed_points=case.mixed_points, events=case.events)
     record = Record(case, path, list(start))
     for listener in listeners:
         path.subscribe(listener)
@@ -132,7 +110,8 @@ def run(case: Case, name: str, parameters: dict, folder: Folder, resume: bool,
                 with archive.drawing() as unfinished:
                     picture(record, unfinished)
         summary = {
-            "scene": name, "parameters": parameters, "status": status, "message": message,
+            "scene": name, "parameters": parameters, "stages": [stage.name for stage in case.scene.all_stages],
+            "status": status, "message": message,
             "unknowns": record.path.unknowns, "steps": record.states[-1].step,
             "iterations": sum(s.iterations for s in record.states),
             "factorisations": sum(s.factorisations for s in record.states),

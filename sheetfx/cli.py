@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from .scenes import load_scene, scene_names
+from .scenes import load_case, scene_names
 from .studies.run import PLAIN, run_app
 
 app = typer.Typer(help="Stability of thin sheet-and-bar structures.", no_args_is_help=True, **PLAIN)
@@ -24,10 +24,10 @@ def warm(scenes: Annotated[list[str] | None, typer.Argument(help="Names of scene
 
     for name in scenes or scene_names():
         typer.echo(f"compiling the forms of {name}")
-        Discretisation(load_scene(name)().scene)
+        Discretisation(load_case(name)().scene)
     for form in () if scenes else FORMS:
         typer.echo(f"compiling {form}")
-        Discretisation(load_scene("hemisphere")(form=form).scene)
+        Discretisation(load_case("hemisphere")(form=form).scene)
 
 
 @app.command()

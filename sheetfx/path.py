@@ -16,8 +16,8 @@ from itertools import count
 from .checks import require_positive
 from .continuation.control import ArcLength, LoadControl, StepRule
 from .continuation.events import Event, end_at, occurrences
+from .continuation.segment import Jump
 from .continuation.state import CriticalPoint, State
-from .continuation.stretch import Jump
 from .continuation.tracer import Tracer
 from .discrete.discretisation import Discretisation
 from .model.scene import Scene

@@ -16,7 +16,7 @@ from scipy.optimize import fsolve
 from scipy.spatial.transform import Rotation
 
 from sheetfx import meshes
-from sheetfx.case import Case, Record, trace
+from sheetfx.case import Case, trace
 from sheetfx.continuation.control import LoadControl
 from sheetfx.continuation.state import CriticalPoint
 from sheetfx.mesh.reader import Model, read
@@ -26,6 +26,7 @@ from sheetfx.model.scene import Monitor, Scene
 from sheetfx.model.section import Elastic, Rectangle
 from sheetfx.model.supports import Support, clamp, pin, symmetry
 from sheetfx.path import Path, Until
+from sheetfx.record import Record
 from sheetfx.stability.branches import Branch, branches
 
 
@@ -151,9 +152,9 @@ def rod_bend(radius: float, angle: float, force: float, stiffness: list[float]) 
 
     def rates(s, y):
         turn, frame = Rotation.from_quat(y[3:7]).as_matrix(), axes(s)
-        stretch = frame.T @ ((frame @ (turn.T @ n)) / stiffness[:3])
+        segment = frame.T @ ((frame @ (turn.T @ n)) / stiffness[:3])
         curvature = turn @ frame.T @ ((frame @ (turn.T @ y[7:])) / stiffness[3:])
-        along = turn @ (frame[0] + stretch)
+        along = turn @ (frame[0] + segment)
         v, w = y[3:6], y[6]
         quaternion = np.append(w * curvature + np.cross(curvature, v), -curvature @ v) / 2
         return np.concatenate([along, quaternion, -np.cross(along, n)])
@@ -174,7 +175,7 @@ def move_at_random(discretisation, seed=1, size=0.2):
     system, generator = discretisation.system, np.random.default_rng(seed)
     x = system.create_vector()
     x.array[:] = generator.uniform(-size, size, len(x.array))
-    x.array[system.fixed_places] = 0
+    x.array[system.fixed_rows] = 0
     system.configure(x, 1.5)
     system.extrapolate_stress()
     return x
@@ -186,7 +187,7 @@ def tangents(system, x, step=1e-5):
     matrix = system.tangent().copy().convert("dense")
     assembled = matrix.getDenseArray().copy()
     size = len(x.array)
-    free = np.setdiff1d(np.arange(size), system.fixed_places)
+    free = np.setdiff1d(np.arange(size), system.fixed_rows)
     differences = np.zeros((size, size))
     out, along = system.create_vector(), system.create_vector()
     for j in free:
@@ -241,6 +242,6 @@ def on_two_processes(script: str) -> list[str]:
     names = os.pathsep.join([str(Folder(__file__).parent), *filter(None, [os.environ.get("PYTHONPATH")])])
     quiet = "import os, sys\nfrom mpi4py import MPI\nif MPI.COMM_WORLD.rank: sys.stdout = open(os.devnull, 'w')\n"
     result = subprocess.run(["mpirun", "-n", "2", sys.executable, "-c", quiet + script], capture_output=True, text=True,
-                            timeout=300, env=os.environ | {"PYTHONPATH": names})
+                            timeout=120, env=os.environ | {"PYTHONPATH": names})
     assert result.returncode == 0, result.stdout + result.stderr
     return result.stdout.split("\n")[:-1]

@@ -6,7 +6,8 @@ import pytest
 
 from sheetfx.case import trace
 from sheetfx.continuation.control import DisplacementControl
-from sheetfx.scenes.arch import quantities, scene
+from sheetfx.scenes.arch import case as arch_case
+from sheetfx.scenes.arch import limit_without_contact, quantities
 
 THICKNESS = 4.7625
 CONVERGED = {0.2: 1.0000, 0.4: 1.0000, 0.6: 1.0219, 0.8: 1.1564, 1.0: 1.2920}
@@ -15,7 +16,7 @@ COARSE = {"elements": 160, "layer": 2.7, "to": 20.0}
 
 
 def arch(**parameters):
-    case = scene(**parameters)
+    case = arch_case(**parameters)
     record = trace(case)
     return record, quantities(record, parameters.get("thickness", THICKNESS))
 
@@ -57,6 +58,25 @@ def test_punch_on_a_coarse_mesh(ratio):
     assert values["limit_ratio"] == pytest.approx(CONVERGED[ratio], rel=3e-3)
 
 
+@pytest.mark.parametrize("full", [False, True], ids=["half", "whole"])
+def test_ratio_of_a_higher_arch(full):
+    """The limit without contact is followed as far as this arch needs: to 24 mm, beyond that of the default arch."""
+    shape = {"half_angle": 12.0, "elements": 20, "full": full, "to": 40.0}
+    _, without = arch(no_punch=True, **shape)
+    _, values = arch(**shape)
+    assert without["limit_deflection"] == pytest.approx(24.23, rel=1e-3)
+    assert values["limit_ratio"] == pytest.approx(values["limit_load"] / without["limit_load"], rel=1e-6)
+    assert values["limit_ratio"] == pytest.approx(1.340, rel=2e-3)
+
+
+@pytest.mark.parametrize("full", [False, True], ids=["half", "whole"])
+def test_shallow_arch_has_no_ratio(full):
+    """With a half angle of 3 degrees the load only grows, with and without punch."""
+    record, values = arch(half_angle=3.0, elements=20, full=full, to=8.0)
+    assert limit_without_contact(record) is None
+    assert not {"limit_load", "limit_ratio"} & values.keys()
+
+
 @pytest.mark.parametrize("elements", [40, 80])
 def test_lower_limit_under_a_punch(elements):
     """Steps tried around it stay with the contact of the path; 88.357 with 320 elements."""
@@ -95,7 +115,7 @@ def test_enforcements_agree(enforcement):
     """Under displacement control all carry the same load at 4 mm; the soft penalty to 1 %."""
     loads = []
     for name in (enforcement, "semismooth"):
-        case = scene(ratio=1.0, elements=20, degree=1, contact="nodes", enforcement=name, to=4.0)
+        case = arch_case(ratio=1.0, elements=20, degree=1, contact="nodes", enforcement=name, to=4.0)
         final = trace(replace(case, control=DisplacementControl(step=0.5, largest=1.0))).states[-1]
         assert final.deflection == pytest.approx(4.0, abs=1e-9)
         loads.append(final.load)
@@ -122,5 +142,5 @@ def test_bifurcation_behind_the_limit_point():
         record, _ = arch(no_punch=True, elements=40, full=True, half_angle=12.0, to=45.0, step=step)
         assert [p.kind for p in record.critical_points] == ["limit", "bifurcation"]
         found.append(record.critical_points[1].load)
-        assert record.states[-1].unstable == 2
+        assert record.states[-1].unstable_modes == 2
     assert found[0] == pytest.approx(found[1], rel=1e-5)

@@ -82,7 +82,7 @@ def test_dome_moves_as_an_independent_truss():
 
 
 def test_pictures_of_bars(tmp_path):
-    for case in (von_mises_truss.scene(rise=1.0), star_dome.scene(to=1.0)):
+    for case in (von_mises_truss.case(rise=1.0), star_dome.case(to=1.0)):
         record = trace(case)
         folder = tmp_path / str(record.path.unknowns)
         folder.mkdir()

@@ -39,13 +39,13 @@ BENDING = 0.1**4 / 12 * 1.2e5
 
 
 def test_deep_arch_buckles_at_the_classical_load():
-    case = deep_arch.scene()
+    case = deep_arch.case()
     values = case.quantities(trace(case))
     assert values["load_factor"] == pytest.approx(8.9728, rel=5e-4), "DaDeppo and Schmidt 1975"
 
 
 def test_deep_arch_path_goes_through_the_limit_point():
-    record = trace(deep_arch.scene())
+    record = trace(deep_arch.case())
     kinds = [p.kind for p in record.critical_points]
     assert kinds[:1] == ["limit"]
     assert record.states[-1].deflection >= 125.0
@@ -53,7 +53,7 @@ def test_deep_arch_path_goes_through_the_limit_point():
 
 
 def test_lee_frame_limits_and_snap_back():
-    case = lee_frame.scene()
+    case = lee_frame.case()
     record = trace(case)
     values = case.quantities(record)
     assert values["limit_load"] == pytest.approx(18556.7, rel=1e-3)
@@ -67,7 +67,7 @@ def test_lee_frame_limits_and_snap_back():
 @pytest.mark.parametrize("degree", [1, 2])
 def test_cantilever_rolls_up_to_circles_in_the_plane(degree):
     """Closed polygons are exact after full turns, to Newton's tolerance of 1e-8."""
-    case = roll_up.scene(turns=2, degree=degree)
+    case = roll_up.case(turns=2, degree=degree)
     record = trace(case)
     assert case.quantities(record)["tip_angle"] == pytest.approx(4 * pi, rel=1e-8)
     states = record.states
@@ -81,7 +81,7 @@ def test_cantilever_rolls_up_to_circles_in_space():
     """The error of the fourth order comes from the interpolated quaternions, 30 degrees on an element of 24."""
     errors = []
     for elements in (24, 48):
-        case = roll_up.scene(turns=2, elements=elements, spatial=True)
+        case = roll_up.case(turns=2, elements=elements, spatial=True)
         errors.append(case.quantities(trace(case))["tip_error"])
     assert errors[0] < 1e-4
     assert np.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.2)
@@ -89,7 +89,7 @@ def test_cantilever_rolls_up_to_circles_in_space():
 
 def test_bend_reaches_the_published_tip():
     """Tolerance: the digits of the published values."""
-    case = bend.scene()
+    case = bend.case()
     values = case.quantities(trace(case))
     tip = [values[f"tip_{c}"] for c in "xyz"]
     assert tip == pytest.approx((15.558, 46.892, 53.61), abs=5e-3)
@@ -98,7 +98,7 @@ def test_bend_reaches_the_published_tip():
 
 def test_bend_agrees_with_the_rod_equations():
     """Tolerance: 32 elements are within 3e-8 of 64."""
-    case = bend.scene()
+    case = bend.case()
     record = trace(case)
     values = case.quantities(record)
     beam = case.scene.parts[0]
@@ -107,7 +107,7 @@ def test_bend_agrees_with_the_rod_equations():
 
 
 def test_mixed_points_save_iterations_and_leave_the_solution():
-    results = [bend.scene(plain_tangent=plain) for plain in (False, True)]
+    results = [bend.case(plain_tangent=plain) for plain in (False, True)]
     mixed, plain = (case.quantities(trace(case)) for case in results)
     assert mixed["tip_x"] == pytest.approx(plain["tip_x"], rel=1e-7)
     assert mixed["iterations"] < 0.7 * plain["iterations"]
@@ -154,7 +154,8 @@ def contact_scene(points, enforcement, layer, friction):
     beam = Beam(model, Rectangle(0.1, 0.1), Elastic(1.2e5, 0.3))
     punch = RigidCylinder(0.5, (0.6, 0.5), travel=(0.0, -1.0))
     contact = Contact(beam, punch, points, friction, enforcement=enforcement, layer=layer)
-    return Scene([beam], [clamp(model, "base")], [ObstacleForce(punch, 1.0)], Monitor(model, "tip", "y"), contacts=[contact])
+    return Scene([beam], [clamp(model, "base")], [ObstacleForce(punch, 1.0)], Monitor(model, "tip", "y"),
+                 contacts=[contact])
 
 
 def beam_scene(dimension):
@@ -271,7 +272,7 @@ def test_section_law_of_the_user():
     scene = cantilever(straight(4), lambda b: [Moment(b.model, "tip", moment)], law=softening)
     record = follow(scene)
     displacement(record)
-    angle = record.path.discretisation.kinematics(scene.parts[0].model).angle(scene.parts[0].model, "tip")
+    angle = record.path.discretisation.kinematics(scene.parts[0].model).turned(scene.parts[0].model, "tip")
     assert angle == pytest.approx(part * limit / sqrt(1 - part**2), rel=1e-9)
 
 
@@ -282,7 +283,7 @@ def test_rigid_rotation_beyond_a_turn_changes_nothing(size):
     scene = cantilever(model, lambda b: [PointForce(model, "tip", (0.0, 0.0, 1.0))], section=Rectangle(0.2, 0.1),
                        up=(0.0, 1.0, 0.0))
     discretisation = Discretisation(scene)
-    discretisation.system.fixed_places = np.empty(0, dtype=np.int32)
+    discretisation.system.fixed_rows = np.empty(0, dtype=np.int32)
     move_at_random(discretisation, size=size)
     discretisation.system.factors.set(0.0)
     discretisation.system.history.commit()
@@ -344,11 +345,11 @@ def test_controls_follow_the_same_path(name):
 
 
 @pytest.mark.parametrize(("build", "message"), [
-    (lambda: deep_arch.scene(elements=1), "elements is 1"),
-    (lambda: deep_arch.scene(depth=50.0), "depth is 50"),
-    (lambda: lee_frame.scene(elements=7), "multiple of 5"),
-    (lambda: roll_up.scene(turns=0), "turns is 0"),
-    (lambda: bend.scene(steps=0), "steps is 0"),
+    (lambda: deep_arch.case(elements=1), "elements is 1"),
+    (lambda: deep_arch.case(depth=50.0), "depth is 50"),
+    (lambda: lee_frame.case(elements=7), "multiple of 5"),
+    (lambda: roll_up.case(turns=0), "turns is 0"),
+    (lambda: bend.case(steps=0), "steps is 0"),
 ])
 def test_scenes_refuse_wrong_parameters(build, message):
     with pytest.raises(ValueError, match=message):

@@ -53,7 +53,7 @@ def test_both_halves_of_a_pitchfork(planar_column):
         point, found = started(planar_column, amplitude)
         states = [branch.start for branch in found]
         assert [branch.family for branch in found] == [False, False]
-        assert [s.unstable for s in states] == [0, 0]
+        assert [s.unstable_modes for s in states] == [0, 0]
         assert states[0].deflection == pytest.approx(-states[1].deflection, rel=1e-9)
         assert states[0].load == pytest.approx(states[1].load, rel=1e-12)
         quotients.append((states[0].load / point.load - 1) / states[0].deflection**2)
@@ -65,7 +65,7 @@ def test_halves_of_an_unstable_bifurcation(perfect_arch):
     point, found = started(perfect_arch, 0.02)
     left, right = (branch.start for branch in found)
     assert left.load == pytest.approx(right.load, rel=1e-5)
-    assert left.unstable == right.unstable == 1
+    assert left.unstable_modes == right.unstable_modes == 1
     assert left.load < point.load and left.load_rate < 0 and right.load_rate < 0
     assert found[0].mode == pytest.approx(-found[1].mode)
 
@@ -141,7 +141,7 @@ def test_initial_slope_of_branches(planar, ways):
     assert (slopes[ways:] - slopes[:ways]) / 2 == pytest.approx(0.75, rel=1e-3)
     if planar:
         assert point.name == "asymmetric" and abs(point.slope) == pytest.approx(0.75, rel=3e-4)
-        assert sorted(branch.start.unstable for branch in found) == [0, 1]
+        assert sorted(branch.start.unstable_modes for branch in found) == [0, 1]
 
 
 def test_branch_between_two_bifurcations_of_an_arch():
@@ -151,7 +151,7 @@ def test_branch_between_two_bifurcations_of_an_arch():
     where the load is least. 1e-3: the arch is shallow, not flat.
     """
     alpha, depth = 2.8, 0.1
-    case = sinusoidal_arch.scene(alpha, depth)
+    case = sinusoidal_arch.case(alpha, depth)
     record = trace(case)
     first, second = (p.load for p in record.critical_points if p.kind == "bifurcation")
     _, found = started(record)
@@ -168,11 +168,11 @@ def test_branch_between_two_bifurcations_of_an_arch():
 
 def test_branches_of_roordas_frame():
     """One half rises and is stable, the other falls and is not; the slope is Koiter's a of the critical point."""
-    record = trace(roorda_frame.scene())
+    record = trace(roorda_frame.case())
     point, found = started(record, 0.01)
     rises = [(branch.start.load / point.load - 1) / branch.amplitude for branch in found]
     assert (rises[0] - rises[1]) / 2 == pytest.approx(np.sign(rises[0]) * abs(point.slope), rel=1e-3)
-    assert [branch.start.unstable for branch in found] == [int(rise < 0) for rise in rises]
+    assert [branch.start.unstable_modes for branch in found] == [int(rise < 0) for rise in rises]
 
 
 def pressure_on_ring(deflection: float) -> float:
@@ -234,12 +234,12 @@ def test_limit_load_of_an_imperfect_asymmetric_structure(offset):
 
 def test_branches_of_a_plate():
     """A square plate in compression: Koiter's b from states on the branch of a shell."""
-    case = plate_buckling.scene(cells=3, slenderness=100.0)
+    case = plate_buckling.case(cells=3, slenderness=100.0)
     record = trace(replace(case, control=LoadControl(step=2.6, target=5.2), until=Until()))
     values = []
     for amplitude in (0.004, 0.002):
         point, found = started(record, amplitude)
-        assert [branch.start.unstable for branch in found] == [0, 0]
+        assert [branch.start.unstable_modes for branch in found] == [0, 0]
         values.append((found[0].start.load / point.load - 1) / found[0].amplitude**2)
     assert (4 * values[1] - values[0]) / 3 == pytest.approx(point.curvature, rel=2e-4)
 
@@ -260,9 +260,9 @@ def test_branches_on_two_processes(planar_column):
     lines = on_two_processes("""
 from helpers import buckled_column, started
 for branch in started(buckled_column(2))[1]:
-    print(branch.start.load, abs(branch.start.deflection), branch.start.unstable)""")
+    print(branch.start.load, abs(branch.start.deflection), branch.start.unstable_modes)""")
     _, found = started(planar_column)
-    expected = [[b.start.load, abs(b.start.deflection), b.start.unstable] for b in found]
+    expected = [[b.start.load, abs(b.start.deflection), b.start.unstable_modes] for b in found]
     assert [[float(c) for c in line.split()] for line in lines] == [pytest.approx(row, rel=1e-8) for row in expected]
 
 

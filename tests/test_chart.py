@@ -17,7 +17,7 @@ CHART = [{"elements": 4, "degree": 1}, {"elements": 4, "degree": 2}]
 PEERS = [{"driver": DRIVER, "arguments": ["--cells", 7]}, {"driver": ABSENT, "arguments": []}]
 
 
-def scene(elements: int = 8, degree: int = 2, plain_tangent: bool = False):
+def case(elements: int = 8, degree: int = 2, plain_tangent: bool = False):
     """The bend in one step fewer."""
     return bend(elements=elements, degree=degree, plain_tangent=plain_tangent, steps=5)
 '''

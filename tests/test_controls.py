@@ -19,12 +19,12 @@ COUNTING = "current stiffness with displacement extremes"
 
 
 def frame(steps=60, **rule):
-    case = lee_frame.scene(elements=10)
+    case = lee_frame.case(elements=10)
     return replace(case, control=ArcLength(step=0.02, **rule), until=replace(case.until, steps=steps))
 
 
 def shallow(**rule):
-    return replace(arch.scene(no_punch=True, elements=10), control=ArcLength(step=0.005, **rule))
+    return replace(arch.case(no_punch=True, elements=10), control=ArcLength(step=0.005, **rule))
 
 
 def limits(case):
@@ -68,7 +68,7 @@ def test_signs_without_extremes_of_the_displacement(sign):
 
 def test_determinant_turns_back_at_a_bifurcation():
     """The whole, higher arch bifurcates on its way down, at 32 mm; the determinant is positive again behind it."""
-    case = arch.scene(no_punch=True, elements=10, full=True, half_angle=12.0, to=45.0)
+    case = arch.case(no_punch=True, elements=10, full=True, half_angle=12.0, to=45.0)
     step = case.control.step
     assert trace(case).states[-1].deflection >= 45
     until = replace(case.until, steps=60)
@@ -93,7 +93,7 @@ def test_shapes_trace_the_same_path(shape, frame_limits):
 
 def test_modified_newton_gives_the_same_states_with_one_factorisation_each():
     """Load steps to 88 % of the limit; the unloaded tangent is one factorisation more."""
-    case = arch.scene(no_punch=True, elements=10)
+    case = arch.case(no_punch=True, elements=10)
     records = {n: trace(replace(case, control=LoadControl(step=20.0, target=140.0, fixed=True, newton=n)))
                for n in ("full", "modified")}
     full, modified = (records[n].states for n in ("full", "modified"))
@@ -142,6 +142,6 @@ def test_bad_rules_are_refused(make, words):
 
 def test_controlled_displacement_must_respond():
     """Along a straight cantilever nothing moves under an end moment, to the first order."""
-    case = roll_up.scene(turns=1)
+    case = roll_up.case(turns=1)
     with pytest.raises(ValueError, match="does not respond to the load.*monitor"):
         trace(replace(case, control=DisplacementControl(monitor=Monitor(case.scene.parts[0].model, "tip", "x"))))

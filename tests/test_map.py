@@ -21,7 +21,7 @@ from sheetfx.studies.traps import TRAPS, Expected, Trap
 
 TILTING = Trap(
     "tilting-arch", "The determinant is positive again behind the bifurcation.",
-    partial(arch.scene, no_punch=True, elements=10, full=True, half_angle=12.0, to=45.0),
+    partial(arch.case, no_punch=True, elements=10, full=True, half_angle=12.0, to=45.0),
     (Expected("limit", 101.95), Expected("bifurcation", 93.67)), "its own states with small steps")
 
 
@@ -129,7 +129,7 @@ def test_states_off_the_path(trail):
 
     assert Judge((), trail).watch(moved(trail.states[20], 0.5))[0] == JUMPED
     creeping = Judge((), trail)
-    stable = [s for s in trail.states if s.unstable == 0]
+    stable = [s for s in trail.states if s.unstable_modes == 0]
     found = (creeping.watch(moved(state, 0.0006 * n)) for n, state in enumerate(stable))
     assert next(filter(None, found))[0] == WRONG
 

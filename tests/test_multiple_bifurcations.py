@@ -37,7 +37,7 @@ def test_two_bifurcations_close_together():
     assert points[1].load / points[0].load == pytest.approx(1.0001**2, rel=1e-6)
     for number, (share, unstable) in enumerate([(0, 0), (1, 1)]):
         point, found = started(record, number=number)
-        assert [b.start.unstable for b in found] == [unstable, unstable]
+        assert [b.start.unstable_modes for b in found] == [unstable, unstable]
         for branch in found:
             assert abs(branch.start.deflection) == pytest.approx(share * branch.amplitude, rel=1e-3, abs=1e-9)
             assert (branch.start.load / point.load - 1) / branch.amplitude**2 == pytest.approx(pi**2 / 8, rel=2e-3)
@@ -84,7 +84,7 @@ def test_every_branch_of_a_multiple_bifurcation(count):
 @pytest.fixture(scope="module")
 def dome():
     """The star dome up to its first bifurcation and a little further, and the same truss for numpy."""
-    case = star_dome.scene(to=11.0)
+    case = star_dome.case(to=11.0)
     nodes, members = star_dome.dome()
     names = list(nodes)
     free = [i for i, name in enumerate(names) if not name.startswith("outer")]
@@ -109,7 +109,7 @@ def test_branches_of_the_star_dome(dome):
     assert point.multiplicity == 2
     angles = np.sort([np.degrees(np.arctan2(*branch.direction)) for branch in found])
     assert np.diff(angles) == pytest.approx(30.0, abs=1e-3)
-    assert sorted(branch.start.unstable for branch in found) == [1] * 6 + [2] * 6
+    assert sorted(branch.start.unstable_modes for branch in found) == [1] * 6 + [2] * 6
     for branch in found:
         moves = displacements(record, branch.start, names)
         assert truss.equilibrium(branch.start.factor * truss.load, moves) == pytest.approx(moves, abs=1e-9)
@@ -131,4 +131,4 @@ def test_no_branch_of_the_star_dome_is_missed(dome):
                 others.append(other)
     assert len(others) == len(found)
     unstable = [int((np.linalg.eigvalsh(truss.derivatives(other)[1]) < 0).sum()) for other in others]
-    assert sorted(unstable) == sorted(branch.start.unstable for branch in found)
+    assert sorted(unstable) == sorted(branch.start.unstable_modes for branch in found)

@@ -21,7 +21,8 @@ from sheetfx.model.obstacles import RigidCylinder
 from sheetfx.model.scene import Monitor, Scene
 from sheetfx.model.supports import Support
 from sheetfx.path import PathFailure, Until
-from sheetfx.scenes.arch import arch_model, scene
+from sheetfx.scenes.arch import arch_model
+from sheetfx.scenes.arch import case as arch_case
 
 SMALL = {"ratio": 1.0, "elements": 40, "layer": 10.8, "to": 12.0}
 CONTRACT = {"scene", "parameters", "status", "message", "unknowns", "steps", "iterations", "factorisations",
@@ -43,7 +44,7 @@ def table(folder):
 
 
 def small(folder, resume=False, listeners=()):
-    case = scene(**SMALL)
+    case = arch_case(**SMALL)
     plain = Case(case.scene, case.control, case.until, case.quantities)
     return run(plain, "arch", SMALL, folder, resume, listeners)
 
@@ -98,7 +99,7 @@ def test_killed_run_keeps_its_steps(tmp_path):
 
 def test_resume_with_other_parameters_is_refused(tmp_path):
     small(tmp_path)
-    case = scene(**SMALL)
+    case = arch_case(**SMALL)
     with pytest.raises(ValueError, match="elements"):
         run(case, "arch", SMALL | {"elements": 41}, tmp_path, resume=True)
 
@@ -133,8 +134,8 @@ def test_new_run_clears_the_falls_of_an_earlier_one(tmp_path):
 def test_own_script(tmp_path):
     script = tmp_path / "my_scene.py"
     script.write_text(
-        "from sheetfx.scenes.arch import scene as arch\n"
-        "def scene(elements: int = 8):\n"
+        "from sheetfx.scenes.arch import case as arch\n"
+        "def case(elements: int = 8):\n"
         "    '''My arch.'''\n"
         "    return arch(no_punch=True, elements=elements, to=12.0)\n")
     result = sheetfx("run", script, "--elements", 10, "-o", tmp_path / "out")
@@ -175,7 +176,7 @@ def test_errors_name_object_value_and_remedy(arguments, words, tmp_path):
 
 def bare_arch(supports, contacts=()):
     model = arch_model(7.338, 8, 2, False)
-    base = scene(no_punch=True, elements=8).scene
+    base = arch_case(no_punch=True, elements=8).scene
     beam = type(base.parts[0])(model, base.parts[0].section, base.parts[0].material)
     made = [Contact(beam, obstacle) for obstacle in contacts]
     return Scene([beam], [Support(model, *s) for s in supports], [PointForce(model, "crown", (0.0, -1.0))],
@@ -196,10 +197,10 @@ def test_load_on_supports_only():
 
 
 def test_displacement_prescribed_twice():
-    base = scene().scene
+    base = arch_case().scene
     model = base.parts[0].model
     motions = [fx.PrescribedDisplacement(model, "crown", "y", distance) for distance in (-1.0, 1.0)]
-    with pytest.raises(ValueError, match="PrescribedDisplacement of 'crown': component y is prescribed twice; keep one"):
+    with pytest.raises(ValueError, match="Displacement of 'crown': component y is prescribed twice; keep one"):
         Scene(base.parts, base.supports, motions, base.monitor)
 
 
@@ -235,7 +236,7 @@ def test_failed_path_says_where_and_keeps_its_states():
         options[name] = value
     try:
         with pytest.raises(PathFailure, match="step 1 from load 0.*DIVERGED_MAX_IT") as failure:
-            trace(Case(scene(no_punch=True, elements=8).scene, until=Until(deflection=1.0)))
+            trace(Case(arch_case(no_punch=True, elements=8).scene, until=Until(deflection=1.0)))
     finally:
         for name in settings:
             options.delValue(name)

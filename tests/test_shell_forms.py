@@ -12,12 +12,14 @@ from helpers import distance, energy_and_residual, move_at_random, response, tan
 from sheetfx import meshes
 from sheetfx.continuation.control import LoadControl
 from sheetfx.discrete.discretisation import Discretisation
+from sheetfx.forms.section import linear_shell
 from sheetfx.forms.shell import ShellStrains
+from sheetfx.mesh.numbers import as_constants
 from sheetfx.mesh.reader import read
 from sheetfx.model.loads import EdgeForce, PointForce, Pressure, SurfaceForce
 from sheetfx.model.scene import Monitor, Scene
 from sheetfx.model.section import Elastic, GivenPlate, Plate, ShellStiffness
-from sheetfx.model.shell import FORMS, TRIANGLE, Shell
+from sheetfx.model.shell import FORMS, TRIANGLE, Shell, is_coupled
 from sheetfx.model.supports import Support, clamp, symmetry
 from sheetfx.path import Path
 
@@ -306,15 +308,94 @@ def diagonal(one, other, shear):
     return ((one, 0.0, 0.0), (0.0, other, 0.0), (0.0, 0.0, shear))
 
 
-def test_coupling_of_membrane_and_bending_is_that_of_an_offset():
-    """Matrices about the lower side: B = e A, D + e^2 A."""
-    e = 0.02
+def about_a_lower_surface(e):
+    """Stiffness of the strip about a surface at the distance e below its middle: B = e A, D + e^2 A."""
     about = [diagonal(AXIAL * f, AXIAL * f, AXIAL * f / 2) for f in (1.0, e, BENDING / AXIAL + e**2)]
     shear = 5 / 12 * AXIAL
-    section = GivenPlate(STRIP["thickness"], ShellStiffness(*about, ((shear, 0.0), (0.0, shear)), AXIAL / 2))
+    return ShellStiffness(*about, ((shear, 0.0), (0.0, shear)), AXIAL / 2)
+
+
+ECCENTRIC = about_a_lower_surface(0.02)
+
+
+def test_coupling_of_membrane_and_bending_is_that_of_an_offset():
+    section = GivenPlate(STRIP["thickness"], ECCENTRIC)
     for component in "xz":
         assert strip((1.0, 0.0, 0.0), component, section) == pytest.approx(
-            strip((1.0, 0.0, 0.0), component, offset=e), rel=1e-6)
+            strip((1.0, 0.0, 0.0), component, offset=0.02), rel=1e-6)
+
+
+def by_matrices(strains, stiffness):
+    """A section law that couples membrane and bending by numbers of its own."""
+    return linear_shell(strains, ECCENTRIC)
+
+
+def by_energy(strains, stiffness):
+    """The same law as the gradient of its energy."""
+    e = ufl.variable(strains)
+    return ufl.diff(ufl.dot(linear_shell(e, ECCENTRIC), e) / 2, e)
+
+
+@pytest.mark.parametrize("law", [by_matrices, by_energy])
+def test_law_of_the_user_couples_membrane_and_bending(law):
+    """On a Plate, which knows no coupling, as with the same matrices given; an uncoupled strip would stay flat."""
+    for component in "xz":
+        given = strip((1.0, 0.0, 0.0), component, GivenPlate(STRIP["thickness"], ECCENTRIC))
+        assert strip((1.0, 0.0, 0.0), component, law=law) == pytest.approx(given, rel=1e-10)
+        assert abs(given) > 2 * abs(strip((1.0, 0.0, 0.0), component))
+
+
+def stiffer(strains, stiffness):
+    """A section law without helpers: twice the shell of Poisson's ratio 0.316, uncoupled."""
+    nu = 0.316
+
+    def plane(matrix, e):
+        factor = 2 * matrix[0][0]
+        return [factor * (e[0] + nu * e[1]), factor * (nu * e[0] + e[1]), factor * (1 - nu) / 2 * e[2]]
+
+    e = [strains[i] for i in range(9)]
+    shear = [2 * stiffness.shear[i][i] * e[6 + i] for i in range(2)]
+    return ufl.as_vector([*plane(stiffness.membrane, e[:3]), *plane(stiffness.bending, e[3:6]), *shear,
+                          2 * stiffness.drilling * e[8]])
+
+
+def with_energy(density):
+    """A section law by the energy density of its strains, in the order membrane, bending, shear, drilling."""
+    def law(strains, stiffness):
+        e = ufl.variable(strains)
+        return ufl.diff(density([e[i] for i in range(9)]), e)
+    return law
+
+
+def iterated(strains, stiffness):
+    """A section law whose membrane forces an iteration finds, which uses each result many times."""
+    n = linear_shell(strains, stiffness)
+    size = x = ufl.sqrt(1 + n[0] ** 2 + n[1] ** 2)
+    for _ in range(10):
+        x = x - (x + x**3 * size - size) / (1 + 3 * x**2 * size)
+    return ufl.as_vector([x * n[i] if i < 3 else n[i] for i in range(9)])
+
+
+LAWS = {
+    "linear": (linear_shell, False),
+    "linear, with other numbers": (stiffer, False),
+    "linear, about another surface": (by_matrices, True),
+    "its energy": (by_energy, True),
+    "energies apart": (with_energy(lambda e: ufl.exp(e[0] * e[1]) + ufl.sqrt(1 + e[4] ** 2) + e[6] ** 4), False),
+    "membrane and bending": (with_energy(lambda e: e[0] ** 2 * (1 + e[3] ** 2)), True),
+    "membrane and shear": (with_energy(lambda e: e[0] ** 2 + e[3] ** 2 + e[0] * e[6]), True),
+    "bending and drilling": (with_energy(lambda e: e[3] ** 2 * e[8] ** 2), True),
+    "stiffer where stretched": (lambda e, c: ufl.conditional(ufl.gt(e[0], 0.0), 2.0, 1.0) * linear_shell(e, c), True),
+    "iterated": (iterated, False),
+}
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_coupling_is_seen_in_the_law(name):
+    law, coupled = LAWS[name]
+    mesh = surface("naghdi-q2", (1, 1)).mesh
+    stiffness = as_constants(mesh, Plate(0.1).stiffness(Elastic(1.0, 0.3)))
+    assert is_coupled(lambda strains: law(strains, stiffness), mesh) == coupled
 
 
 def test_orthotropic_section():
@@ -342,20 +423,6 @@ def von_karman(u, rotation, frame):
                                ufl.dot(slope[0], t[1]) + ufl.dot(slope[1], t[0])]),
         shear=ufl.as_vector([ufl.dot(rate[a], n) + ufl.dot(d, t[a]) for a in range(2)]),
         drilling=ufl.dot(rotation.rotate(t[1]), t[0]) + (ufl.dot(rate[1], t[0]) - ufl.dot(rate[0], t[1])) / 2)
-
-
-def stiffer(strains, stiffness):
-    """A section law without helpers: twice the shell of Poisson's ratio 0.316, uncoupled."""
-    nu = 0.316
-
-    def plane(matrix, e):
-        factor = 2 * matrix[0][0]
-        return [factor * (e[0] + nu * e[1]), factor * (nu * e[0] + e[1]), factor * (1 - nu) / 2 * e[2]]
-
-    e = [strains[i] for i in range(9)]
-    shear = [2 * stiffness.shear[i][i] * e[6 + i] for i in range(2)]
-    return ufl.as_vector([*plane(stiffness.membrane, e[:3]), *plane(stiffness.bending, e[3:6]), *shear,
-                          2 * stiffness.drilling * e[8]])
 
 
 @pytest.mark.parametrize("settings", [{}, {"strains": von_karman}, {"law": stiffer},

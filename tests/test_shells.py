@@ -22,7 +22,7 @@ from sheetfx.scenes._benchmark import at_load
 
 
 def run(module, **parameters):
-    case = module.scene(**parameters)
+    case = module.case(**parameters)
     record = trace(case)
     return record, case.quantities(record)
 
@@ -44,7 +44,7 @@ def largest_error(values, reference):
 def test_end_values_on_a_coarse_mesh(module, parameters, tolerance):
     """Tolerance: a little more than the mesh error, measured against the references."""
     record, values = run(module, **parameters)
-    assert record.states[0].unstable == 0
+    assert record.states[0].unstable_modes == 0
     assert largest_error(values, module.REFERENCE) < tolerance
 
 
@@ -127,7 +127,7 @@ def test_shell_rolls_up_to_a_circle(form):
 ])
 def test_converged_meshes_are_within_1_percent(module, parameters):
     record, values = run(module, **parameters)
-    assert record.states[0].unstable == 0
+    assert record.states[0].unstable_modes == 0
     assert largest_error(values, module.REFERENCE) < 1e-2
 
 
@@ -144,4 +144,4 @@ def test_diaphragm_cylinder_follows_the_published_path():
     (hemisphere, {"form": "naghdi-q9"}, "naghdi-q9"), (roof, {"cells": 0}, "cells")])
 def test_refusals_name_the_value(module, parameters, words):
     with pytest.raises(ValueError, match=words):
-        module.scene(**parameters)
+        module.case(**parameters)

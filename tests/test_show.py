@@ -39,7 +39,7 @@ from sheetfx import (
 from sheetfx.archive import Archive
 from sheetfx.continuation.state import CriticalPoint
 from sheetfx.model.shell import FORMS, TRIANGLE
-from sheetfx.scenes import load_scene
+from sheetfx.scenes import load_case
 from sheetfx.show import contact, curves, display, pictures
 from sheetfx.show.evaluate import ContactPoints, Curves, most_telling, travel, unit_of, with_unit
 from sheetfx.show.files import paraview
@@ -100,7 +100,7 @@ def test_path_changes_stability_at_critical_points(record):
     class Stop:
         def __init__(self, load, unstable, *critical):
             self.step = self.deflection = self.load = load
-            self.unstable, self.critical, self.increment = unstable, critical, np.ones(1)
+            self.unstable_modes, self.critical, self.increment = unstable, critical, np.ones(1)
 
     first, second = (CriticalPoint("limit", load, load, 2) for load in (1.5, 1.7))
     knots, unstable = curves.path_knots([Stop(0, 0), Stop(1, 0), Stop(2, 0, first, second), Stop(3, 1)])
@@ -120,7 +120,7 @@ def test_curve_has_no_extremes_but_at_states():
 
 def test_rounding_is_not_drawn_as_a_path():
     """The corner of Roorda's perfect frame does not turn."""
-    record = trace(load_scene("roorda-frame")())
+    record = trace(load_case("roorda-frame")())
     assert 0 < max(abs(s.deflection) for s in record.states) < 1e-9
     assert not curves.path_knots(record.states)[0][:, 0].any()
     assert curves.draw_path(record).axes[0].get_xlim() == (-1.0, 1.0)

@@ -25,7 +25,7 @@ from sheetfx.stability.snap import snap, snaps
 
 def beyond_limit(record):
     """The first state beyond the first critical point."""
-    return next(state for state in record.states if state.unstable)
+    return next(state for state in record.states if state.unstable_modes)
 
 
 def reached(record, near, control, length):
@@ -57,13 +57,13 @@ def lost(record, fall):
 
 @pytest.fixture(scope="module")
 def thick_roof():
-    case = roof.scene(cells=2, to=26.0)
+    case = roof.case(cells=2, to=26.0)
     return follow(case.scene, replace(case.control, largest=2.0), 26.0)
 
 
 @pytest.fixture(scope="module")
 def frame():
-    case = lee_frame.scene(elements=10, to=85.0)
+    case = lee_frame.case(elements=10, to=85.0)
     return follow(case.scene, case.control, 85.0)
 
 
@@ -74,7 +74,7 @@ def test_roof_under_held_load(thick_roof, side):
     fall = snap(thick_roof.path, before, side=side)
     near = thick_roof.states[-1] if side > 0 else thick_roof.states[1]
     expected = reached(thick_roof, near, LoadControl(), before.factor - near.factor)
-    assert fall.after.unstable == expected.unstable == 0
+    assert fall.after.unstable_modes == expected.unstable_modes == 0
     assert fall.after.factor == before.factor
     assert fall.after.deflection == pytest.approx(expected.deflection, rel=1e-6)
     assert distance(fall.after, expected) < 1e-6
@@ -117,7 +117,7 @@ def test_prescribed_motion_holds_the_displacement(frame):
     motion = replace(scene, loads=[PrescribedDisplacement(scene.parts[0].model, "load", "y", -1.0)])
     path = Path(motion, frame.case.control, Until(steps=12))
     *_, before = path
-    assert before.unstable == 1
+    assert before.unstable_modes == 1
     turned = frame.states[before.step]
     assert turned.deflection == pytest.approx(before.deflection, rel=1e-8)
     held, fall = snap(frame.path, turned, "displacement"), snap(path, before)
@@ -142,11 +142,11 @@ def test_falls_of_a_test(frame, tmp_path):
 @pytest.mark.parametrize("side", [-1, 1])
 def test_arch_under_a_punch(side):
     """Contact layers store energy too: back to the path before the limit, forward until the arch is thrown over."""
-    case = arch.scene(elements=40, ratio=0.8, to=20.0)
+    case = arch.case(elements=40, ratio=0.8, to=20.0)
     record = follow(case.scene, case.control, 20.0)
     before = record.states[-1]
     fall = snap(record.path, before, side=side)
-    assert fall.after.unstable == 0 and fall.after.contact_points > 0 and falls(fall)
+    assert fall.after.unstable_modes == 0 and fall.after.contact_points > 0 and falls(fall)
     if side > 0:
         assert fall.after.deflection > 2 * record.critical_points[0].deflection
         return
@@ -175,7 +175,7 @@ def test_path_stays_at_its_state(frame):
     """A snap in the middle of a path leaves the path as it is."""
     path, loads = Path(frame.case.scene, frame.case.control, Until(steps=13)), []
     for state in path:
-        if state.unstable:
+        if state.unstable_modes:
             snap(path, state)
         loads.append(state.load)
     assert loads == pytest.approx([s.load for s in frame.states[:14]], rel=1e-10)
@@ -192,7 +192,7 @@ def test_column_falls_into_its_branch(side):
     """Above its bifurcation the straight column falls to one of the two bent states."""
     record = column()
     before = record.states[-1]
-    assert before.unstable == 1
+    assert before.unstable_modes == 1
     fall = snap(record.path, before, side=side)
     assert np.sign(fall.after.deflection) == side and falls(fall)
     point = next(p for p in record.critical_points if p.kind == "bifurcation")
@@ -200,7 +200,7 @@ def test_column_falls_into_its_branch(side):
     near = next(start for start in starts if start.deflection * side > 0)
     *_, expected = Path(record.case.scene, LoadControl(step=(before.factor - near.factor) / 4, target=before.factor),
                         start=[near])
-    assert fall.after.unstable == 0
+    assert fall.after.unstable_modes == 0
     assert fall.after.deflection == pytest.approx(expected.deflection, rel=1e-6)
     assert distance(fall.after, expected) < 1e-6
 
@@ -210,9 +210,9 @@ def test_higher_modes_are_left_behind():
     record = follow(cantilever(straight(20), lambda beam: [PointForce(beam.model, "tip", (-1.0, 0.0))]),
                     LoadControl(step=7.0, target=28.0))
     before = record.states[-1]
-    assert before.unstable == 2
+    assert before.unstable_modes == 2
     falling = [snap(record.path, before, side=side) for side in (1, -1)]
-    assert [fall.after.unstable for fall in falling] == [0, 0] and all(map(falls, falling))
+    assert [fall.after.unstable_modes for fall in falling] == [0, 0] and all(map(falls, falling))
     assert falling[0].energy_released == pytest.approx(falling[1].energy_released, rel=1e-9)
     shapes = []
     for fall in falling:
@@ -228,9 +228,9 @@ def test_higher_modes_are_left_behind():
 def test_von_mises_truss(side):
     """Two bars under a force below their limit: forward to the hanging truss, backward to the standing one."""
     rise = 0.3
-    record = follow(von_mises_truss.scene(rise).scene, ArcLength(step=0.01, largest=1.0), 0.6 * rise)
+    record = follow(von_mises_truss.case(rise).scene, ArcLength(step=0.01, largest=1.0), 0.6 * rise)
     before = record.states[-1]
-    assert before.unstable == 1
+    assert before.unstable_modes == 1
     fall = snap(record.path, before, side=side)
 
     def out_of_balance(height):
@@ -240,18 +240,18 @@ def test_von_mises_truss(side):
     height = rise - fall.after.deflection
     bracket = (-2 * rise, -rise) if side > 0 else (0.7 * rise, rise)
     assert height == pytest.approx(brentq(out_of_balance, *bracket, xtol=1e-14), rel=1e-6)
-    assert fall.after.unstable == 0 and falls(fall)
+    assert fall.after.unstable_modes == 0 and falls(fall)
 
 
 @pytest.mark.parametrize("hold", ["load", "displacement"])
 def test_star_dome_with_six_unstable_directions(hold):
     """Down to a stable dome, whichever of the directions it leaves along; the energy by itself."""
-    case = star_dome.scene()
+    case = star_dome.case()
     record = follow(case.scene, case.control, 12.0)
-    before = max(record.states, key=lambda state: state.unstable)
-    assert before.unstable == 6
+    before = max(record.states, key=lambda state: state.unstable_modes)
+    assert before.unstable_modes == 6
     fall = snap(record.path, before, hold)
-    assert fall.after.unstable == (0 if hold == "load" else 1) and falls(fall)
+    assert fall.after.unstable_modes == (0 if hold == "load" else 1) and falls(fall)
     if hold == "load":
         assert fall.energy_released == pytest.approx(lost(record, fall), rel=1e-6)
     with pytest.raises(ValueError, match=f"stable while the {hold} is held"):
@@ -261,10 +261,10 @@ def test_star_dome_with_six_unstable_directions(hold):
 @pytest.mark.parametrize("side", [1, -1])
 def test_slender_arch_falls_along_a_curved_valley(side):
     """The deep arch, inextensible and shear-rigid; straight steps need more than 300 (energy to 1e-6 by itself)."""
-    case = deep_arch.scene()
+    case = deep_arch.case()
     record = follow(case.scene, case.control, 118.0)
     fall = snap(record.path, record.states[-1], side=side)
-    assert record.states[-1].unstable and fall.after.unstable == 0
+    assert record.states[-1].unstable_modes and fall.after.unstable_modes == 0
     assert falls(fall) and fall.iterations < 100
     assert fall.energy_released == pytest.approx(lost(record, fall), rel=1e-6)
 
@@ -275,12 +275,12 @@ def test_cylinder_with_a_cluster_of_unstable_directions():
 
     Under the load itself a cylinder has no stable state near it.
     """
-    scene = cylinder_buckling.scene(ratio=100.0, halves=4.0, cells=(12, 5)).scene
+    scene = cylinder_buckling.case(ratio=100.0, halves=4.0, cells=(12, 5)).scene
     model = scene.parts[0].model
     held = replace(scene, supports=[*scene.supports, *(Support(model, end, "x y rz") for end in ("south", "north"))])
     path = Path(held, LoadControl(step=0.25, largest=1.0, target=1.0))
     *_, before = path
-    assert before.unstable >= 8
+    assert before.unstable_modes >= 8
     fall = snap(path, before, "displacement")
     assert fall.after.load < before.load / 2 and fall.iterations < 100 and falls(fall)
     with pytest.raises(ValueError, match="stable while the displacement is held"):
@@ -311,9 +311,9 @@ def test_bad_input(thick_roof):
 
 def fallen_dome():
     """Load, deflection and energy after the fall of the star dome from its most unstable state."""
-    case = star_dome.scene()
+    case = star_dome.case()
     record = follow(case.scene, case.control, 12.0)
-    fall = snap(record.path, max(record.states, key=lambda state: state.unstable), "displacement")
+    fall = snap(record.path, max(record.states, key=lambda state: state.unstable_modes), "displacement")
     return fall.after.load, fall.after.deflection, fall.energy_released
 
 

@@ -76,11 +76,12 @@ def test_motion_of_an_edge_moves_all_of_it():
     shell = fx.Shell(model, fx.Plate(0.01), fx.Elastic(1e4, 0.3), form="naghdi-q2")
     supports = [fx.Support(model, "west", "x y z rx ry rz"), fx.Support(model, "north", "y"),
                 fx.Support(model, "south", "y"), fx.Support(model, "east", "y z rx ry rz")]
-    scene = fx.Scene([shell], supports, [fx.PrescribedDisplacement(model, "east", "x", 1e-4)], fx.Monitor(model, "south-east", "x"))
+    scene = fx.Scene([shell], supports, [fx.PrescribedDisplacement(model, "east", "x", 1e-4)],
+                     fx.Monitor(model, "south-east", "x"))
     path = fx.Path(scene, LoadControl(1.0))
     *_, state = path
     assert state.load == pytest.approx(1e4 / 0.91 * 0.01 * 1e-4, rel=2e-4)
-    assert state.unstable == 0
+    assert state.unstable_modes == 0
     x = path.discretisation.kinematics(model).u
     places = x.function_space.tabulate_dof_coordinates()
     edge = x.x.array.reshape(-1, 3)[places[:, 0] > 1 - 1e-9]
@@ -109,7 +110,8 @@ def test_planes_of_symmetry_that_meet_at_a_corner():
     shell = fx.Shell(model, fx.Plate(0.01), fx.Elastic(1e4, 0.3), form="naghdi-q3")
     planes = [fx.symmetry(model, "west", "x"), fx.symmetry(model, "south", "y"),
               fx.symmetry(model, "north", (0.0, np.cos(angle), -np.sin(angle))), fx.Support(model, "east", "ry rz")]
-    scene = fx.Scene([shell], planes, [fx.PrescribedDisplacement(model, "east", "x", -1e-4)], fx.Monitor(model, "south-east", "x"))
+    scene = fx.Scene([shell], planes, [fx.PrescribedDisplacement(model, "east", "x", -1e-4)],
+                     fx.Monitor(model, "south-east", "x"))
     path = fx.Path(scene, LoadControl(1.0))
     *_, _ = path
     u = path.discretisation.kinematics(model).u

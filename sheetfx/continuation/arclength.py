@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from petsc4py import PETSc
 
-from .control import StepRule, Tangent
+from .control import LoadResponse, StepRule
 from .linear import DirectSolver
 
 Reason = PETSc.SNES.ConvergedReason
@@ -65,7 +65,7 @@ class PathStep:
         """The load factor of the present iterate."""
         return self.start + self.load_increment
 
-    def begin(self, control, tangent: Tangent, length: float, load_increment: float, guess=None) -> None:
+    def begin(self, control, tangent: LoadResponse, length: float, load_increment: float, guess=None) -> None:
         """Set the step that the next `solve` takes from the converged state.
 
         Parameters
@@ -124,12 +124,12 @@ class PathStep:
 
     def _correct(self, snes, x) -> None:
         if self.control.newton == "full" or self._guess is not None:
-            self.factor(snes, x)
+            self.factorise(snes, x)
         with self.system.clock("solve"):
             self.linear.solve(self._residual, self._part)
             self._part.scale(-1)
             self.linear.solve(self._load, self._unit)
-            tangent = Tangent(self._unit, self.tangent.weights, self.tangent.functional,
+            tangent = LoadResponse(self._unit, self.tangent.weights, self.tangent.functional,
                               self.tangent.initial_norm2, self.tangent.current_stiffness)
             change, part = self.control.correct(self.length, tangent, x, self.load_increment, self._part)
             damping = self._damping()
@@ -159,11 +159,11 @@ class PathStep:
         cycling = len(self.history) > 5 and self.history[-1] > 0.9 * self.history[-3]
         return 0.5 if cycling else 1.0
 
-    def factor(self, snes, x) -> None:
+    def factorise(self, snes, x) -> None:
         """Assemble and factor the tangent of the current configuration."""
         snes.computeJacobian(x, self.system.matrix)
         with self.system.clock("factorisation"):
-            self.linear.factor()
+            self.linear.factorise()
 
     def _move(self, x, step) -> None:
         self.system.extrapolate_stress(step)

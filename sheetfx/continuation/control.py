@@ -17,7 +17,7 @@ from .state import State
 
 SIGNS: dict[str, Callable[[State], float]] = {
     "projection": lambda state: state.load_rate,
-    "determinant": lambda state: state.determinant,
+    "determinant": lambda state: state.determinant_sign,
     "current stiffness": lambda state: state.current_stiffness,
     "current stiffness with displacement extremes":
         lambda state: (-1.0) ** state.displacement_extremes * state.current_stiffness,
@@ -125,7 +125,7 @@ class TwoWayRule(StepRule):
         require_choice(self, "sign", SIGNS)
 
     def direction(self, state):
-        if self.sign == "determinant" and state.determinant is None:
+        if self.sign == "determinant" and state.determinant_sign is None:
             raise ValueError(f"{type(self).__name__}: sign 'determinant' needs a factor by MUMPS, which tells it; "
                              "choose 'projection'")
         return copysign(1.0, SIGNS[self.sign](state))
@@ -225,7 +225,7 @@ def _largest_part(a: float, b: float, c: float) -> float:
 
 
 @dataclass
-class Tangent:
+class LoadResponse:
     """Response of a state to a unit of load, and the measures of the controls.
 
     Attributes

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from .segment import Missed, Segment
 from .state import CriticalPoint, State
-from .stretch import Missed, Stretch
 
 EXACT = 1e-10  # relative error of the load at an event
 SHORTEST = 1e-6  # of a step, within which a test that is only true or false changes
@@ -45,24 +45,24 @@ def occurrences(tracer, before: State, after: State, events: Sequence[Event]) ->
 
 
 def _point(tracer, before: State, after: State, event: Event) -> CriticalPoint:
-    stretch = Stretch(tracer, before, after)
+    segment = Segment(tracer, before, after)
     if isinstance(event.test(after), bool):
-        length = _bisected(stretch, event)
+        length = _bisected(segment, event)
     else:
-        values = stretch.root(lambda s: event.value(stretch[s]), 0.0, after.length, EXACT)
+        values = segment.root(lambda s: event.value(segment[s]), 0.0, after.length, EXACT)
         length = next(iter(values))
-    state = stretch[length]
+    state = segment[length]
     return CriticalPoint("event", state.load, state.deflection, after.step, float(length), name=event.name)
 
 
-def _bisected(stretch: Stretch, event: Event) -> float:
+def _bisected(segment: Segment, event: Event) -> float:
     """Length at which a test that is only true or false has changed."""
-    left, right = 0.0, stretch.after.length
-    start = event.value(stretch.before)
-    while right - left > SHORTEST * stretch.after.length:
+    left, right = 0.0, segment.after.length
+    start = event.value(segment.before)
+    while right - left > SHORTEST * segment.after.length:
         middle = (left + right) / 2
         try:
-            changed = event.value(stretch[middle]) != start
+            changed = event.value(segment[middle]) != start
         except Missed:
             break
         left, right = (left, middle) if changed else (middle, right)
@@ -73,7 +73,7 @@ def end_at(tracer, before: State, after: State, point: CriticalPoint) -> State:
     """The state of an event as the end of a step; the tracer ends there."""
     if point.length >= after.length * (1 - 1e-12):
         return after
-    stretch = Stretch(tracer, before, after)
-    state = stretch[point.length]
+    segment = Segment(tracer, before, after)
+    state = segment[point.length]
     tracer.back_to(state)
     return state

@@ -29,7 +29,7 @@ class DirectSolver:
         pc.setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
         ksp.setFromOptions()
 
-    def factor(self) -> None:
+    def factorise(self) -> None:
         """Factor the matrix as it is now.
 
         Raises
@@ -48,7 +48,7 @@ class DirectSolver:
         self.factorisations += 1
         pc.setReusePreconditioner(False)
         pc.setUp()
-        pc.setReusePreconditioner(True)  # until `factor` is called again, whatever is assembled meanwhile
+        pc.setReusePreconditioner(True)  # until `factorise` is called again, whatever is assembled meanwhile
         if pc.getFailedReason() != PETSc.PC.FailedReason.NOERROR:
             pc.reset()
             self._set_up()

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
+RENAMED = {"unstable": "unstable_modes", "determinant": "determinant_sign"}  # in files of version 0.1
+
 
 @dataclass(frozen=True)
 class CriticalPoint:
@@ -16,7 +18,8 @@ class CriticalPoint:
 
     Attributes
     ----------
-    kind : "limit" (the load has an extremum), "bifurcation", or "event" (of one's own, see `continuation.events`)
+    kind : "limit" (the load has an extremum), "bifurcation", or "event" (of one's own, see
+        `continuation.events`)
     load : total load on the whole structure
     deflection : of the monitored point
     step : number of the step that the point lies in
@@ -59,8 +62,8 @@ class State:
     factor : load factor of that stage
     load : total load of that stage on the whole structure
     deflection : monitored displacement
-    unstable : negative eigenvalues of the tangent beyond those of multipliers; None: not symmetric, not known
-    determinant : sign of the tangent's determinant, where multipliers do not count; None: not known
+    unstable_modes : negative eigenvalues of the tangent beyond those of multipliers; None: not symmetric, not known
+    determinant_sign : sign of the tangent's determinant, where multipliers do not count; None: not known
     load_rate : load component of the unit tangent along the path
     iterations, factorisations : of the step that led here, failed tries included
     hardest : most iterations of one Newton solution in its last try
@@ -79,8 +82,8 @@ class State:
     factor: float
     load: float
     deflection: float
-    unstable: int | None
-    determinant: int | None
+    unstable_modes: int | None
+    determinant_sign: int | None
     load_rate: float
     iterations: int
     hardest: int
@@ -125,6 +128,7 @@ class State:
             numbers = json.loads(str(archive["numbers"]))
             fields = {k.removeprefix("field "): archive[k] for k in archive.files if k.startswith("field ")}
             vectors = {k: archive[k] for k in ("increment", "response")}
+        numbers = {RENAMED.get(name, name): value for name, value in numbers.items()}
         numbers["critical"] = tuple(CriticalPoint(**c) for c in numbers["critical"])
         numbers["reference"] = tuple(numbers["reference"])
         fields.setdefault("load", np.array([0, numbers["factor"]]))  # files of version 0.1 have it in the numbers only

@@ -12,7 +12,7 @@ from ..discrete.discretisation import Discretisation
 from ..model.advice import advice_on_supports
 from ..model.scene import Monitor
 from .arclength import create
-from .control import StepRule, Tangent
+from .control import LoadResponse, StepRule
 from .enforcement import Enforcement
 from .linear import SingularTangent
 from .spectrum import diagonal, nearest_to_zero
@@ -31,12 +31,12 @@ class Tracer:
         self._response, self._load = self.system.create_vector(), self.system.create_vector()
         monitor = discretisation.scene.monitor
         self._monitor = self._functional(monitor)
-        self.tangent = Tangent(self._response, self.system.weights,
+        self.tangent = LoadResponse(self._response, self.system.weights,
                                self._functional(getattr(control, "monitor", None) or monitor))
         self._reference: tuple[float, float] | None = None
         self.iterations = self._most = 0
         self._factored: tuple[State | None, int] = None, 0
-        self.system.history.commit()
+        self.system.history.rebase()
         try:
             self.state = self._converged(None)
             self._load.array[:] = np.cos(np.arange(self._load.local_size))
@@ -115,7 +115,7 @@ class Tracer:
         self._most = max(self._most, self.snes.getIterationNumber())
         return self.snes.getConvergedReason() > 0
 
-    def factor_at(self, state: State) -> None:
+    def factorise_at(self, state: State) -> None:
         """Return to a state and factor its tangent, unless that is the last one factored."""
         if self.state is not state:
             self.back_to(state)
@@ -144,7 +144,7 @@ class Tracer:
         self.system.configure(self.x, start.factor)
         if self.control.newton == "modified":
             self.system.extrapolate_stress()
-            self.stepper.factor(self.snes, self.x)
+            self.stepper.factorise(self.snes, self.x)
 
     def reason(self) -> str:
         """Why the last attempt failed."""
@@ -175,10 +175,11 @@ class Tracer:
         self.system.history.commit()
         self.x.zeroEntries()
         return State(
-            step=start.step + 1 if start else 0, stage=system.factors.stage, factor=system.factor, load=self.discretisation.total_load(),
+            step=start.step + 1 if start else 0, stage=system.factors.stage, factor=system.factor,
+            load=self.discretisation.total_load(),
             deflection=start.deflection + deflection if start else 0.0,
-            unstable=None if pivots is None else pivots - system.multipliers,
-            determinant=determinant and determinant * (-1) ** system.multipliers,
+            unstable_modes=None if pivots is None else pivots - system.multipliers,
+            determinant_sign=determinant and determinant * (-1) ** system.multipliers,
             load_rate=sign / sqrt(tangent.norm2 + weight),
             iterations=iterations, hardest=self._most, factorisations=self.total_factorisations - factorisations,
             length=length, next_length=length or self.control.first, load_increment=load_increment,
@@ -195,7 +196,7 @@ class Tracer:
         system = self.system
         system.configure(self.x, system.factor)
         system.extrapolate_stress()
-        self.stepper.factor(self.snes, self.x)
+        self.stepper.factorise(self.snes, self.x)
         system.load(self._load)
         with system.clock("solve"):
             self.stepper.linear.solve(self._load, self._response)

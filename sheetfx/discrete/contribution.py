@@ -67,7 +67,7 @@ class Contribution:
     def pattern(self, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
         """Global rows and columns of the entries of the tangent, -1 where an increment is zero.
 
-        `layout.free_places[number]` has the numbers of the increments at each node of a field.
+        `layout.free_numbers[number]` has the numbers of the increments at each node of a field.
         """
         return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
 

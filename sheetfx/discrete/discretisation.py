@@ -10,6 +10,8 @@ import ufl
 from dolfinx import fem
 from mpi4py import MPI
 
+from ..compat import JIT
+from ..mesh.numbers import lift_numbers
 from ..mesh.reader import Model
 from ..model.contact import Contact
 from ..model.scene import Monitor, Scene
@@ -147,6 +149,13 @@ class Discretisation:
             return block, np.arange(block.index_map.size_local)
         k = self.kinematics(monitor.on)
         return k.block, k.point_dofs(monitor.on, monitor.at, monitor.component)
+
+    def resultants(self, part) -> np.ndarray:
+        """Stress resultants of a part now at its points of quadrature, shape (cells, points, resultants)."""
+        k, mesh, cells = self.kinematics(part.model), part.model.mesh, part.model.group(part.group)
+        resultants, points = part.resultants(k.u, k.total_rotation)
+        values = fem.Expression(lift_numbers(resultants, mesh), points, jit_options=JIT).eval(mesh, cells)
+        return values.reshape(len(cells), len(points), -1)
 
     def total_load(self) -> float:
         """Load of the present stage on the whole structure: the sum of the magnitudes of its loads, or the reaction."""

@@ -37,7 +37,7 @@ class Coupling:
 
     Attributes
     ----------
-    rows, columns : places of the fields in the list of fields, rows <= columns
+    rows, columns : numbers of the fields in the list of fields, rows <= columns
     nodes : shape (n, 2), pairs of nodes on this process that share a cell; of one field with itself those with the
         first not above the second
     pairs : for each cell the number of each of its pairs of nodes, -1 for those that are left out
@@ -65,23 +65,23 @@ class ElementWork(Contribution):
 
     Attributes
     ----------
-    places : places in `fields` of those that occur
+    numbers : in `fields`, of those that occur
     couplings : list of Coupling, filled by `tangent`
     """
 
     def __init__(self, internal: Internal, fields: list[AdditiveField], increments: list[fem.Function | None] | None):
         self.internal, mesh, cells = internal, internal.mesh, internal.cells
         self._terms = [_TermWork(t, mesh, cells, fields, increments) for t in internal.terms]
-        self.places = sorted({n for t in self._terms for n in t.places})
-        self._fields = [fields[n] for n in self.places]
+        self.numbers = sorted({n for t in self._terms for n in t.numbers})
+        self._fields = [fields[n] for n in self.numbers]
         self._nodes = [f.value.function_space.dofmap.list[cells].astype(np.int64) for f in self._fields]
         self._raw = [f.components for f in self._fields]
         self.couplings = []
-        for a, b in combinations_with_replacement(range(len(self.places)), 2):
+        for a, b in combinations_with_replacement(range(len(self.numbers)), 2):
             nodes, pairs = _node_pairs(self._nodes[a], self._nodes[b], a == b)
             mirrored = np.flatnonzero(nodes[:, 0] != nodes[:, 1]) if a == b else np.arange(len(nodes))
             values = np.zeros((len(nodes), self._fields[a].width, self._fields[b].width))
-            self.couplings.append(Coupling(self.places[a], self.places[b], nodes, pairs, mirrored, values))
+            self.couplings.append(Coupling(self.numbers[a], self.numbers[b], nodes, pairs, mirrored, values))
 
     def _chunks(self):
         count = len(self.internal.cells)
@@ -91,8 +91,8 @@ class ElementWork(Contribution):
         rows, columns = [], []
         for coupling in self.couplings:
             shape = coupling.values.shape
-            left = np.broadcast_to(layout.free_places[coupling.rows][coupling.nodes[:, 0], :, None], shape)
-            right = np.broadcast_to(layout.free_places[coupling.columns][coupling.nodes[:, 1], None, :], shape)
+            left = np.broadcast_to(layout.free_numbers[coupling.rows][coupling.nodes[:, 0], :, None], shape)
+            right = np.broadcast_to(layout.free_numbers[coupling.columns][coupling.nodes[:, 1], None, :], shape)
             rows += [left.ravel(), right[coupling.mirrored].ravel()]
             columns += [right.ravel(), left[coupling.mirrored].ravel()]
         return np.concatenate(rows), np.concatenate(columns)
@@ -101,7 +101,7 @@ class ElementWork(Contribution):
         for chunk in self._chunks():
             for term in self._terms:
                 for place, vectors in term.vectors(chunk):
-                    _add_rows(forces.on(place), self._nodes[self.places.index(place)][chunk], vectors)
+                    _add_rows(forces.on(place), self._nodes[self.numbers.index(place)][chunk], vectors)
 
     def extrapolate_stress(self) -> None:
         for chunk in self._chunks():
@@ -111,19 +111,19 @@ class ElementWork(Contribution):
     def tangent(self, held: Forces) -> np.ndarray:
         for coupling in self.couplings:
             coupling.values[:] = 0
-        bases = {n: f.variations() for n, f in zip(self.places, self._fields, strict=True)}
-        nodes = dict(zip(self.places, self._nodes, strict=True))
+        bases = {n: f.variations() for n, f in zip(self.numbers, self._fields, strict=True)}
+        nodes = dict(zip(self.numbers, self._nodes, strict=True))
         for chunk in self._chunks():
             matrices: dict[tuple[int, int], np.ndarray] = {}
             for term in self._terms:
                 for place, vectors in term.add_matrices(chunk, matrices):
-                    number = self.places.index(place)
+                    number = self.numbers.index(place)
                     if self._fields[number].curved:
                         _add_rows(held.on(place), self._nodes[number][chunk], vectors)
             for coupling in self.couplings:
                 a, b = coupling.rows, coupling.columns
                 if (a, b) in matrices:
-                    raw = [self._raw[self.places.index(n)] for n in (a, b)]
+                    raw = [self._raw[self.numbers.index(n)] for n in (a, b)]
                     sizes = tuple((0,) * n for n in (*raw, *coupling.values.shape[1:]))
                     _add_blocks(matrices[a, b], *_layout(*raw, a == b), bases[a], bases[b], nodes[a][chunk],
                                 nodes[b][chunk], coupling.pairs[chunk], coupling.values, sizes)
@@ -138,7 +138,7 @@ class _TermWork:
         self._mesh, self._cells, self._rule = mesh, cells, term.rule
         strains, jet, self._parts = as_function_of_jet(term.strains, [f.value for f in fields])
         values = [f.value for f in fields]
-        self.places = [values.index(p.field) for p in self._parts]
+        self.numbers = [values.index(p.field) for p in self._parts]
         self._tables = [_tabulate(p, term.rule) for p in self._parts]
         resultants = term.law(strains)
         slopes = ufl.diff(strains, jet)
@@ -148,7 +148,7 @@ class _TermWork:
             held, stiffness = force, ufl.diff(force, jet)
             self._stress = None
         else:
-            self._prepare_stress(term, [p.field for p in self._parts], [increments[n] for n in self.places])
+            self._prepare_stress(term, [p.field for p in self._parts], [increments[n] for n in self.numbers])
             held = ufl.as_vector(self._stress[i] * slopes[i, j], j)
             stiffness = ufl.as_matrix(ufl.diff(resultants, jet)[i, j] * slopes[i, k], (j, k)) + ufl.diff(held, jet)
         size = ufl.JacobianDeterminant(mesh)
@@ -179,7 +179,7 @@ class _TermWork:
 
     def _integrated(self, values):
         """Place of each field and its element vectors (cells, components, nodes) from densities of the jet."""
-        for part, place, table in zip(self._parts, self.places, self._tables, strict=True):
+        for part, place, table in zip(self._parts, self.numbers, self._tables, strict=True):
             count = part.components * len(part.orders)
             density = values[:, :, part.start: part.start + count].reshape(
                 *values.shape[:2], part.components, len(part.orders))
@@ -197,7 +197,7 @@ class _TermWork:
     def add_matrices(self, chunk, matrices: dict):
         """Add element matrices (cells, pairs of components, n, m) by places of fields; return held forces."""
         values, start = self._evaluate(self._stiffness, chunk), 0
-        couplings = zip(combinations_with_replacement(self.places, 2), self._entries, self._products, strict=True)
+        couplings = zip(combinations_with_replacement(self.numbers, 2), self._entries, self._products, strict=True)
         for place, entries, products in couplings:
             density = values[:, :, start: start + len(entries)]
             orders = products.shape[0] // values.shape[1]

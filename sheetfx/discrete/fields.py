@@ -167,8 +167,8 @@ class Fields:
         if comm.allreduce(not matched, op=MPI.LOR):
             others = f", or stand on different ones of the {comm.size} processes, which is not possible yet" * (
                 comm.size > 1)
-            raise ValueError(f"joint at {at!r}: its nodes do not match those that it is joined to{others}; join points, "
-                             "or edges whose nodes have the same places")
+            raise ValueError(f"joint at {at!r}: its nodes do not match those that it is joined to{others}; join "
+                             "points, or edges whose nodes have the same places")
         return found
 
     def _field(self, model: Model, quantity: str) -> AdditiveField:

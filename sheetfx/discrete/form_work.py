@@ -158,7 +158,7 @@ class _Border:
         return [(forms, down) for forms, down in ((self._column, True), (self._row, False)) if forms is not None]
 
     def pattern(self, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
-        own = layout.free_places[self._number].ravel()[:1]
+        own = layout.free_numbers[self._number].ravel()[:1]
         rows, columns = [], []
         for forms, down in self._sides():
             for block, form in zip(self._unknowns.spatial, forms, strict=True):
@@ -169,7 +169,7 @@ class _Border:
                     columns.append(across if down else along)
         for other, _ in self._corner:
             rows.append(own)
-            columns.append(layout.free_places[other].ravel()[:1])
+            columns.append(layout.free_numbers[other].ravel()[:1])
         return np.concatenate(rows), np.concatenate(columns)
 
     def values(self) -> np.ndarray:

@@ -49,9 +49,18 @@ class Kinematics:
         space = self.block.space
         return dofs[dofs < space.dofmap.index_map.size_local * space.dofmap.index_map_bs]
 
-    def angle(self, model: Model, at: str) -> float:
-        """Rotation of a named point in the plane, in radians."""
-        return float(self._value(self.spin, model, at)[0])
+    def turned(self, model: Model, at: str) -> float | np.ndarray:
+        """Rotation of a named point: in the plane an angle in radians, in space a unit quaternion.
+
+        Raises
+        ------
+        ValueError
+            If there is no field of rotations.
+        """
+        if self.spin is None:
+            raise ValueError(f"rotation of {at!r}: bars have no rotations; ask for the displacement")
+        value = self._value(self.block.fields[1].value, model, at)
+        return float(value[0]) if len(value) == 1 else value
 
     @staticmethod
     def _value(function: fem.Function, model: Model, at: str) -> np.ndarray:

@@ -82,7 +82,7 @@ class Layout:
         return numbers
 
     @cached_property
-    def places(self) -> list[np.ndarray]:
+    def field_numbers(self) -> list[np.ndarray]:
         """For each field the global numbers of its nodes' increments, shape (nodes, width)."""
         return [array[f.dofs].reshape(-1, f.width) for f, array in self.fields(self.numbers)]
 
@@ -95,9 +95,9 @@ class Layout:
         return np.concatenate(self.comm.allgather(self.fixed + self.start))
 
     @cached_property
-    def free_places(self) -> list[np.ndarray]:
-        """`places` with -1 where the increment is zero."""
-        return [self.free(place) for place in self.places]
+    def free_numbers(self) -> list[np.ndarray]:
+        """`field_numbers` with -1 where the increment is zero."""
+        return [self.free(place) for place in self.field_numbers]
 
     def starts(self) -> np.ndarray:
         """Global number of the first row of each block on each process, shape (processes, blocks)."""
@@ -109,7 +109,7 @@ class Layout:
         if not self.comm.allreduce(any(f.axes is not None for f in fields), op=MPI.LOR):
             return None
         rows, columns, values = [], [], []
-        for field, place in zip(fields, self.places, strict=True):
+        for field, place in zip(fields, self.field_numbers, strict=True):
             own = place[(place[:, 0] >= self.start) & (place[:, 0] < self.start + self.size)]
             axes = np.broadcast_to(np.eye(field.width) if field.axes is None else field.axes,
                                    (*place.shape, field.width))

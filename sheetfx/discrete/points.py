@@ -85,7 +85,7 @@ class PointWork(Contribution):
                           trace.weights[:, :, None] * values[:, None, part])
 
     def pattern(self, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
-        places = [layout.free_places[t.field][t.nodes] for t in self._traces]
+        places = [layout.free_numbers[t.field][t.nodes] for t in self._traces]
         rows, columns = [np.empty(0, dtype=np.int64)], [np.empty(0, dtype=np.int64)]
         for left in places:
             for right in places:
@@ -155,6 +155,8 @@ class PointLaw:
         expression = ufl.algorithms.expand_derivatives(expression)
         if isinstance(expression, ufl.classes.Zero):
             return None
+        if ufl.domain.extract_unique_domain(expression) is None:  # numbers alone, which DOLFINx does not compile
+            expression = fem.Constant(self._mesh, 1.0) * expression
         return fem.Expression(lift_numbers(expression, self._mesh), np.array([[0.5]]), jit_options=JIT)
 
     def _evaluate(self, expression: fem.Expression | None, z: np.ndarray, *shape: int) -> np.ndarray:

@@ -36,8 +36,8 @@ class System:
     smooth, conservative : whether all contributions are
     history : History of fields and contributions
     size : number of free unknowns
-    fixed_places : places of fixed unknowns in this process's part of a vector
-    multiplier_places : places of free Lagrange multipliers in this process's part of a vector
+    fixed_rows : places of fixed unknowns in this process's part of a vector
+    multiplier_rows : places of free Lagrange multipliers in this process's part of a vector
     multipliers : number of Lagrange multipliers; each gives the tangent one negative pivot
     matrix : the tangent
     """
@@ -49,10 +49,10 @@ class System:
         self.conservative = all(c.conservative for c in contributions)
         self.history = History(unknowns.fields, contributions)
         self._layout, self._changes = layout, changes
-        self.fixed_places = layout.fixed
-        self.size = self.comm.allreduce(layout.size - len(self.fixed_places))
-        self.multiplier_places = self._multipliers()
-        self.multipliers = self.comm.allreduce(len(self.multiplier_places))
+        self.fixed_rows = layout.fixed
+        self.size = self.comm.allreduce(layout.size - len(self.fixed_rows))
+        self.multiplier_rows = self._multipliers()
+        self.multipliers = self.comm.allreduce(len(self.multiplier_rows))
         self.matrix = None
         self._create_matrix()
         self.weights = self._inner_product_weights()
@@ -73,13 +73,13 @@ class System:
         for f, array in self._layout.fields(marks):
             array[f.dofs] = f.multiplier
         self._layout.put(marks, vector)
-        vector.array[self.fixed_places] = 0
+        vector.array[self.fixed_rows] = 0
         return np.flatnonzero(vector.array > 0.5)
 
     def _create_matrix(self) -> None:
         """A matrix for the entries of all contributions, one behind the other, and of the nodes' rotations."""
         patterns = [c.pattern(self._layout) for c in self.contributions]
-        for place, field in zip(self._layout.free_places, self.unknowns.fields, strict=True):
+        for place, field in zip(self._layout.free_numbers, self.unknowns.fields, strict=True):
             if field.curved:
                 shape = (*place.shape, field.width)
                 patterns.append((np.broadcast_to(place[:, :, None], shape).ravel(),
@@ -99,7 +99,7 @@ class System:
         for f, array in self._layout.fields(arrays):
             array[f.dofs] = 1 / (f.scale**2 * f.count)
         self._layout.put(arrays, weights)
-        weights.array[self.fixed_places] = 0
+        weights.array[self.fixed_rows] = 0
         return weights
 
     def create_vector(self, values: np.ndarray | None = None) -> PETSc.Vec:
@@ -178,8 +178,8 @@ class System:
                 array[f.dofs] += np.einsum("na,nai->ni", force, basis).ravel()
         self._layout.put(arrays, out)
         out.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
-        support = out.array[self.fixed_places]
-        out.array[self.fixed_places] = 0
+        support = out.array[self.fixed_rows]
+        out.array[self.fixed_rows] = 0
         return support
 
     def _turn_inward(self, arrays) -> None:

@@ -155,3 +155,26 @@ def tied(strains):
     """Law of a constraint: the gradient of multiplier times gap."""
     half = strains.ufl_shape[0] // 2
     return ufl.as_vector([strains[half + i] for i in range(half)] + [strains[i] for i in range(half)])
+
+
+def turn_from_prescribed(value, factor, rotation):
+    """Turn of a point from a prescribed rotation, factor times angle times axis.
+
+    Parameters
+    ----------
+    value : UFL vector, angle of shape (1,) or quaternion of shape (4,)
+    factor : UFL scalar
+    rotation : numbers, angle or angle times axis
+
+    Returns
+    -------
+    list of UFL scalars: the angle, or twice the vector part of the relative quaternion, on the axes of space.
+    """
+    if value.ufl_shape == (1,):
+        return [value[0] - factor * rotation[0]]
+    angle = sum(r * r for r in rotation) ** 0.5
+    axis = [r / angle if angle else 0.0 for r in rotation]
+    sine = ufl.sin(factor * angle / 2)
+    prescribed = ufl.as_vector([ufl.cos(factor * angle / 2), *(sine * a for a in axis)])
+    vector = relative_quaternion(prescribed, value)[1]
+    return [2 * vector[i] for i in range(3)]

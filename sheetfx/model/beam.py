@@ -61,6 +61,10 @@ class Beam:
         stiffness = self.section.stiffness(self.material, self.model.dimension, self.shear_rigidity)
         return _internal(self, u, rotation, stiffness)
 
+    def resultants(self, u, rotation):
+        """Forces and moments as a UFL vector, and the points of a cell at which they are exact."""
+        return _resultants(self.internal(u, rotation))
+
 
 @dataclass(frozen=True, eq=False)
 class Bar:
@@ -99,6 +103,15 @@ class Bar:
     def internal(self, u, rotation) -> Internal:
         """Internal virtual work."""
         return _internal(self, u, rotation, [self.material.modulus * self.section.area])
+
+    def resultants(self, u, rotation):
+        """Axial force as a UFL vector, and the point of a cell at which it is exact."""
+        return _resultants(self.internal(u, rotation))
+
+
+def _resultants(internal: Internal):
+    (term,) = internal.terms
+    return term.law(term.strains), term.rule.points
 
 
 def _internal(part: Beam | Bar, u, rotation, stiffness) -> Internal:

@@ -222,7 +222,8 @@ class Uniform(Joint):
 
     def contributions(self, fields):
         nodes, index = fields.nodes(self.model, self.at), COMPONENTS[self.model.dimension].index(self.component)
-        traces = [fields.trace(self.model, nodes), fields.own_trace(self, "motion", np.zeros(len(nodes), dtype=np.int64)),
+        first = np.zeros(len(nodes), dtype=np.int64)
+        traces = [fields.trace(self.model, nodes), fields.own_trace(self, "motion", first),
                   fields.own_trace(self, "tie", np.arange(len(nodes)))]
 
         def strains(values, data, factor):

@@ -244,3 +244,42 @@ class PrescribedDisplacement(Load):
         reaction = fields.own(self, "reaction") * self.model.facet_measure(self.at)
         form, comm = fem.form(-reaction, jit_options=JIT), self.model.mesh.comm
         return lambda: comm.allreduce(fem.assemble_scalar(form))
+
+
+@dataclass(frozen=True)
+class PrescribedRotation(Load):
+    """Prescribed rotation of a named point; the moment that it takes is an unknown.
+
+    In the plane an angle in radians, of any size. In space a vector, angle times axis: all of the rotation is
+    prescribed, and the point turns about the axis as the load factor grows.
+    """
+
+    model: Model
+    at: str
+    rotation: float | tuple[float, float, float]
+
+    def __post_init__(self):
+        self.model.at(self.at)
+        require_components(f"PrescribedRotation at {self.at!r}: rotation", np.ravel(self.rotation),
+                           2 * self.model.dimension - 3)
+
+    def unknowns(self, fields) -> None:
+        count = len(fields.nodes(self.model, self.at, "rotation"))
+        fields.add_numbers(self, self.model, "moment", count * len(np.ravel(self.rotation)))
+
+    def contributions(self, fields):
+        nodes, width = fields.nodes(self.model, self.at, "rotation"), len(np.ravel(self.rotation))
+        moments = [fields.own_trace(self, "moment", np.arange(len(nodes)) * width + i) for i in range(width)]
+
+        def strains(values, data, factor):
+            turn = forms.interface.turn_from_prescribed(values[0], factor, np.ravel(self.rotation))
+            return forms.interface.with_multipliers(turn, values[1:])
+
+        traces = [fields.trace(self.model, nodes, "rotation"), *moments]
+        yield fields.point_work(traces, strains, forms.interface.tied, stage=fields.stage)
+
+    def total(self, fields) -> Callable[[], float]:
+        """The moment along the rotation."""
+        field, comm = fields.own_field(self, "moment"), self.model.mesh.comm
+        axis = np.ravel(self.rotation) / (np.linalg.norm(self.rotation) or 1.0)
+        return lambda: -comm.allreduce(float((field.value.array.reshape(-1, len(axis)) @ axis).sum()))

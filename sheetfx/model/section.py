@@ -174,7 +174,6 @@ class Plate(ShellSection):
     thickness: float
     shear_factor: float = 5 / 6
     drilling: float = 1.0
-    coupled = False
 
     def __post_init__(self):
         require_positive(self, "thickness", "shear_factor", "drilling")
@@ -205,11 +204,6 @@ class GivenPlate(ShellSection):
 
     def __post_init__(self):
         require_positive(self, "thickness")
-
-    @property
-    def coupled(self) -> bool:
-        """Whether stretching and bending are coupled."""
-        return any(any(row) for row in self.matrices.coupling)
 
     def stiffness(self, material=None) -> ShellStiffness:
         return self.matrices

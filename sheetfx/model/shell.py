@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import basix
 import ufl
 from dolfinx import fem
+from ufl.algorithms.expand_indices import IndexExpander
 
 from .. import forms
 from ..compat import JIT, geometry_degree
@@ -18,7 +19,7 @@ from .section import Elastic, GivenPlate, Plate
 from .work import Internal, Term
 
 TRIANGLE, QUADRILATERAL = basix.CellType.triangle, basix.CellType.quadrilateral
-MEMBRANE, BENDING, SHEAR_AND_DRILLING = (0, 1, 2), (3, 4, 5), (6, 7, 8)
+GROUPS = MEMBRANE, BENDING, SHEAR_AND_DRILLING = (0, 1, 2), (3, 4, 5), (6, 7, 8)
 
 
 @dataclass(frozen=True)
@@ -94,7 +95,8 @@ class Shell:
     section, material : constants of the section law
     form : name of a form in FORMS, or a ShellForm
     strains : function (u, rotation, frame) -> ShellStrains
-    law : function (strains, stiffness) -> stress resultants, gradient of an energy, see forms.section.linear_shell
+    law : function (strains, stiffness) -> stress resultants, gradient of an energy, see forms.section.linear_shell;
+        it may couple stretching, bending, shear and drilling
     group : physical group of the surfaces; None: all
     offset : distance of the mid-surface from the meshed surface, along its normal
     """
@@ -134,31 +136,37 @@ class Shell:
         """Integral over the shells, for loads."""
         return self.model.integral({"quadrature_degree": 2 * self.discrete.displacement[1]}, self.group)
 
+    def _strains_and_law(self, u, rotation, frame):
+        """All nine strains, the section law, and the thickness as a constant."""
+        stiffness, thickness, offset = as_constants(
+            self.model.mesh, (self.section.stiffness(self.material), self.section.thickness, self.offset))
+        measure = self.strains or (lambda u, rotation, frame: forms.shell.naghdi(u, rotation, frame, offset))
+        return measure(u, rotation, frame).vector, lambda e: self.law(e, stiffness), thickness
+
+    def resultants(self, u, rotation):
+        """Forces and moments as a UFL vector, and the points of a cell at which they are most exact: the low rule's."""
+        strains, law, _ = self._strains_and_law(u, rotation, self.frame())
+        return law(strains), self.discrete.low.points
+
     def internal(self, u, rotation) -> Internal:
         """Internal virtual work: each energy, and their coupling where there is one, with its rule."""
-        form, mesh = self.discrete, self.model.mesh
-        frame = self.frame()
-        stiffness, thickness, offset = as_constants(
-            mesh, (self.section.stiffness(self.material), self.section.thickness, self.offset))
-        measure = self.strains or (lambda u, rotation, frame: forms.shell.naghdi(u, rotation, frame, offset))
-        strains = measure(u, rotation, frame).vector
+        form, mesh, frame = self.discrete, self.model.mesh, self.frame()
+        strains, law, thickness = self._strains_and_law(u, rotation, frame)
         stretch, shear = form.shares(frame, thickness)
-
-        def law(e):
-            return self.law(e, stiffness)
+        coupled = is_coupled(law, mesh)
 
         def full(e):
             return (stretch * _restricted(law, MEMBRANE)(e) + shear * _restricted(law, SHEAR_AND_DRILLING)(e)
                     + _restricted(law, BENDING)(e))
 
         def low(e):
-            if self.section.coupled:
+            if coupled:
                 return law(e) - full(e)
             return ((1 - stretch) * _restricted(law, MEMBRANE)(e)
                     + (1 - shear) * _restricted(law, SHEAR_AND_DRILLING)(e))
 
         everything = range(9)
-        low_places = everything if self.section.coupled else [*MEMBRANE, *SHEAR_AND_DRILLING]
+        low_places = everything if coupled else [*MEMBRANE, *SHEAR_AND_DRILLING]
         return Internal([_term(strains, low, low_places, form.low), _term(strains, full, everything, form.full)],
                         mesh, self.model.group(self.group))
 
@@ -173,6 +181,41 @@ def surface_frame(mesh) -> forms.shell.SurfaceFrame:
     points = director.function_space.element.interpolation_points()
     director.interpolate(fem.Expression(forms.shell.unit_normal(mesh), points, jit_options=JIT))
     return forms.shell.surface_frame(mesh, director)
+
+
+def is_coupled(law, mesh) -> bool:
+    """Whether a section law gives forces of one of the GROUPS to strains of another."""
+    strains = [ufl.Constant(mesh.ufl_domain()) for _ in range(9)]
+    resultants = ufl.algorithms.expand_derivatives(law(ufl.as_vector(strains)))
+    components = _Components()
+    for group in GROUPS:
+        others = {e for n, e in enumerate(strains) if n not in group}
+        if any(others.intersection(ufl.algorithms.extract_type(components.visit(resultants[n]), ufl.Constant))
+               for n in group):
+            return True
+    return False
+
+
+class _Components(IndexExpander):
+    """Writes out scalar expressions without indices, so that they contain only what they depend on.
+
+    Each component of a subexpression is written out once: UFL's expander repeats it wherever it occurs, which takes
+    forever for a law that iterates, and confuses the components of variables.
+    """
+
+    def __init__(self):
+        super().__init__()
+        self._known = {}
+
+    def visit(self, o):
+        indices = tuple(self._index2value[ufl.classes.Index(n)] for n in o.ufl_free_indices)
+        key = o, self.component(), indices
+        if key not in self._known:
+            self._known[key] = super().visit(o)
+        return self._known[key]
+
+    def variable(self, o):
+        return self.visit(o.ufl_operands[0])
 
 
 def _term(strains, law, places, rule) -> Term:

@@ -1,4 +1,4 @@
-"""Scenes that `sheetfx run NAME` knows: each module's function `scene` makes a case."""
+"""Scenes that `sheetfx run NAME` knows: each module's function `case` makes one."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ def scene_names() -> list[str]:
     return sorted(name.replace("_", "-") for name in names if not name.startswith("_"))
 
 
-def load_scene(name: str):
-    """The function `scene` of a built-in scene or of a user's script.
+def load_case(name: str):
+    """The function `case` of a built-in scene or of a user's script.
 
     Raises
     ------
@@ -38,6 +38,6 @@ def load_scene(name: str):
         module = importlib.import_module(f"{__name__}.{name.replace('-', '_')}")
     else:
         raise ValueError(f"unknown scene {name!r}; choose one of {', '.join(scene_names())}, or a script ending in .py")
-    if not hasattr(module, "scene"):
-        raise ValueError(f"the script {name} has no function `scene` that returns a sheetfx.Case; add one")
-    return module.scene
+    if not hasattr(module, "case"):
+        raise ValueError(f"the script {name} has no function `case` that returns a sheetfx.Case; add one")
+    return module.case

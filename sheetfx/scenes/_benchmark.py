@@ -11,13 +11,14 @@ import numpy as np
 from typer import Option
 
 from .. import meshes
-from ..case import Case, Record
+from ..case import Case
 from ..continuation.control import LoadControl, StepRule
 from ..mesh.reader import Model, read
 from ..model.scene import Monitor, Scene
 from ..model.shell import FORMS, TRIANGLE, Shell, named_form
 from ..model.supports import Support
 from ..path import Until
+from ..record import Record
 from ..show.curves import path_curve, smooth
 from ..show.evaluate import communicator, last_state_kept
 from ..show.files import paraview

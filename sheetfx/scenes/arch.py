@@ -10,7 +10,7 @@ from mpi4py import MPI
 from typer import Option
 
 from .. import meshes
-from ..case import Case, Record, trace
+from ..case import Case
 from ..continuation.control import ArcLength
 from ..mesh.reader import Model, read
 from ..model.beam import Beam
@@ -20,7 +20,8 @@ from ..model.obstacles import RigidCylinder
 from ..model.scene import Monitor, Scene
 from ..model.section import Elastic, Rectangle
 from ..model.supports import clamp, symmetry
-from ..path import Until
+from ..path import Path, Until
+from ..record import Record
 from ..show import contact as contact_pictures
 from ..show.curves import path_curve
 from ..show.files import paraview
@@ -29,7 +30,7 @@ from ..show.pictures import shapes
 RADIUS, WIDTH, MODULUS = 3380.6, 25.4, 72395.0
 
 
-def scene(
+def case(
     ratio: Annotated[float, Option(help="radius of the punch over that of the arch")] = 1.0,
     no_punch: Annotated[bool, Option("--no-punch", help="point load instead of the punch")] = False,
     friction: Annotated[float, Option(help="Coulomb's coefficient between arch and punch")] = 0.0,
@@ -98,6 +99,11 @@ def crown_height(model: Model) -> float:
     return model.mesh.comm.allreduce(float(model.mesh.geometry.x[:, 1].max()), op=MPI.MAX)
 
 
+def rise(model: Model) -> float:
+    """Height of the model's highest point above its lowest."""
+    return crown_height(model) - model.mesh.comm.allreduce(float(model.mesh.geometry.x[:, 1].min()), op=MPI.MIN)
+
+
 def quantities(record: Record, thickness: float) -> dict[str, float]:
     """Limit loads, and with a punch their ratio to the limit load of the same mesh without one.
 
@@ -114,16 +120,19 @@ def quantities(record: Record, thickness: float) -> dict[str, float]:
             values |= {"lowest_load": lowest.load, "lowest_deflection": lowest.deflection}
     if record.case.scene.contacts:
         values["penetration_over_depth"] = max(s.penetration for s in record.states) / thickness
-        if limits:
-            values["limit_ratio"] = values["limit_load"] / limit_without_contact(record)
+        if limits and (without := limit_without_contact(record)):
+            values["limit_ratio"] = values["limit_load"] / without
     return values
 
 
-def limit_without_contact(record: Record) -> float:
-    """Limit load of the same arch under a point load."""
+def limit_without_contact(record: Record) -> float | None:
+    """First limit load of the same arch under a point load; None where there is none, as for very shallow arches.
+
+    The search ends when the crown has come down by twice the rise: the arch then hangs upside down.
+    """
     scene = record.case.scene
     model = scene.parts[0].model
     bare = Scene(scene.parts, scene.supports, [PointForce(model, "crown", (0.0, -1.0 / scene.symmetry_factor))],
                  scene.monitor, symmetry_factor=scene.symmetry_factor)
-    path = trace(Case(bare, until=Until(deflection=15.0)))
-    return next(p.load for p in path.critical_points if p.kind == "limit")
+    path = Path(bare, until=Until(deflection=2 * rise(model)))
+    return next((p.load for state in path for p in state.critical if p.kind == "limit"), None)

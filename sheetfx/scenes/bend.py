@@ -14,7 +14,7 @@ import numpy as np
 from typer import Option
 
 from .. import meshes
-from ..case import Case, Record
+from ..case import Case
 from ..continuation.control import LoadControl
 from ..mesh.reader import Model, read
 from ..model.beam import Beam
@@ -22,6 +22,7 @@ from ..model.loads import PointForce
 from ..model.scene import Monitor, Scene
 from ..model.section import Elastic, Rectangle
 from ..model.supports import clamp
+from ..record import Record
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
@@ -38,7 +39,7 @@ class PolarSection(Rectangle):
         return sum(self.second_moments)
 
 
-def scene(
+def case(
     elements: Annotated[int, Option(help="elements on the bend")] = 32,
     degree: Annotated[int, Option(help="of the elements: 1 (two nodes) or 2")] = 2,
     force: Annotated[float, Option(help="tip force out of the plane")] = 600.0,

@@ -25,7 +25,7 @@ REFERENCE = {"u_tip": 3.2897, "w_tip": 6.7002}
 CHART = members({"naghdi-q2": (2, 4, 8, 16), "naghdi-q3": (1, 2, 4, 8), "naghdi-p2cr": (4, 8, 16, 32)})
 
 
-def scene(
+def case(
     cells: Cells = 8,
     form: Form = "naghdi-q3",
     thickness: Annotated[float, Option(help="of the strip; it is 10 long and 1 wide")] = 0.1,

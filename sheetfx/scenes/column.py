@@ -12,7 +12,7 @@ from typing import Annotated
 from typer import Option
 
 from .. import meshes
-from ..case import Case, Record
+from ..case import Case
 from ..checks import require_positive_number
 from ..continuation.control import LoadControl
 from ..mesh.reader import read
@@ -21,6 +21,7 @@ from ..model.loads import PointForce
 from ..model.scene import Monitor, Scene
 from ..model.section import Elastic, Rectangle
 from ..model.supports import Support
+from ..record import Record
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
@@ -30,7 +31,7 @@ ENDS = {"pinned-pinned": ("x y", "y"), "clamped-free": ("x y rz", ""), "clamped-
         "clamped-clamped": ("x y rz", "y rz")}
 
 
-def scene(
+def case(
     ends: Annotated[str, Option(help=f"of the column: {', '.join(ENDS)}")] = "pinned-pinned",
     depth: Annotated[float, Option(help="depth of the section; the length is 1")] = 0.01,
     elements: Annotated[int, Option(help="elements on the column")] = 12,

@@ -15,13 +15,14 @@ import numpy as np
 from scipy.linalg import eigh
 from typer import Option
 
-from ..case import Case, Record
+from ..case import Case
 from ..model.loads import EdgeForce
 from ..model.scene import Monitor, Scene
 from ..model.section import Elastic, Plate
 from ..model.shell import Shell
 from ..model.supports import Support, symmetry
 from ..path import Until
+from ..record import Record
 from ..show.modes import draw_modes, mode_files
 from ..stability.buckling import buckling
 from ._benchmark import Form, surface
@@ -29,7 +30,7 @@ from ._benchmark import Form, surface
 RADIUS, MATERIAL = 1000.0, Elastic(70000.0, 0.3)
 
 
-def scene(
+def case(
     ratio: Annotated[float, Option(help="radius over thickness")] = 500.0,
     halves: Annotated[float, Option(help="length, in half waves of the axisymmetric mode")] = 2.0,
     cells: Annotated[tuple[int, int], Option(help="cells around a quarter and along")] = (24, 4),
@@ -73,7 +74,7 @@ def classical(thickness: float) -> float:
 
 def quantities(record: Record, thickness: float, length: float) -> dict[str, float]:
     """Lowest load over the classical one, the number in its cluster, and the difference from exact waves."""
-    loads = [b for b in record.buckling if b.factor > 0]
+    loads = [b for b in record.buckling() if b.factor > 0]
     exact = [value for value, _, _ in waves(thickness, length)]
     differences = [abs(b.factor / value - 1) for b, value in zip(loads, exact, strict=False)]
     return {"factor": loads[0].factor, "exact_waves": exact[0], "cluster": loads[0].multiplicity,

@@ -31,7 +31,7 @@ from .column import quantities
 RADIUS, POISSON = 1.0, 0.3
 
 
-def scene(
+def case(
     ratio: Annotated[float, Option(help="radius over thickness")] = 100.0,
     length: Annotated[float, Option(help="half the length over the radius")] = 0.5,
     cells: Annotated[tuple[int, int], Option(help="cells around and along")] = (10, 6),

@@ -18,7 +18,7 @@ from typing import Annotated
 from typer import Option
 
 from .. import meshes
-from ..case import Case, Record
+from ..case import Case
 from ..continuation.control import ArcLength
 from ..mesh.reader import read
 from ..model.beam import Beam
@@ -27,6 +27,7 @@ from ..model.scene import Monitor, Scene
 from ..model.section import Elastic, Rectangle
 from ..model.supports import clamp, pin, symmetry
 from ..path import Until
+from ..record import Record
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
@@ -34,7 +35,7 @@ from ..show.pictures import shapes
 RADIUS, MODULUS = 100.0, 1.2e6
 
 
-def scene(
+def case(
     opening: Annotated[float, Option(help="opening angle, degrees")] = 215.0,
     hinged: Annotated[bool, Option("--hinged", help="on two hinges, half the arch, to 200 EI / R^2")] = False,
     elements: Annotated[int, Option(help="elements on what is modelled")] = 60,

@@ -41,7 +41,7 @@ def eighth(form: str, cells: int, radius: float) -> tuple[Model, list[Support]]:
                    Support(model, "east", "y z")]
 
 
-def scene(
+def case(
     cells: Cells = 16,
     form: Form = "naghdi-q3",
     thickness: Annotated[float, Option(help="of the shell; the radius is 100")] = 1.0,

@@ -31,7 +31,7 @@ CHART = members({"naghdi-q2": (8, 12, 16), "naghdi-q3": (4, 6, 8, 12), "naghdi-p
 PEERS = [{"driver": "kratos", "arguments": ["hemisphere", "--cells", "24", "--steps", "10", "--solver", "amgcl"]}]
 
 
-def scene(
+def case(
     cells: Cells = 8,
     form: Form = "naghdi-q3",
     thickness: Annotated[float, Option(help="of the shell; the radius is 10")] = 0.04,

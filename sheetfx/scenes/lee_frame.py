@@ -11,7 +11,7 @@ from typing import Annotated
 from typer import Option
 
 from .. import meshes
-from ..case import Case, Record
+from ..case import Case
 from ..continuation.control import ArcLength
 from ..mesh.reader import read
 from ..model.beam import Beam
@@ -20,6 +20,7 @@ from ..model.scene import Monitor, Scene
 from ..model.section import Elastic, Rectangle
 from ..model.supports import pin
 from ..path import Until
+from ..record import Record
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
@@ -29,7 +30,7 @@ SIDE, LOAD_FROM_CORNER = 120.0, 24.0
 SECTION, MATERIAL = Rectangle(3.0, 2.0), Elastic(7.2e6, 0.3)
 
 
-def scene(
+def case(
     elements: Annotated[int, Option(help="elements on each member, a multiple of 5")] = 20,
     degree: Annotated[int, Option(help="of the elements: 1 (two nodes) or 2")] = 2,
     to: Annotated[float, Option(help="deflection under the load at which the path ends")] = 95.0,

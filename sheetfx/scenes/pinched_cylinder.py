@@ -20,7 +20,7 @@ REFERENCE = {"deflection": 1.859e-5}
 CHART = members({"naghdi-q2": (8, 16, 24, 32), "naghdi-q3": (4, 8, 12, 16), "naghdi-p2cr": (16, 24, 32, 48)}, steps=0)
 
 
-def scene(
+def case(
     cells: Cells = 16,
     form: Form = "naghdi-q3",
     thickness: Annotated[float, Option(help="of the shell; the radius is 300")] = 3.0,

@@ -15,13 +15,14 @@ from numpy.polynomial import Legendre
 from scipy.linalg import eigh
 from typer import Option
 
-from ..case import Case, Record
+from ..case import Case
 from ..model.loads import EdgeForce
 from ..model.scene import Monitor, Scene
 from ..model.section import Elastic, Plate
 from ..model.shell import Shell
 from ..model.supports import Support
 from ..path import Until
+from ..record import Record
 from ..show.modes import draw_modes, mode_files
 from ..stability.buckling import buckling
 from ._benchmark import Form, surface
@@ -35,7 +36,7 @@ EDGES = {
 WIDTH, MODULUS = 1000.0, 210000.0
 
 
-def scene(
+def case(
     edges: Annotated[str, Option(help=f"one of {', '.join(EDGES)}: unloaded edges unless it says loaded; `free` "
                                       "leaves one of them, `clamped-free` clamps the other")] = "simply-supported",
     aspect: Annotated[float, Option(help="length along the load over width")] = 1.0,
@@ -74,7 +75,7 @@ def _fixed(kind: str, edge: str) -> str:
 
 def quantities(record: Record, edges: str, aspect: float, poisson: float) -> dict[str, float]:
     """Factor k, its theory and the difference in percent."""
-    factor = min(b.factor for b in record.buckling if b.factor > 0)
+    factor = min(b.factor for b in record.buckling() if b.factor > 0)
     theory = buckling_factor(edges, aspect, poisson)
     return {"factor": factor, "theory": theory, "difference_percent": 100 * (factor / theory - 1)}
 

@@ -29,7 +29,7 @@ REFERENCE = {"w_A": 2.7655, "u_B": 4.5570, "u_C": 3.2766}
 CHART = members({"naghdi-q2": (8, 12, 16, 24), "naghdi-q3": (6, 8, 12), "naghdi-p2cr": (12, 16, 24, 32)})
 
 
-def scene(
+def case(
     cells: Cells = 8,
     form: Form = "naghdi-q3",
     thickness: Annotated[float, Option(help="of the shell; the radius is 4.953")] = 0.094,

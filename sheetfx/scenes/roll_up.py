@@ -8,7 +8,7 @@ from typing import Annotated
 from typer import Option
 
 from .. import meshes
-from ..case import Case, Record
+from ..case import Case
 from ..continuation.control import LoadControl
 from ..mesh.reader import Model, read
 from ..model.beam import Beam
@@ -17,6 +17,7 @@ from ..model.scene import Monitor, Scene
 from ..model.section import Elastic, Plate, Rectangle
 from ..model.shell import FORMS, Shell
 from ..model.supports import Support, clamp, symmetry
+from ..record import Record
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
@@ -26,7 +27,7 @@ LENGTH = 12.0
 SECTION, MATERIAL = Rectangle(1.0, 0.1), Elastic(1.2e6, 0.0)
 
 
-def scene(
+def case(
     turns: Annotated[int, Option(help="full turns of the tip")] = 2,
     elements: Annotated[int, Option(help="elements on the cantilever")] = 24,
     degree: Annotated[int, Option(help="of the elements: 1 (two nodes) or 2")] = 2,
@@ -81,5 +82,5 @@ def quantities(record: Record, model: Model) -> dict[str, float]:
     error = hypot(x - LENGTH * sin(angle) / angle, y - LENGTH * (1 - cos(angle)) / angle) / LENGTH
     values = {"tip_x": x, "tip_y": y, "tip_error": error}
     if model.dimension == 2:
-        values["tip_angle"] = kinematics.angle(model, "tip")
+        values["tip_angle"] = kinematics.turned(model, "tip")
     return values

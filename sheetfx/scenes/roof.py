@@ -45,7 +45,7 @@ CHART = members({"naghdi-q2": (4, 6, 8, 12), "naghdi-q3": (2, 3, 4, 6), "naghdi-
 PEERS = [{"driver": "kratos", "arguments": ["roof", "--cells", "16", "--step", "2", "--solver", "amgcl"]}]
 
 
-def scene(
+def case(
     cells: Cells = 8,
     form: Form = "naghdi-q3",
     thickness: Annotated[float, Option(help="of the roof in mm; 12.7 and 6.35 are published")] = 12.7,

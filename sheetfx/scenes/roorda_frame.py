@@ -31,7 +31,7 @@ from .column import quantities
 LENGTH = 1.0
 
 
-def scene(
+def case(
     depth: Annotated[float, Option(help="depth of the section; members have length 1")] = 1e-3,
     elements: Annotated[int, Option(help="elements on each member, of degree 1")] = 40,
     to: Annotated[float, Option(help="force on the corner over Euler's load at which the path ends")] = 2.0,

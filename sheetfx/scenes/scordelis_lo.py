@@ -22,7 +22,7 @@ REFERENCE = {"deflection": 0.3020}
 CHART = members({"naghdi-q2": (4, 8, 12, 16), "naghdi-q3": (2, 4, 6, 8), "naghdi-p2cr": (8, 16, 24, 32)}, steps=0)
 
 
-def scene(
+def case(
     cells: Cells = 8,
     form: Form = "naghdi-q3",
     thickness: Annotated[float, Option(help="of the roof; its radius is 25")] = 0.25,

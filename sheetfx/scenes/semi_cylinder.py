@@ -28,7 +28,7 @@ REFERENCE = {"w_A": 172.0}
 CHART = members({"naghdi-q2": (8, 16, 24, 32), "naghdi-q3": (8, 12, 16), "naghdi-p2cr": (16, 24, 32, 48)})
 
 
-def scene(
+def case(
     cells: Cells = 12,
     form: Form = "naghdi-q3",
     thickness: Annotated[float, Option(help="of the shell; the radius is 101.6")] = 3.0,

@@ -34,7 +34,7 @@ from .lee_frame import quantities
 SPAN = 100.0
 
 
-def scene(
+def case(
     alpha: Annotated[float, Option(help="rise of the crown over twice the radius of gyration")] = 2.8,
     depth: Annotated[float, Option(help="depth of the section; the span is 100")] = 0.1,
     elements: Annotated[int, Option(help="elements on the arch, an even number")] = 24,

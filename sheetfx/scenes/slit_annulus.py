@@ -33,7 +33,7 @@ PEERS = [{"driver": "kratos", "arguments": [
     "slit-annulus", "--cells", "30", "--across", "6", "--steps", "20", "--solver", "sparse_lu"]}]
 
 
-def scene(
+def case(
     cells: Annotated[int, Option(min=1, help="cells around the plate")] = 15,
     across: Annotated[int, Option(min=0, help="cells across its width; 0: a fifth of those around, at least 2")] = 0,
     form: Form = "naghdi-q3",

@@ -32,7 +32,7 @@ INNER, OUTER = (25.0, 6.216), (43.30, 0.0)
 APEX = 8.216
 
 
-def scene(
+def case(
     ring: Annotated[float, Option(help="force at each node of the inner ring over that at the apex")] = 0.0,
     to: Annotated[float, Option(help="deflection of the apex at which the path ends")] = 20.0,
     step: Annotated[float, Option(help="first arc length")] = 0.005,

@@ -27,7 +27,7 @@ from ..show.pictures import shapes
 from .lee_frame import quantities
 
 
-def scene(
+def case(
     rise: Annotated[float, Option(help="height of the apex over half the span")] = 3.0,
     step: Annotated[float, Option(help="first arc length")] = 0.02,
 ) -> Case:

@@ -8,9 +8,9 @@ from pathlib import Path as Folder
 
 import numpy as np
 
-from ..case import Record
 from ..continuation.state import State
 from ..discrete.contact import ContactState
+from ..record import Record
 from .evaluate import ContactPoints, communicator, last_state_kept, unit_of, with_unit
 
 NORMAL, TANGENTIAL, TOUCHING = "#0b4f8a", "#c4432b", "#b8b8b8"

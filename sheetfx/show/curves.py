@@ -7,8 +7,8 @@ from pathlib import Path as Folder
 
 import numpy as np
 
-from ..case import Record
 from ..continuation.state import CriticalPoint, State
+from ..record import Record
 from .evaluate import communicator, most_telling, stays, unit_of, with_unit
 from .labels import place_labels
 
@@ -35,7 +35,7 @@ def draw_path(record: Record, jumps: Sequence[tuple[State, State]] = ()):
     knots, unstable = path_knots(record.states)
     if not knots[:, 0].any():
         axes.set_xlim(-1.0, 1.0)
-    curve = _draw_stretches(axes, knots, unstable, named=record.states[-1].unstable is not None)
+    curve = _draw_stretches(axes, knots, unstable, named=record.states[-1].unstable_modes is not None)
     axes.plot([s.deflection for s in record.states], [s.load for s in record.states], ".", color="#333333",
               markersize=3.5, zorder=3, label="converged states")
     points = record.critical_points
@@ -56,11 +56,11 @@ def draw_branches(record: Record, branches: Sequence[tuple[CriticalPoint, Sequen
     branches : bifurcation and states of each branch, in order, the first being the start
     """
     figure, axes = _frame(record)
-    named = record.states[-1].unstable is not None
+    named = record.states[-1].unstable_modes is not None
     for point, states in branches:
         knots, unstable = path_knots(states)
         knots = np.concatenate([[(point.deflection, point.load)], knots])
-        unstable = np.concatenate([[bool(states[0].unstable)], unstable])
+        unstable = np.concatenate([[bool(states[0].unstable_modes)], unstable])
         _draw_stretches(axes, knots, unstable, named=named, width=0.9)
     _draw_stretches(axes, *path_knots(record.states), named=named, width=2.4)
     _draw_points(axes, record.critical_points)
@@ -119,7 +119,7 @@ def path_knots(states: Sequence[State]) -> tuple[np.ndarray, np.ndarray]:
     points = [p for s in states for p in s.critical]
     for before, after in zip(states[:-1], states[1:], strict=True):
         inside = [(p.deflection, p.load) for p in points if p.step == after.step]
-        ends = bool(before.unstable), bool(after.unstable)
+        ends = bool(before.unstable_modes), bool(after.unstable_modes)
         unstable += [ends[0], *[True] * (len(inside) - 1), ends[1]] if inside else [ends[1]]
         rows += [*inside, (after.deflection, after.load)]
     knots = np.array(rows)

@@ -10,11 +10,11 @@ import ufl
 from dolfinx import fem
 from mpi4py import MPI
 
-from ..case import Record
 from ..compat import JIT
 from ..continuation.state import CriticalPoint, State
 from ..discrete.contact import ContactFields, ContactState
 from ..mesh.reader import Model
+from ..record import Record
 
 POINTS_PER_CELL = 5
 ROUNDING = 1e-6  # of a displacement that is zero, over the largest increment of the unknowns

@@ -9,10 +9,10 @@ import ufl
 from dolfinx import fem, la
 from dolfinx.io import VTKFile
 
-from ..case import Record
 from ..compat import JIT
 from ..discrete.kinematics import Kinematics
 from ..mesh.reader import Model
+from ..record import Record
 from .evaluate import last_state_kept
 
 

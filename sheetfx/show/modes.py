@@ -10,7 +10,7 @@ import numpy as np
 from dolfinx import fem
 from dolfinx.io import VTKFile
 
-from ..case import Record
+from ..record import Record
 from ..stability.buckling import BucklingLoad
 from ..stability.modes import mode_displacement
 from .display import save_picture
@@ -30,7 +30,7 @@ def draw_modes(record: Record, folder: Folder, name: str = "modes.png") -> None:
     Colours show the displacement along the normal of surfaces; curves stand beside the undeformed ones. The picture
     is left out with a warning where there is no X server and Xvfb is missing.
     """
-    shapes = [_shape(record, load) for load in record.buckling[:MOST]]
+    shapes = [_shape(record, load) for load in record.buckling()[:MOST]]
     if communicator(record).rank == 0:
         save_picture(lambda file: _draw(shapes, file), Folder(folder) / name)
 
@@ -44,12 +44,12 @@ def mode_files(record: Record, folder: Folder) -> None:
         with (Folder(folder) / "buckling.csv").open("w", newline="") as stream:
             writer = csv.writer(stream)
             writer.writerow(COLUMNS_OF_TABLE)
-            writer.writerows([getattr(load, c) for c in COLUMNS_OF_TABLE] for load in record.buckling)
+            writer.writerows([getattr(load, c) for c in COLUMNS_OF_TABLE] for load in record.buckling())
     for i, model in enumerate(record.case.scene.models):
         degree = min(record.path.discretisation.kinematics(model).u.function_space.element.basix_element.degree, 2)
         function = fem.Function(fem.functionspace(model.mesh, ("P", degree, (model.dimension,))), name="mode")
         with VTKFile(model.mesh.comm, Folder(folder) / "paraview" / f"modes{i or ''}.pvd", "w") as stream:
-            for number, load in enumerate(record.buckling):
+            for number, load in enumerate(record.buckling()):
                 function.interpolate(mode_displacement(record.path, model, load))
                 stream.write_function(function, float(number))
 

@@ -7,10 +7,10 @@ from pathlib import Path as Folder
 
 import numpy as np
 
-from ..case import Record
 from ..continuation.state import State
 from ..discrete.contact import ContactState
 from ..model.obstacles import RigidCylinder, RigidPlane
+from ..record import Record
 from .display import save_picture
 from .evaluate import (
     ContactPoints,

@@ -56,8 +56,8 @@ class Progress:
                 f"{state.iterations} iterations")
         if state.contact_points:
             line += f", {state.contact_points} contact points"
-        if state.unstable:
-            line += f", {state.unstable} unstable directions"
+        if state.unstable_modes:
+            line += f", {state.unstable_modes} unstable modes"
         return line + self._rest(state)
 
     def _rest(self, state: State) -> str:

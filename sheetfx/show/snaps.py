@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Sequence
 from pathlib import Path as Folder
 
-from ..case import Record
+from ..record import Record
 from ..stability.descent import SnapFailure
 from ..stability.snap import Snap, snaps
 from .curves import draw_path

@@ -9,10 +9,10 @@ import numpy as np
 import ufl
 from dolfinx import fem
 
-from ..case import Record
 from ..compat import JIT
 from ..mesh.reader import Model
 from ..model.shell import TRIANGLE
+from ..record import Record
 from .evaluate import communicator
 
 PIECES = 4

@@ -8,7 +8,7 @@ from pathlib import Path as Folder
 
 import numpy as np
 
-from ..case import Record
+from ..record import Record
 from .evaluate import Curves, unit_of
 from .layout import EXAGGERATIONS
 from .surfaces import Surface, surfaces

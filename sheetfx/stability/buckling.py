@@ -92,7 +92,7 @@ def buckling(path, state: State, count: int = 6, *, supports: Sequence | None = 
 
 
 class _Problem:
-    """Tangent of a state, its derivative along the response, and the eigenproblem of both."""
+    """LoadResponse of a state, its derivative along the response, and the eigenproblem of both."""
 
     def __init__(self, discretisation: Discretisation, state: State, prebuckling: bool):
         self.discretisation, self.system, self.state = discretisation, discretisation.system, state
@@ -105,12 +105,12 @@ class _Problem:
         if not self.slope.norm() > 0:
             raise ValueError("buckling: no stress changes with the load; with mixed_points=False give prebuckling=True")
         self.solver = DirectSolver(self._ksp(), self.tangent, self.system.conservative)
-        self.solver.factor()
+        self.solver.factorise()
         pivots = self.solver.negative_pivots()
         self.definite, self.stable = pivots == 0, pivots == self.system.multipliers
 
     def _tangent_at(self, step: float, held: float = 0.0) -> PETSc.Mat:
-        """Tangent where response and load have gone on by `step`, and stress and load further by `held`."""
+        """LoadResponse where response and load have gone on by `step`, and stress and load further by `held`."""
         system, x = self.system, self.response.copy()
         x.scale(step)
         system.configure(x, self.state.factor + step + held)
@@ -171,7 +171,7 @@ class _Problem:
         matrix.axpy(increment, self.slope, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
         matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         solver = DirectSolver(self._ksp(), matrix, True)
-        solver.factor()
+        solver.factorise()
         return solver.negative_pivots() - self.system.multipliers
 
     def residual(self, increment: float, mode: PETSc.Vec) -> float:

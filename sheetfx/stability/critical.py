@@ -8,8 +8,8 @@ import numpy as np
 from scipy.interpolate import KroghInterpolator
 from scipy.optimize import minimize_scalar
 
+from ..continuation.segment import Jump, Missed, Segment
 from ..continuation.state import CriticalPoint, State
-from ..continuation.stretch import Jump, Missed, Stretch
 from ..continuation.tracer import tracer_of
 from .koiter import postbuckling
 
@@ -39,23 +39,23 @@ def locate(tracer, earlier: State | None, before: State, after: State,
     Jump
         If the states of the step do not lie on one smooth piece of path.
     """
-    stretch = Stretch(tracer, before, after)
+    segment = Segment(tracer, before, after)
     hidden = _hidden(before, after)
-    if stretch.guarded and most is not None and hidden > most:
+    if segment.guarded and most is not None and hidden > most:
         raise Jump(f"{hidden} bifurcations lie in one step")
     if not tracer.system.smooth:
-        limits = _turning_loads(stretch, earlier)
+        limits = _turning_loads(segment, earlier)
     else:
-        if stretch.guarded:
-            _check(stretch)
-        limits = [_stationary_load(stretch, *pair) for pair in stretch.pairs()
-                  if stretch[pair[0]].load_rate * stretch[pair[1]].load_rate < 0]
-    if limits and stretch.guarded and not tracer.control.passes_limits:
+        if segment.guarded:
+            _check(segment)
+        limits = [_stationary_load(segment, *pair) for pair in segment.pairs()
+                  if segment[pair[0]].load_rate * segment[pair[1]].load_rate < 0]
+    if limits and segment.guarded and not tracer.control.passes_limits:
         raise Jump("a limit point lies in a step that prescribes the load")
     points = [_limit(*found) for found in limits]
-    crossings = _bifurcations(stretch, [length for s, length, _ in limits if s is stretch])
-    points += [_bifurcation(stretch, cluster) for cluster in _clusters(crossings)]
-    if len(stretch.states) > 2 or points:
+    crossings = _bifurcations(segment, [length for s, length, _ in limits if s is segment])
+    points += [_bifurcation(segment, cluster) for cluster in _clusters(crossings)]
+    if len(segment.states) > 2 or points:
         tracer.back_to(after)
     return tuple(sorted(points, key=lambda p: (p.step, p.length)))
 
@@ -73,55 +73,55 @@ def state_at(path, before: State, after: State, point: CriticalPoint) -> State:
         If it does not converge again.
     """
     tracer = tracer_of(path)
-    stretch = Stretch(tracer, before, after)
+    segment = Segment(tracer, before, after)
     if abs(point.length - after.length) <= 1e-12 * after.length:
-        tracer.factor_at(after)
+        tracer.factorise_at(after)
         return after
     try:
-        if stretch.guarded:
-            _check(stretch)
-        state = stretch[point.length]
+        if segment.guarded:
+            _check(segment)
+        state = segment[point.length]
     except (Jump, Missed):
         raise ArithmeticError(f"the {point.kind} at load {point.load:.6g} in step {point.step} does not converge "
                               "again; resume the path with a shorter step before it") from None
-    tracer.factor_at(state)
+    tracer.factorise_at(state)
     return state
 
 
-def _check(stretch: Stretch) -> None:
+def _check(segment: Segment) -> None:
     """Look into the middle of pieces that turn, or whose load the tangents at their ends do not explain."""
-    pieces = stretch.pairs()
+    pieces = segment.pairs()
     while pieces:
         left, right = pieces.pop()
-        if not stretch.explained(left, right):
-            if right - left < SHORTEST * stretch.after.length:
+        if not segment.explained(left, right):
+            if right - left < SHORTEST * segment.after.length:
                 raise Jump("tangents within the step do not explain its load")
             middle = (left + right) / 2
-            if not stretch.reach(middle):
+            if not segment.reach(middle):
                 raise Jump("the middle of the step does not converge")
             pieces += [(left, middle), (middle, right)]
 
 
-def _stationary_load(stretch: Stretch, left: float, right: float) -> tuple[Stretch, float, bool]:
+def _stationary_load(segment: Segment, left: float, right: float) -> tuple[Segment, float, bool]:
     """Where the load rate is zero between two lengths, and whether the load rises before."""
-    values = stretch.root(lambda s: stretch[s].load_rate, left, right, 1e-12)
-    return stretch, next(iter(values)), stretch[left].load_rate > 0
+    values = segment.root(lambda s: segment[s].load_rate, left, right, 1e-12)
+    return segment, next(iter(values)), segment[left].load_rate > 0
 
 
-def _limit(stretch: Stretch, length: float, rising: bool) -> CriticalPoint:
-    state = stretch.states[length]
+def _limit(segment: Segment, length: float, rising: bool) -> CriticalPoint:
+    state = segment.states[length]
     return CriticalPoint("limit", state.load, state.deflection, state.step, float(length),
                          name="maximum" if rising else "minimum")
 
 
-def _turning_loads(stretch: Stretch, earlier: State | None) -> list[tuple[Stretch, float, bool]]:
+def _turning_loads(segment: Segment, earlier: State | None) -> list[tuple[Segment, float, bool]]:
     """The state of the highest (lowest) load where the load turns from one step to the next."""
-    before, after = stretch.before, stretch.after
+    before, after = segment.before, segment.after
     if not before.load_increment * after.load_increment < 0:
         return []
     sign = 1.0 if before.load_increment > 0 else -1.0
-    stretches = [stretch] if earlier is None else [Stretch(stretch.tracer, earlier, before), stretch]
-    for one in stretches:
+    segments = [segment] if earlier is None else [Segment(segment.tracer, earlier, before), segment]
+    for one in segments:
 
         def opposite_load(length, one=one):
             try:
@@ -131,7 +131,7 @@ def _turning_loads(stretch: Stretch, earlier: State | None) -> list[tuple[Stretc
 
         minimize_scalar(opposite_load, bounds=(0.0, one.after.length), method="bounded",
                         options={"xatol": 0.02 * one.after.length})
-    return [max(((one, length, sign > 0) for one in stretches for length in one.states),
+    return [max(((one, length, sign > 0) for one in segments for length in one.states),
                 key=lambda found: sign * found[0].states[found[1]].factor)]
 
 
@@ -144,17 +144,17 @@ class _Crossing:
     deflection: float
 
 
-def _bifurcations(stretch: Stretch, limits: list[float]) -> list[_Crossing]:
+def _bifurcations(segment: Segment, limits: list[float]) -> list[_Crossing]:
     """Where eigenvalues other than those of limit points pass zero, along the path.
 
     With contact, where eigenvalues waver, only the ends of the step are compared; with friction nothing is.
     """
-    near, system = 1e-5 * stretch.after.length, stretch.tracer.system
+    near, system = 1e-5 * segment.after.length, segment.tracer.system
     if not system.smooth and not system.conservative:
         return []
-    candidates = sorted(stretch.states) if system.smooth else [0.0, stretch.after.length]
+    candidates = sorted(segment.states) if system.smooth else [0.0, segment.after.length]
     lengths = [s for s in candidates if all(abs(s - limit) > near for limit in limits)]
-    found = [c for pair in zip(lengths[:-1], lengths[1:], strict=True) for c in _crossings(stretch, *pair, near)]
+    found = [c for pair in zip(lengths[:-1], lengths[1:], strict=True) for c in _crossings(segment, *pair, near)]
     return sorted(found, key=lambda c: c.length)
 
 
@@ -163,15 +163,15 @@ def _hidden(one: State, other: State) -> int:
 
     Of unsymmetric tangents only the determinant is known, which simple bifurcations change.
     """
-    if one.unstable is None:
-        change = one.determinant != other.determinant
+    if one.unstable_modes is None:
+        change = one.determinant_sign != other.determinant_sign
     else:
-        change = abs(one.unstable - other.unstable)
+        change = abs(one.unstable_modes - other.unstable_modes)
     return abs(change - 1) if one.load_rate * other.load_rate < 0 else change
 
 
-def _crossings(stretch: Stretch, left: float, right: float, near: float) -> list[_Crossing]:
-    one, other = stretch[left], stretch[right]
+def _crossings(segment: Segment, left: float, right: float, near: float) -> list[_Crossing]:
+    one, other = segment[left], segment[right]
     count = _hidden(one, other)
     if not count:
         return []
@@ -179,74 +179,74 @@ def _crossings(stretch: Stretch, left: float, right: float, near: float) -> list
         middle = (left + right) / 2
         if right - left <= 3 * near:
             return [_Crossing(left, one.load, one.deflection)] * count
-        if not stretch.reach(middle):
+        if not segment.reach(middle):
             return []
-        return _crossings(stretch, left, middle, near) + _crossings(stretch, middle, right, near)
-    numbers = [None] if one.unstable is None else range(*sorted((one.unstable, other.unstable)))
-    return [_crossing(stretch, number, count + 2, left, right) for number in numbers]
+        return _crossings(segment, left, middle, near) + _crossings(segment, middle, right, near)
+    numbers = [None] if one.unstable_modes is None else range(*sorted((one.unstable_modes, other.unstable_modes)))
+    return [_crossing(segment, number, count + 2, left, right) for number in numbers]
 
 
-def _crossing(stretch: Stretch, number: int | None, count: int, left: float, right: float) -> _Crossing:
+def _crossing(segment: Segment, number: int | None, count: int, left: float, right: float) -> _Crossing:
     """Zero of one eigenvalue, interpolated between states so far from it that rounding does not throw them off."""
     def value(length):
-        return stretch.eigenvalue(length, number, count)
+        return segment.eigenvalue(length, number, count)
 
     reach = REACH * (right - left)
     for _ in range(FALSE_ROOTS):
-        bracket = (left, right) if number is None else _bracket(stretch, number, left, right)
-        middle = next(iter(stretch.root(value, *bracket, 1e-3)))
-        lengths = [s for s in _around(stretch, middle, reach) if left <= s <= right]
+        bracket = (left, right) if number is None else _bracket(segment, number, left, right)
+        middle = next(iter(segment.root(value, *bracket, 1e-3)))
+        lengths = [s for s in _around(segment, middle, reach) if left <= s <= right]
         values = [value(s) for s in lengths]
         if min(values) < 0 < max(values):
             break
-    table = [(s, stretch[s].load, stretch[s].deflection) for s in lengths]
+    table = [(s, segment[s].load, segment[s].deflection) for s in lengths]
     found = _Crossing(*map(float, KroghInterpolator(values, table)(0.0)))
     if abs(found.length - middle) > reach:
         found = _Crossing(*table[int(np.argmin(np.abs(values)))])
-    if not stretch.reach(found.length):
+    if not segment.reach(found.length):
         found = replace(found, length=middle)
-    if stretch.guarded:
-        _compare_sides(stretch, found.length, reach, count)
+    if segment.guarded:
+        _compare_sides(segment, found.length, reach, count)
     return found
 
 
-def _bracket(stretch: Stretch, number: int, left: float, right: float) -> tuple[float, float]:
+def _bracket(segment: Segment, number: int, left: float, right: float) -> tuple[float, float]:
     """Neighbouring states between two others, on whose sides an eigenvalue has different signs."""
-    before = stretch[left].unstable > number
-    lengths = [s for s in sorted(stretch.states) if left <= s <= right]
-    passed = next(i for i, s in enumerate(lengths) if (stretch[s].unstable > number) != before)
+    before = segment[left].unstable_modes > number
+    lengths = [s for s in sorted(segment.states) if left <= s <= right]
+    passed = next(i for i, s in enumerate(lengths) if (segment[s].unstable_modes > number) != before)
     return lengths[passed - 1], lengths[passed]
 
 
-def _around(stretch: Stretch, middle: float, reach: float) -> list[float]:
+def _around(segment: Segment, middle: float, reach: float) -> list[float]:
     """Lengths of states at a length and about `reach` to both sides, known ones where they are near enough."""
     lengths = [middle]
     for wanted in (middle - reach, middle - reach / 2, middle + reach / 2, middle + reach):
-        nearest = min(stretch.states, key=lambda s, wanted=wanted: abs(s - wanted))
+        nearest = min(segment.states, key=lambda s, wanted=wanted: abs(s - wanted))
         if abs(nearest - wanted) < reach / 8:
             lengths.append(nearest)
-        elif 0 < wanted < stretch.after.length and stretch.reach(wanted):
+        elif 0 < wanted < segment.after.length and segment.reach(wanted):
             lengths.append(wanted)
     return lengths
 
 
-def _compare_sides(stretch: Stretch, length: float, reach: float, count: int) -> None:
+def _compare_sides(segment: Segment, length: float, reach: float, count: int) -> None:
     """Refuse states on both sides of a bifurcation that the path does not lead through.
 
     Near the bifurcation of a slightly imperfect structure the path bends away along the mode; a step that goes
     straight on has jumped to another path, from which the mode deviates to the other side, or which itself goes
     along the mode at a limit point.
     """
-    left = max((s for s in stretch.states if s <= length - reach / 2), default=None)
-    right = min((s for s in stretch.states if s >= length + reach / 2), default=None)
+    left = max((s for s in segment.states if s <= length - reach / 2), default=None)
+    right = min((s for s in segment.states if s >= length + reach / 2), default=None)
     if left is None or right is None:
         return
-    values, modes = stretch.spectrum(length, count)
+    values, modes = segment.spectrum(length, count)
     mode = modes[int(np.argmin(np.abs(values)))].array
-    moved, led = stretch.along(mode, left, right)
-    distance, size = stretch.distance(left, right), max(abs(moved), abs(led))
+    moved, led = segment.along(mode, left, right)
+    distance, size = segment.distance(left, right), max(abs(moved), abs(led))
     strays = abs(moved - led) > size / 2 and size > NOISE * distance or abs(moved) > FOLD * distance
-    if strays and size > 10 * max(stretch.uncertainty(stretch[s]) for s in (left, right)):
+    if strays and size > 10 * max(segment.uncertainty(segment[s]) for s in (left, right)):
         raise Jump("the path bends away from a bifurcation that the step passes")
 
 
@@ -261,14 +261,14 @@ def _clusters(crossings: list[_Crossing]) -> list[list[_Crossing]]:
     return clusters
 
 
-def _bifurcation(stretch: Stretch, crossings: list[_Crossing]) -> CriticalPoint:
+def _bifurcation(segment: Segment, crossings: list[_Crossing]) -> CriticalPoint:
     """A simple or multiple bifurcation, classified."""
-    first, count, tracer = crossings[0], len(crossings), stretch.tracer
-    state = stretch[first.length]
-    point = CriticalPoint("bifurcation", first.load, first.deflection, stretch.after.step, first.length, count)
+    first, count, tracer = crossings[0], len(crossings), segment.tracer
+    state = segment[first.length]
+    point = CriticalPoint("bifurcation", first.load, first.deflection, segment.after.step, first.length, count)
     if not tracer.system.smooth or not tracer.system.conservative:
         return point
-    values, modes = stretch.spectrum(first.length, count)
-    tracer.factor_at(state)
+    values, modes = segment.spectrum(first.length, count)
+    tracer.factorise_at(state)
     null = [modes[i] for i in np.argsort(np.abs(values))[:count]]
-    return postbuckling(tracer, state, null, point, [stretch.before, stretch.after])
+    return postbuckling(tracer, state, null, point, [segment.before, segment.after])

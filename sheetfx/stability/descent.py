@@ -78,11 +78,11 @@ class _Held:
         if self._load is not None:
             self.system.load(self._load)
 
-    def factor(self, shift: float) -> int:
+    def factorise(self, shift: float) -> int:
         """Number of directions in which the quadratic form falls; at least 1 where it is singular."""
         self.matrix.setDiagonal(self._diagonal + shift * self.system.weights)
         try:
-            self._linear.factor()
+            self._linear.factorise()
         except SingularTangent:
             return 1
         negative = self._linear.negative_pivots() - self.system.multipliers
@@ -179,7 +179,7 @@ class Fall:
 
     def _leave(self) -> _Step | None:
         """A step out of an unstable equilibrium along its lowest mode; None from a stable one."""
-        unstable = self._held.factor(0.0)
+        unstable = self._held.factorise(0.0)
         first = len(self.history) == 1
         if not unstable and not first:
             return None
@@ -206,7 +206,7 @@ class Fall:
 
     def _descend(self) -> _Step:
         """The least damped step for which the matrix is definite."""
-        while self._held.factor(self._shift) > 0:
+        while self._held.factorise(self._shift) > 0:
             self._raise_shift()
             if not self._shift < LARGEST_SHIFT * self._scale:
                 raise SnapFailure(f"snap: no damping makes the tangent definite at deflection {self._deflection:.6g}; "
@@ -258,7 +258,7 @@ class Fall:
         change, force, correction = 0.0, self.system.create_vector(), self.system.create_vector()
         for _ in range(CORRECTIONS):
             self._held.assemble(extrapolated=True)
-            if self._held.factor(shift) > 0:
+            if self._held.factorise(shift) > 0:
                 break
             self.system.residual(force)
             force += shift * self.system.weights * moved - wanted
@@ -273,7 +273,10 @@ class Fall:
         return change
 
     def _move(self, way: PETSc.Vec, load_increment: float) -> float:
-        """Follow a straight way, let increments count from its end, and return the change of the energy: the integral of the residual."""
+        """Follow a straight way, let increments count from its end, and return the change of the energy.
+
+        That is the integral of the residual along it.
+        """
         system, x, force = self.system, self.tracer.x, self.system.create_vector()
         start, change = system.factor, 0.0
         with system.additive_increments():

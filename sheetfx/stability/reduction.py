@@ -202,7 +202,7 @@ class Reduction:
             if first <= number < last:
                 matrix.setValue(number, number, k, addv=PETSc.InsertMode.ADD)
         matrix.assemble()
-        self.linear.factor()
+        self.linear.factorise()
         return stiffness
 
     def _solved(self, right: PETSc.Vec) -> PETSc.Vec:

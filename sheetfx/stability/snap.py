@@ -48,7 +48,7 @@ class Snap:
         for name, state in (("before", self.before), ("after", self.after)):
             state.save(folder / f"{name}.{comm.rank}.npz")
         if comm.rank == 0:
-            ends = {name: {"load": state.load, "deflection": state.deflection, "unstable": state.unstable}
+            ends = {name: {"load": state.load, "deflection": state.deflection, "unstable": state.unstable_modes}
                     for name, state in (("before", self.before), ("after", self.after))}
             content = ends | {"hold": self.hold, "energy_released": self.energy_released,
                               "history": [asdict(step) for step in self.history]}
@@ -63,7 +63,7 @@ def snap(path, state: State, hold: str = "load", side: int = 1,
     ----------
     path : Path or Tracer that the state belongs to; it stays at its present state
     state : unstable, or at a critical point
-    hold : what the test holds during the fall: "load", the load factor (with a prescribed PrescribedDisplacement the displacement), or
+    hold : what the test holds during the fall: "load", the load factor (with a prescribed displacement that one), or
         "displacement", that on which the load works: the monitored one where the load is a force there
     side : 1 or -1, the sense of the fall along the unstable direction; 1: that of the path where the two are not
         perpendicular, as at limit points
@@ -89,7 +89,7 @@ def snap(path, state: State, hold: str = "load", side: int = 1,
 
 
 def snaps(path, states: Sequence[State], hold: str = "load") -> list[Snap]:
-    """Falls of a test along a path: one from the first state of each unstable stretch.
+    """Falls of a test along a path: one from the first state of each unstable piece.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def snaps(path, states: Sequence[State], hold: str = "load") -> list[Snap]:
 
 def _unstable(state: State, hold: str) -> int:
     """Unstable directions that are left while the load or the displacement is held; 0 where they are not known."""
-    return (state.unstable or 0) - (hold == "displacement" and state.current_stiffness < 0)
+    return (state.unstable_modes or 0) - (hold == "displacement" and state.current_stiffness < 0)
 
 
 def _check(tracer, state: State, hold: str, side: int) -> None:
@@ -111,7 +111,7 @@ def _check(tracer, state: State, hold: str, side: int) -> None:
         raise ValueError(f"snap: hold is {hold!r}; it must be one of {', '.join(HOLDS)}")
     if side not in (1, -1):
         raise ValueError(f"snap: side is {side!r}; it must be 1 or -1")
-    if state.unstable is None:
+    if state.unstable_modes is None:
         raise ValueError("snap: the structure has no energy that could fall (friction, pressure, follower forces or "
                          "moments in space make its tangent unsymmetric), or its tangent is not factored with its "
                          "inertia; use loads of fixed direction, contact without friction, and the default solver")

@@ -73,7 +73,7 @@ def _about_current(discretisation: Discretisation, count: int) -> list[Vibration
     system.configure(system.create_vector(), system.factor)
     system.extrapolate_stress()
     solver = DirectSolver(PETSc.KSP().create(system.comm), system.tangent(), True)
-    solver.factor()
+    solver.factorise()
     values, modes = lowest(solver, mass, count, solver.negative_pivots() - system.multipliers)
     return [Vibration(value, scaled(discretisation, mode)) for value, mode in zip(values, modes, strict=True)]
 

@@ -21,7 +21,7 @@ from tempfile import TemporaryDirectory
 
 import typer
 
-from ..scenes import load_scene
+from ..scenes import load_case
 from .run import run_app
 
 TREE = Path(__file__).parents[2]
@@ -139,7 +139,7 @@ def options(scene: str, parameters: dict) -> list[str]:
 
 def family(name: str) -> tuple[dict[str, float], list[Member], list[Peer]]:
     """Reference quantities, members and peers of a scene's chart."""
-    module = sys.modules[load_scene(name).__module__]
+    module = sys.modules[load_case(name).__module__]
     for wanted in ("REFERENCE", "CHART"):
         if not getattr(module, wanted, None):
             raise ValueError(f"the scene {name} has no {wanted} to draw a chart of; choose another scene or add it")

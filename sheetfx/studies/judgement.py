@@ -55,10 +55,10 @@ class Trail:
                 return sign
         return 0
 
-    def unstable(self, along: float) -> int | None:
+    def unstable_modes(self, along: float) -> int | None:
         """Unstable directions at a length along the curve; None: not known, or changing nearby."""
         after = int(np.clip(np.searchsorted(self._knots, along), 1, len(self.steps)))
-        near = {s.unstable for s in self.states[max(after - 2, 0):after + 2]}
+        near = {s.unstable_modes for s in self.states[max(after - 2, 0):after + 2]}
         return near.pop() if len(near) == 1 else None
 
     def limits(self, along: float) -> list[CriticalPoint]:
@@ -97,14 +97,14 @@ class Judge:
         if beyond > 0:
             return None
         chord = np.linalg.norm(trail.place(state) - trail.place(before))
-        wanted = trail.unstable(along)
+        wanted = trail.unstable_modes(along)
         off = distance > close and not beyond
         if off and distance - self._distance > ABRUPT * chord:
             return JUMPED, f"leaves the path between {place(before)} and {place(state)}"
         if off:
             return WRONG, f"drifts off the path, by {100 * distance:.2g} % at {place(state)}"
-        if None not in (state.unstable, wanted) and not state.contact_points and state.unstable != wanted:
-            return JUMPED, f"has {state.unstable} unstable directions at {place(state)}, where the path has {wanted}"
+        if None not in (state.unstable_modes, wanted) and not state.contact_points and state.unstable_modes != wanted:
+            return JUMPED, f"has {state.unstable_modes} unstable modes at {place(state)}, where the path has {wanted}"
         self._limits += sum(point.kind == "limit" for point in state.critical)
         passed = trail.limits(self._along - BACKWARDS * trail.length)
         if len(passed) > self._limits:

@@ -10,7 +10,7 @@ import click
 import typer
 from typer.core import TyperGroup
 
-from ..scenes import load_scene, scene_names
+from ..scenes import load_case, scene_names
 
 PLAIN = {"add_completion": False, "pretty_exceptions_enable": False}
 
@@ -23,7 +23,7 @@ class Scenes(TyperGroup):
 
     def get_command(self, context, name):
         try:
-            function = load_scene(name)
+            function = load_case(name)
         except ValueError as error:
             raise click.UsageError(str(error)) from None
         single = typer.Typer(**PLAIN)

@@ -56,9 +56,9 @@ def test_column_with_extension_and_shear():
     axial = 12 / (pi * depth) ** 2
     shear = axial * 5 / 6 / 2.6
     expected = [brentq(lambda p, n=n: p * (1 - p / axial + p / shear) - n * n, 0, 2 * n * n) for n in (1, 2, 3)]
-    found = [p.load for p in trace(column.scene(depth=depth)).critical_points]
+    found = [p.load for p in trace(column.case(depth=depth)).critical_points]
     assert found == pytest.approx(expected, rel=2e-3)
-    finer = trace(column.scene(depth=depth, elements=36)).critical_points
+    finer = trace(column.case(depth=depth, elements=36)).critical_points
     assert [p.load for p in finer] == pytest.approx(expected, rel=2e-5)
 
 
@@ -98,7 +98,7 @@ def test_roorda_frame():
     (high, size), (low, _) = roorda(1e-3), roorda(-1e-3)
     assert (high + low) / 2 == pytest.approx(u**2, rel=1e-5)
     slope = abs(high - low) / 2e-3 / u**2 / size
-    point, = trace(roorda_frame.scene(elements=80)).critical_points
+    point, = trace(roorda_frame.case(elements=80)).critical_points
     assert abs(point.slope) == pytest.approx(slope, rel=2e-3)
 
 

@@ -6,6 +6,8 @@ from collections.abc import Callable, Sequence
 from math import copysign
 
 import numpy as np
+from mpi4py import MPI
+from petsc4py import PETSc
 from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import brentq
 
@@ -13,6 +15,7 @@ from .state import State
 
 TURNING = 0.4  # radians between chord and tangents of a piece of path, from which its middle is looked at
 UNEXPLAINED = 0.25  # of the load or the reactions by the steeper tangent, likewise
+NOISE = 1e-12  # of reactions, over what the stiffest unknown would take: structures that move without strain
 STRAY = 0.3  # of the distance between its neighbours, by which a state may miss their interpolation
 
 
@@ -24,7 +27,7 @@ class Missed(ArithmeticError):
     """A step of a shorter length does not converge."""
 
 
-class Stretch:
+class Segment:
     """The piece of path from a state to another one, searched by repeating the step with other lengths.
 
     It is guarded against states off the path where the control is, but for problems that are not smooth,
@@ -115,7 +118,7 @@ class Stretch:
     def uncertainty(self, state: State) -> float:
         """Distance by which the residual that a state has converged to, and rounding, may have it off the path."""
         tracer, system = self.tracer, self.tracer.system
-        tracer.factor_at(state)
+        tracer.factorise_at(state)
         residual, correction = system.create_vector(), system.create_vector()
         system.residual(residual)
         tracer.stepper.linear.solve(residual, correction)
@@ -131,18 +134,26 @@ class Stretch:
         distance = self.distance(left, right)
         return (all(self.tracer.angle(chord, t) <= TURNING for t in tangents)
                 and self._follows(chord[0], [t[0] for t in tangents], distance)
-                and self._follows(self._reactions(chord[1]), [self._reactions(t[1]) for t in tangents], distance))
+                and self._follows(self._reactions(chord[1]), [self._reactions(t[1]) for t in tangents], distance,
+                                  self._reaction_noise(chord[1])))
 
     def _reactions(self, increment: np.ndarray) -> np.ndarray:
         """Multipliers of prescribed motions, which the inner product does not weigh, on all processes."""
         system = self.tracer.system
-        return np.concatenate(system.comm.allgather(increment[system.multiplier_places]))
+        return np.concatenate(system.comm.allgather(increment[system.multiplier_rows]))
+
+    def _reaction_noise(self, increment: np.ndarray) -> float:
+        """Rounding of reactions along an increment."""
+        system = self.tracer.system
+        moves = np.abs(np.delete(increment, system.multiplier_rows)).max(initial=0.0)
+        return NOISE * system.comm.allreduce(float(moves), op=MPI.MAX) * system.matrix.getDiagonal().norm(
+            PETSc.NormType.INFINITY)
 
     @staticmethod
-    def _follows(change, rates: Sequence, distance: float) -> bool:
-        """Whether a change along a piece is what the mean of its rates at both ends makes of it."""
+    def _follows(change, rates: Sequence, distance: float, noise: float = 0.0) -> bool:
+        """Whether a change along a piece is what the mean of its rates at both ends makes of it, but for noise."""
         error = np.linalg.norm(change - distance * (rates[0] + rates[1]) / 2)
-        return error <= UNEXPLAINED * distance * max(map(np.linalg.norm, rates))
+        return error <= UNEXPLAINED * distance * max(map(np.linalg.norm, rates)) + noise
 
     def _strays(self, state: State, guess, left: float, right: float) -> bool:
         """Whether a state is further from the interpolation between its neighbours than they explain, and rounding.
@@ -163,7 +174,7 @@ class Stretch:
         """Eigenvalues of the tangent nearest to zero, and modes, at a length."""
         found = self._spectra.get(length)
         if found is None or len(found[0]) < count:
-            self.tracer.factor_at(self[length])
+            self.tracer.factorise_at(self[length])
             found = self._spectra[length] = self.tracer.spectrum(count)
         return found
 
@@ -174,8 +185,8 @@ class Stretch:
         """
         values = self.spectrum(length, count)[0]
         if number is None:
-            return self[length].determinant * min(map(abs, values))
-        place = number - self[length].unstable + sum(v < 0 for v in values)
+            return self[length].determinant_sign * min(map(abs, values))
+        place = number - self[length].unstable_modes + sum(v < 0 for v in values)
         return values[place] if 0 <= place < len(values) else copysign(max(map(abs, values)), place)
 
     def root(self, function: Callable[[float], float], left: float, right: float, exact: float) -> dict[float, float]:

@@ -1,0 +1,115 @@
+"""A traced path and what can be asked of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .continuation.state import CriticalPoint, State
+from .mesh.reader import Model
+from .path import Path
+
+if TYPE_CHECKING:
+    from .case import Case
+    from .stability.branches import Branch
+    from .stability.buckling import BucklingLoad
+    from .stability.descent import FallStep
+    from .stability.snap import Snap
+    from .stability.vibration import Vibration
+
+
+@dataclass
+class Record:
+    """A traced path: its case, its states and the discrete problem they belong to.
+
+    What is asked about stability leaves the path where it is. Modules that need SLEPc are imported when first asked.
+    """
+
+    case: Case
+    path: Path
+    states: list[State]
+
+    @property
+    def critical_points(self) -> list[CriticalPoint]:
+        return [point for state in self.states for point in state.critical]
+
+    def nearest(self, load: float) -> State:
+        """The state whose load is closest to `load`."""
+        return min(self.states, key=lambda s: abs(s.load - load))
+
+    def branches(self, point: CriticalPoint, amplitude: float = 0.05) -> list[Branch]:
+        """A start on every half-branch of a bifurcation, see `stability.branches.branches`."""
+        from .stability.branches import branches
+
+        return branches(self.path, self.states, point, amplitude)
+
+    @cached_property
+    def _last_buckling(self) -> list[BucklingLoad]:
+        return self.case.buckling(self.path, self.states[-1])
+
+    def buckling(self, state: State | None = None, **options) -> list[BucklingLoad]:
+        """Linear buckling loads about a state, see `stability.buckling.buckling`.
+
+        Without a state those of the case about the last one, found when first asked for.
+        """
+        if state is None and not options:
+            return self._last_buckling
+        from .stability.buckling import buckling
+
+        return buckling(self.path, state or self.states[-1], **options)
+
+    def frequencies(self, state: State | None = None, count: int = 6) -> list[Vibration]:
+        """Lowest free vibrations about a state (default the last), see `stability.vibration.frequencies`."""
+        from .stability.vibration import frequencies
+
+        return frequencies(self.path, state or self.states[-1], count)
+
+    def snap(self, state: State, hold: str = "load", side: int = 1,
+             listener: Callable[[FallStep], None] | None = None) -> Snap:
+        """The stable state that the structure falls into from an unstable one, see `stability.snap.snap`."""
+        from .stability.snap import snap
+
+        return snap(self.path, state, hold, side, listener)
+
+    def show(self, state: State) -> None:
+        """Put all fields to those of a state, for evaluation and pictures."""
+        self.path.discretisation.system.restore(state.fields)
+
+    def displacement(self, at: str, model: Model | None = None) -> np.ndarray:
+        """Displacement of a named point in the shown state, the same on all processes.
+
+        Parameters
+        ----------
+        model : that has the point; None: the first one that does
+        """
+        model = model or self._model_with(at)
+        return self.path.discretisation.kinematics(model).displacement(model, at)
+
+    def rotation(self, at: str, model: Model | None = None) -> float | np.ndarray:
+        """Rotation of a named point in the shown state: an angle in the plane, a unit quaternion in space.
+
+        Raises
+        ------
+        ValueError
+            If its parts have no rotation.
+        """
+        model = model or self._model_with(at)
+        return self.path.discretisation.kinematics(model).turned(model, at)
+
+    def _model_with(self, at: str) -> Model:
+        models = self.case.scene.models
+        return next((m for m in models if at in (*m.points, *m.edges)), models[0])
+
+    def forces(self, part) -> np.ndarray:
+        """Stress resultants of a part in the shown state at the points of its quadrature, on this process.
+
+        Returns
+        -------
+        array, shape (cells, points, resultants), in the order of the strains of the part: for a beam in the plane
+        axial force, shear force, moment; for a shell forces, moments and shear forces per length.
+        """
+        return self.path.discretisation.resultants(part)
