@@ -152,9 +152,9 @@ def rod_bend(radius: float, angle: float, force: float, stiffness: list[float]) 
 
     def rates(s, y):
         turn, frame = Rotation.from_quat(y[3:7]).as_matrix(), axes(s)
-        segment = frame.T @ ((frame @ (turn.T @ n)) / stiffness[:3])
+        stretch = frame.T @ ((frame @ (turn.T @ n)) / stiffness[:3])
         curvature = turn @ frame.T @ ((frame @ (turn.T @ y[7:])) / stiffness[3:])
-        along = turn @ (frame[0] + segment)
+        along = turn @ (frame[0] + stretch)
         v, w = y[3:6], y[6]
         quaternion = np.append(w * curvature + np.cross(curvature, v), -curvature @ v) / 2
         return np.concatenate([along, quaternion, -np.cross(along, n)])

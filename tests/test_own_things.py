@@ -54,14 +54,14 @@ def test_load_of_ones_own():
 
 
 def stiffening(strains, stiffness):
-    """Linear, with a membrane that stiffens with its segment."""
+    """Linear, with a membrane that stiffens with its stretch."""
     linear = fx.forms.section.linear_shell(strains, stiffness)
     more = 1 + 1e6 * (strains[0] ** 2 + strains[1] ** 2)
     return ufl.as_vector([more * linear[i] if i < 3 else linear[i] for i in range(9)])
 
 
 def test_section_law_of_ones_own():
-    """A clamped plate under load segments, and a stiffening membrane holds it back."""
+    """A clamped plate under load stretches, and a stiffening membrane holds it back."""
     def deflection(law):
         model, shell = plate(law)
         scene = fx.Scene([shell], [fx.clamp(model, "west"), fx.Support(model, "east", "x y z")],

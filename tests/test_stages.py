@@ -47,7 +47,7 @@ def test_arch_under_self_weight_and_then_a_force():
     stages = [s.stage for s in record.states]
     assert stages == sorted(stages) and set(stages) == {0, 1}
     begin = next(s for s in record.states if s.stage == 1)
-    assert begin.factor == begin.load == 0.0 and begin.deflection == record.states[begin.step - 1].deflection > 0.5
+    assert begin.factor == begin.load == 0.0 and begin.deflection == record.states[begin.step - 1].deflection > 0.05
     base, weight = weighted_arch(False)
     force = limit.load / 2
     together = fx.Scene(base.parts, base.supports, [weight, fx.PointForce(base.parts[0].model, "crown", (0.0, -force))],
@@ -58,7 +58,7 @@ def test_arch_under_self_weight_and_then_a_force():
     assert total == pytest.approx(1.0, rel=1e-8)
     assert first_limit(path).deflection == pytest.approx(limit.deflection, rel=1e-5)
     bare = first_limit(fx.trace(fx.Case(base, fx.ArcLength(0.005), fx.Until(deflection=15.0))))
-    assert limit.load < 0.9 * bare.load
+    assert limit.load < 0.95 * bare.load
 
 
 def test_prestressed_cable():
@@ -66,15 +66,16 @@ def test_prestressed_cable():
 
     Without prestress it is a mechanism; a weak spring holds it at the start.
     """
-    segment = 0.01
+    stretch = 0.01
     scene = two_bars(
         1.0, 0.0, lambda m: [fx.pin(m, "left"), fx.Support(m, "right", "y"), fx.Support(m, "apex", "")],
         lambda m: [fx.PointForce(m, "apex", (0.0, -1e-3))],
-        stages=lambda m: [fx.Stage([fx.PrescribedDisplacement(m, "right", "x", 2 * segment)], "prestress")])
+        stages=lambda m: [fx.Stage([fx.PrescribedDisplacement(m, "right", "x", 2 * stretch)], "prestress")],
+        joints=lambda m: [fx.Spring(m, "apex", "y", 1e-3)])
     record = fx.trace(fx.Case(scene, fx.LoadControl(0.25)))
     held = [s for s in record.states if s.stage == 0][-1]
-    assert held.load == pytest.approx(segment, rel=1e-9), "the reaction is the prestress EA e"
-    last, a = record.states[-1], 1 + segment
+    assert held.load == pytest.approx(stretch, rel=1e-9), "the reaction is the prestress EA e"
+    last, a = record.states[-1], 1 + stretch
 
     def force(v):
         length = np.hypot(a, v)
