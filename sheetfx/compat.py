@@ -6,7 +6,9 @@ import ctypes
 
 import dolfinx.cpp.fem.petsc as cpp_petsc
 import dolfinx.fem.petsc as petsc_fem
+import dolfinx.mesh
 import numpy as np
+import ufl
 from dolfinx.graph import adjacencylist
 from petsc4py import PETSc
 
@@ -35,6 +37,26 @@ def model_to_mesh(model, comm, dimension, partitioner):
 def geometry_degree(mesh):
     """Degree of the geometry of a mesh's cells."""
     return mesh.geometry.cmap.degree
+
+
+def topological_dimension(domain):
+    """Of a UFL mesh: a method in DOLFINx 0.9, an attribute later."""
+    dimension = domain.topological_dimension
+    return dimension() if callable(dimension) else dimension
+
+
+def interpolation_points(space):
+    """Points of a cell at which functions of a space are interpolated: a method in DOLFINx 0.9, an attribute later."""
+    points = space.element.interpolation_points
+    return points() if callable(points) else points
+
+
+def moved_mesh(mesh, x):
+    """A mesh of the same topology with its nodes at other places, shape (nodes of this process, dimension)."""
+    old = mesh.geometry
+    geometry = type(old._cpp_object)(old.index_map(), old.dofmap, old.cmap._cpp_object, x, old.input_global_indices)
+    copy = type(mesh._cpp_object)(mesh.comm, mesh.topology._cpp_object, geometry)
+    return dolfinx.mesh.Mesh(copy, ufl.Mesh(mesh.ufl_domain().ufl_coordinate_element()))
 
 
 def create_vector(maps):

@@ -12,7 +12,8 @@ from dolfinx import fem
 from .. import forms
 from ..compat import JIT
 from ..model.contact import Contact
-from .unknowns import AdditiveField, Block
+from .nodal_field import AdditiveField
+from .unknowns import Block
 
 # Contact points on the length of a layer, and the numbers of them in a cell that are used: few, so that
 # forms are compiled once for many meshes.

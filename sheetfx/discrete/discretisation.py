@@ -24,10 +24,11 @@ from .form_work import FormWork
 from .kinematics import Kinematics
 from .layout import Layout
 from .nodal import FixedIncrements, NodalLoads
+from .number import NumberField
 from .supports import fixed_dofs, turn_nodes
 from .system import System
 from .timing import Stopwatch
-from .unknowns import NumberField, Unknowns
+from .unknowns import Unknowns
 
 
 class Discretisation:

@@ -26,7 +26,7 @@ from ..model.work import Internal, Term
 from .contribution import Contribution, Forces
 from .jets import FieldJet, as_function_of_jet
 from .layout import Layout
-from .unknowns import AdditiveField
+from .nodal_field import AdditiveField
 
 CHUNK = 64
 

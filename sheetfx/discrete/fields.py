@@ -15,8 +15,10 @@ from ..mesh.reader import Model
 from ..model.scene import Scene
 from .kinematics import Kinematics, kinematics_of
 from .load_factors import LoadFactors
+from .nodal_field import AdditiveField
+from .number import NumberField, shared_by_all
 from .points import PointLaw, PointWork, Trace
-from .unknowns import AdditiveField, Block, NumberField, Unknowns, shared_by_all
+from .unknowns import Block, Unknowns
 
 QUANTITIES = "displacement", "rotation"
 SAME_PLACE = 1e-6  # distance of nodes that are joined, over the size of their model

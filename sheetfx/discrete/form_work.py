@@ -14,7 +14,8 @@ from .. import compat
 from ..compat import JIT
 from .contribution import Contribution, Forces
 from .layout import Layout
-from .unknowns import NumberField, Unknowns
+from .number import NumberField
+from .unknowns import Unknowns
 
 
 class FormWork(Contribution):

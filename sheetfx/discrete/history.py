@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from .contribution import Contribution
-from .unknowns import AdditiveField
+from .nodal_field import AdditiveField
 
 
 class History:

@@ -16,6 +16,8 @@ from ufl.algorithms import expand_derivatives
 from ufl.corealg.map_dag import map_expr_dag
 from ufl.corealg.multifunction import MultiFunction
 
+from ..compat import topological_dimension
+
 
 @dataclass(frozen=True)
 class FieldJet:
@@ -54,7 +56,7 @@ def as_function_of_jet(expression, fields) -> tuple[object, object, list[FieldJe
     values, gradients = _occurrences(expression)
     mesh = ufl.domain.extract_unique_domain(expression)
     jacobian, inverse = ufl.Jacobian(mesh), ufl.JacobianInverse(mesh)
-    dimension = mesh.topological_dimension()
+    dimension = topological_dimension(mesh)
     parts, entries = [], []
     for field in (f for f in fields if f in values or f in gradients):
         orders = (0,) * (field in values) + tuple(range(1, dimension + 1)) * (field in gradients)

@@ -10,7 +10,8 @@ from dolfinx import fem
 
 from .. import forms
 from ..mesh.reader import COMPONENTS, Model
-from .unknowns import AdditiveField, Block, QuaternionField
+from .nodal_field import AdditiveField, QuaternionField
+from .unknowns import Block
 
 
 @dataclass(frozen=True)

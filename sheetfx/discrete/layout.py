@@ -12,7 +12,8 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from .. import compat
-from .unknowns import AdditiveField, Block
+from .nodal_field import AdditiveField
+from .unknowns import Block
 
 
 class Layout:

@@ -20,7 +20,8 @@ from ..compat import JIT
 from ..mesh.numbers import lift_numbers
 from .contribution import Contribution, Forces
 from .layout import Layout
-from .unknowns import AdditiveField, Unknowns
+from .nodal_field import AdditiveField
+from .unknowns import Unknowns
 
 
 @dataclass(frozen=True)

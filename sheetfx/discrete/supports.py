@@ -11,7 +11,8 @@ from ..mesh.reader import COMPONENTS
 from ..model.supports import Support
 from .fields import Fields
 from .kinematics import Kinematics
-from .unknowns import AdditiveField, Block
+from .nodal_field import AdditiveField
+from .unknowns import Block
 
 
 def turn_nodes(kinematics: Kinematics, supports: Sequence[Support]) -> None:

@@ -9,13 +9,12 @@ from collections.abc import Callable, Sequence
 
 import dolfinx
 import numpy as np
-import ufl
 from dolfinx import fem
 from scipy.interpolate import RBFInterpolator
 
 from .. import forms
 from ..checks import require_positive_number
-from ..compat import JIT
+from ..compat import JIT, moved_mesh
 from .reader import Model
 
 Shape = fem.Function | Callable[[np.ndarray], np.ndarray]
@@ -41,7 +40,7 @@ def imperfect(model: Model, displacement: Shape | Sequence[Shape], amplitude: fl
         If there is not one amplitude for each displacement, a displacement has another shape or is on another mesh, or
         there is no normal for deviations along it.
     """
-    mesh, old = model.mesh, model.mesh.geometry
+    old = model.mesh.geometry
     shapes = displacement if isinstance(displacement, Sequence) else [displacement]
     amplitudes = np.atleast_1d(amplitude)
     if len(amplitudes) not in (1, len(shapes)):
@@ -49,10 +48,7 @@ def imperfect(model: Model, displacement: Shape | Sequence[Shape], amplitude: fl
     x = old.x[:, :old.dim].copy()
     for shape, factor in zip(shapes, np.broadcast_to(amplitudes, len(shapes)), strict=True):
         x += factor * _moved(model, shape)
-    geometry = type(old._cpp_object)(old.index_map(), old.dofmap, old.cmap._cpp_object, x, old.input_global_indices)
-    copy = type(mesh._cpp_object)(mesh.comm, mesh.topology._cpp_object, geometry)
-    domain = ufl.Mesh(mesh.ufl_domain().ufl_coordinate_element())
-    return Model(dolfinx.mesh.Mesh(copy, domain), model.cells, model.edges, model.points)
+    return Model(moved_mesh(model.mesh, x), model.cells, model.edges, model.points)
 
 
 def measured(points: np.ndarray, offsets: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:

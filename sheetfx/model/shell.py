@@ -11,7 +11,7 @@ from dolfinx import fem
 from ufl.algorithms.expand_indices import IndexExpander
 
 from .. import forms
-from ..compat import JIT, geometry_degree
+from ..compat import JIT, geometry_degree, interpolation_points
 from ..mesh.numbers import as_constants
 from ..mesh.quadrature import Rule, gauss, simplex
 from ..mesh.reader import Model
@@ -178,7 +178,7 @@ def surface_frame(mesh) -> forms.shell.SurfaceFrame:
         return forms.shell.surface_frame(mesh)
     family = "DG" if mesh.basix_cell() == TRIANGLE else "DQ"
     director = fem.Function(fem.functionspace(mesh, (family, degree, (3,))))
-    points = director.function_space.element.interpolation_points()
+    points = interpolation_points(director.function_space)
     director.interpolate(fem.Expression(forms.shell.unit_normal(mesh), points, jit_options=JIT))
     return forms.shell.surface_frame(mesh, director)
 

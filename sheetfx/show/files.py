@@ -9,7 +9,7 @@ import ufl
 from dolfinx import fem, la
 from dolfinx.io import VTKFile
 
-from ..compat import JIT
+from ..compat import JIT, interpolation_points
 from ..discrete.kinematics import Kinematics
 from ..mesh.reader import Model
 from ..record import Record
@@ -35,7 +35,7 @@ def _write(record: Record, model: Model, file: Folder) -> None:
     values = {"displacement": _padded(kinematics.u)}
     if kinematics.rotation is not None:
         values["rotation"] = _rotation_vector(model, kinematics)
-    points = space.element.interpolation_points()
+    points = interpolation_points(space)
     expressions = [fem.Expression(v, points, jit_options=JIT) for v in values.values()]
     share = fem.Function(space)
     _add(share, np.ones((*space.dofmap.list[model.group(None)].shape, 3)), model)

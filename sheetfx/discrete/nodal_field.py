@@ -1,0 +1,221 @@
+"""Unknown fields: what an increment means at the nodes of a field, and how it changes the field.
+
+The solver works with increments since the last converged state. A displacement adds its
+increment; a rotation composes it with the quaternion of that state, node by node, so that the state
+depends on the nodal rotations only and the total rotation is unlimited.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+import ufl
+from dolfinx.fem import Function
+
+
+class AdditiveField:
+    """A field that adds its increment (displacement, planar angle, multiplier).
+
+    Parameters
+    ----------
+    value : Function
+        Current value; appears in the forms.
+    dofs : int array
+        Place of each entry of `value` in the local vector of the block.
+    scale : float
+        Size against which increments are measured; infinite: not measured at all.
+    multiplier : bool
+        Whether the field is a Lagrange multiplier (counts one negative pivot each).
+
+    Attributes
+    ----------
+    axes : array, shape (nodes, width, width), or None
+        Columns are the directions that the components of nodal increments belong to; None: those of space.
+    """
+
+    axes: np.ndarray | None = None
+    curved = False
+
+    def __init__(self, value: Function, dofs: np.ndarray, scale: float, multiplier: bool = False):
+        self.value, self.dofs, self.scale, self.multiplier = value, dofs, scale, multiplier
+        self.symbol = value
+        self.previous = Function(value.function_space)
+
+    @property
+    def name(self) -> str:
+        return self.value.name
+
+    @property
+    def components(self) -> int:
+        """Number of components of the value at a node."""
+        return self.value.function_space.dofmap.bs
+
+    @property
+    def width(self) -> int:
+        """Number of components of a nodal increment."""
+        return self.components
+
+    @property
+    def table(self) -> np.ndarray:
+        """Values of the nodes of this process and its ghosts, shape (nodes, components)."""
+        return self.value.x.array.reshape(-1, self.components)
+
+    @cached_property
+    def count(self) -> int:
+        """Number of nodes on all processes."""
+        return self.value.function_space.dofmap.index_map.size_global
+
+    def variations(self) -> np.ndarray:
+        """Nodal variations by a unit increment, shape (nodes or 1 if all alike, components, width)."""
+        return np.eye(self.width)[None] if self.axes is None else self.axes
+
+    def outward(self, components: np.ndarray) -> np.ndarray:
+        """Nodal vectors along the directions of space from components along the axes."""
+        if self.axes is None:
+            return components
+        return np.einsum("nij,nj->ni", self.axes, components.reshape(-1, self.width)).ravel()
+
+    def inward(self, components: np.ndarray) -> np.ndarray:
+        """Components along the axes from nodal vectors along the directions of space."""
+        if self.axes is None:
+            return components
+        return np.einsum("nji,nj->ni", self.axes, components.reshape(-1, self.width)).ravel()
+
+    def advance(self, block_increment: np.ndarray) -> None:
+        self.value.x.array[:] = self.previous.x.array + self.outward(block_increment[self.dofs])
+
+    def change(self, block_increment: np.ndarray) -> np.ndarray:
+        """First-order change of the value's array by a further increment."""
+        return self.outward(block_increment[self.dofs])
+
+    def combine(self, total: np.ndarray, further: np.ndarray) -> None:
+        """Follow the increment `total` (changed in place) by `further`."""
+        total[self.dofs] += further[self.dofs]
+
+    def rebase(self) -> None:
+        """Let increments count from the present value."""
+        self.previous.x.array[:] = self.value.x.array
+
+    def restore(self, values: np.ndarray) -> None:
+        """Put the value that increments count from, and the present one, to an array of this process."""
+        self.previous.x.array[:] = values
+        self.value.x.array[:] = values
+
+    def at_rest(self) -> dict:
+        """Replacements that put the increment's symbol to zero in a form."""
+        return {}
+
+
+class QuaternionField(AdditiveField):
+    """Rotations as nodal quaternions of unit length, scalar first.
+
+    The increment of a node is the Rodrigues vector of its rotation since the last converged state (twice the
+    tangent of half the angle). Further increments are small rotations that follow it: forces on them are moments.
+
+    Attributes
+    ----------
+    charted : bool array, nodes whose further increments add to the Rodrigues vector instead, because one component
+        of it is fixed: the Hessian of the energy is then symmetric whatever the reaction there
+    """
+
+    curved = True
+    width = 3
+
+    def __init__(self, value: Function, symbol: Function, dofs: np.ndarray):
+        super().__init__(value, dofs, 1.0)
+        self.symbol = symbol
+        value.x.array.reshape(-1, 4)[:] = (1, 0, 0, 0)
+        count = len(value.x.array) // 4
+        self.charted, self._increment = np.zeros(count, dtype=bool), np.zeros((count, 3))
+        self.rebase()
+
+    def advance(self, block_increment):
+        self._increment = self.outward(block_increment[self.dofs]).reshape(-1, 3)
+        self.value.x.array.reshape(-1, 4)[:] = _compose(self._increment, self.previous.x.array.reshape(-1, 4))
+
+    def rebase(self):
+        super().rebase()
+        self._increment = np.zeros_like(self._increment)
+
+    def restore(self, values):
+        super().restore(values)
+        self._increment = np.zeros_like(self._increment)
+
+    def combine(self, total, further):
+        before, more = (self.outward(a[self.dofs]).reshape(-1, 3) for a in (total, further))
+        product = _compose(more, np.column_stack((np.ones(len(before)), before / 2)))
+        composed = np.where(self.charted[:, None], before + more, 2 * product[:, 1:] / product[:, :1])
+        total[self.dofs] = self.inward(composed.ravel())
+
+    def variations(self):
+        slopes = _slopes(self.value.x.array.reshape(-1, 4))
+        slopes[self.charted] = self._chart()[2]
+        return np.ascontiguousarray(slopes if self.axes is None else slopes @ self.axes)
+
+    def _chart(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Of charted nodes the quaternion, and its derivative by the Rodrigues vector along and across it."""
+        product = np.column_stack((np.ones(self.charted.sum()), self._increment[self.charted] / 2))
+        length = np.linalg.norm(product, axis=1)
+        slopes = _slopes(self.previous.x.array.reshape(-1, 4)[self.charted]) / length[:, None, None]
+        unit = self.value.x.array.reshape(-1, 4)[self.charted]
+        along = np.einsum("na,nai->ni", unit, slopes)
+        return unit, along, slopes - unit[:, :, None] * along[:, None, :]
+
+    def change(self, block_increment):
+        return np.einsum("nai,ni->na", self.variations(), block_increment[self.dofs].reshape(-1, 3)).ravel()
+
+    def curvature(self, force: np.ndarray, symmetric: bool) -> np.ndarray:
+        """Part of the tangent from forces on the quaternions, shape (nodes, 3, 3).
+
+        The second derivative of the quaternions; in unsymmetric problems also the change of moments as the spin
+        that they are conjugate to turns, which makes the tangent the derivative of the residual.
+        """
+        q = self.value.x.array.reshape(-1, 4)
+        blocks = -np.einsum("na,na->n", force, q)[:, None, None] / 4 * np.eye(3)
+        if not symmetric:
+            moments = np.einsum("na,nai->ni", force, _slopes(q))
+            blocks = blocks - np.cross(np.eye(3)[None], moments[:, None, :]) / 2
+        unit, along, across = self._chart()
+        force = force[self.charted]
+        mixed = np.einsum("ni,nj->nij", along, np.einsum("na,nai->ni", force, across))
+        radial = np.einsum("na,na->n", force, unit)[:, None, None] * np.einsum("nai,naj->nij", across, across)
+        blocks[self.charted] = -mixed - mixed.transpose(0, 2, 1) - radial
+        return self._turned(blocks)
+
+    def _turned(self, blocks: np.ndarray) -> np.ndarray:
+        """Nodal matrices for components along the axes, from those along the directions of space."""
+        return blocks if self.axes is None else np.einsum("nki,nkl,nlj->nij", self.axes, blocks, self.axes)
+
+    def pull_moments(self, moments: np.ndarray) -> np.ndarray:
+        """Forces on further increments by moments that are conjugate to the spin, both shape (nodes, 3).
+
+        The spin by a variation b of a Rodrigues vector a is (b + a x b / 2) / (1 + |a|^2 / 4) (Geradin and
+        Cardona 2001, section 4.9).
+        """
+        a = self._increment
+        pulled = (moments - np.cross(a, moments) / 2) / (1 + (a * a).sum(axis=1, keepdims=True) / 4)
+        return np.where(self.charted[:, None], pulled, moments)
+
+    def moment_slopes(self, moments: np.ndarray) -> np.ndarray:
+        """Derivative of `pull_moments` with respect to further increments, shape (nodes, 3, 3); not symmetric."""
+        a = self._increment
+        twice = 2 + (a * a).sum(axis=1)[:, None, None] / 2
+        skew = np.cross(np.eye(3)[None], moments[:, None, :]).transpose(0, 2, 1)
+        slopes = -(skew + np.einsum("ni,nj->nij", self.pull_moments(moments), a)) / twice
+        return self._turned(np.where(self.charted[:, None, None], slopes, 0.0))
+
+    def at_rest(self):
+        return {self.symbol: ufl.classes.Zero(self.symbol.ufl_shape)}
+
+
+def _slopes(quaternion: np.ndarray) -> np.ndarray:
+    """Derivative of (1, increment / 2) * quaternion with respect to the increment, shape (n, 4, 3)."""
+    q0, q1, q2, q3 = quaternion.T / 2
+    return np.array([[-q1, -q2, -q3], [q0, q3, -q2], [-q3, q0, q1], [q2, -q1, q0]]).transpose(2, 0, 1)
+
+
+def _compose(increment: np.ndarray, quaternion: np.ndarray) -> np.ndarray:
+    """Unit quaternions (1, increment / 2) * quaternion, row by row (see forms.rotation.compose)."""
+    product = quaternion + np.einsum("nai,ni->na", _slopes(quaternion), increment)
+    return product / np.linalg.norm(product, axis=1, keepdims=True)
