@@ -11,7 +11,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import count
+from typing import Any
 
 from .checks import require_positive
 from .continuation.control import ArcLength, LoadControl, StepRule
@@ -27,7 +27,14 @@ CROWDED, UNCROWDED = 4, 8  # bifurcations for which a step is cut, and the numbe
 
 
 class PathFailure(ArithmeticError):
-    """A path that cannot go on; says at which step, load and iteration, why, and what was kept."""
+    """A path that cannot go on; says at which step, load and iteration, why, and what was kept.
+
+    Attributes
+    ----------
+    record : Record of the path so far, where `trace` followed it
+    """
+
+    record: Any = None
 
 
 @dataclass(frozen=True)
@@ -50,16 +57,17 @@ class Until:
         require_positive(self, "deflection", "load")
         if self.steps < 0:
             raise ValueError(f"Until: steps is {self.steps}; it must not be negative")
-        if self.event is not None and not isinstance(self.event, Event):
-            if not callable(self.event):
-                raise ValueError(f"Until: event is {self.event!r}; it must be an Event or a function of a state (name "
-                                 "the bounds: Until(deflection=...))")
-            object.__setattr__(self, "event", Event("end", self.event))
+        if not (self.event is None or isinstance(self.event, Event) or callable(self.event)):
+            raise ValueError(f"Until: event is {self.event!r}; it must be an Event or a function of a state (name "
+                             "the bounds: Until(deflection=...))")
+
+    @property
+    def ending(self) -> Event | None:
+        """The event that ends the path."""
+        return self.event if self.event is None or isinstance(self.event, Event) else Event("end", self.event)
 
     def reached(self, state: State) -> str | None:
-        """Why the path ends at this state, or None."""
-        if self.event is not None and any(p.kind == "event" and p.name == self.event.name for p in state.critical):
-            return f"event {self.event.name!r} reached"
+        """Why the path ends at this state of its last stage, or None."""
         if self.deflection is not None and abs(state.deflection) >= self.deflection:
             return f"deflection {self.deflection:g} reached"
         if self.load is not None and abs(state.load) >= self.load * (1 - 1e-12):
@@ -68,6 +76,9 @@ class Until:
 
     def stopped(self, state: State) -> str | None:
         """Why the path ends at this state in any stage, or None."""
+        ending = self.ending
+        if ending and any(p.kind == "event" and p.name == ending.name for p in state.critical):
+            return f"event {ending.name!r} reached"
         return f"{self.steps} steps taken" if state.step >= self.steps else None
 
 
@@ -81,7 +92,7 @@ class Path:
     until : end of the path
     start : states of an interrupted path to resume; none: begin with the unloaded state
     events : what to look for beside limit points and bifurcations
-    mixed_points : large-step tangent (see assembly.System)
+    mixed_points : large-step tangent (see discrete.system.System)
     prefix : of PETSc options for this path's SNES, KSP and PC
 
     Attributes
@@ -94,7 +105,8 @@ class Path:
                  events: Sequence[Event] = ()):
         self.scene, self.until = scene, until or Until()
         self._controls = [*(stage.control or LoadControl() for stage in scene.stages), control or ArcLength()]
-        self.events = [*events, *([self.until.event] if self.until.event else [])]
+        self._ending = self.until.ending
+        self.events = [*events, *([self._ending] if self._ending else [])]
         self.discretisation = Discretisation(scene, mixed_points)
         self._started = time.process_time()
         self.tracer = Tracer(self.discretisation, self._controls[start[-1].stage if start else 0], prefix)
@@ -156,12 +168,9 @@ class Path:
         """One converged step, shortened as often as needed, with the critical points inside it."""
         length, smallest = before.next_length or self.control.first, self.control.smallest * self.control.first
         largest = self.control.largest * self.control.first
-        for cut in count():
-            length = self.control.clip(length, before.factor)
-            taken = self._try(before, length, CROWDED if cut < UNCROWDED else None)
-            if taken is not None:
-                break
-            length /= 2
+        length, cuts = self.control.clip(length, before.factor), 0
+        while (taken := self._try(before, length, CROWDED if cuts < UNCROWDED else None)) is None:
+            length, cuts = length / 2, cuts + 1
             if length < smallest:
                 raise PathFailure(self._complaint(before, length))
         after, points = taken
@@ -170,7 +179,7 @@ class Path:
         self.tracer.state, self._earlier = after, before
         return after
 
-    def _try(self, before: State, length: float, most: int | None) -> tuple[State, Sequence[CriticalPoint]] | None:
+    def _try(self, before: State, length: float, most: int | None) -> tuple[State, tuple[CriticalPoint, ...]] | None:
         """A step with its critical points; None and back to its start if it does not converge or leaves its branch."""
         after = self.tracer.attempt(length)
         if after is None:
@@ -184,11 +193,12 @@ class Path:
         self.tracer.back_to(before)
         return None
 
-    def _with_events(self, before: State, after: State, points: Sequence[CriticalPoint]):
+    def _with_events(self, before: State, after: State,
+                     points: Sequence[CriticalPoint]) -> tuple[State, tuple[CriticalPoint, ...]]:
         """A step and its critical points with the events in it; the step ends at the event that ends the path."""
         for event, point in occurrences(self.tracer, before, after, self.events):
             points = [*points, point]
-            if event is self.until.event:
+            if event is self._ending:
                 after = end_at(self.tracer, before, after, point)
                 points = [p for p in points if p.step < point.step or p.length <= point.length]
                 break

@@ -14,7 +14,7 @@ import time
 from math import cos, pi, radians, sin
 
 import KratosMultiphysics as Kratos
-import KratosMultiphysics.LinearSolversApplication  # noqa: F401, registers sparse_lu
+import KratosMultiphysics.LinearSolversApplication
 import KratosMultiphysics.StructuralMechanicsApplication as Structural
 from KratosMultiphysics.python_linear_solver_factory import ConstructSolver
 from scipy.interpolate import CubicSpline

@@ -9,13 +9,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import copysign, pi, sqrt
+from typing import Any, ClassVar
 
 from petsc4py import PETSc
 
 from ..checks import require_choice, require_positive
 from .state import State
 
-SIGNS: dict[str, Callable[[State], float]] = {
+SIGNS: dict[str, Callable[[State], Any]] = {
     "projection": lambda state: state.load_rate,
     "determinant": lambda state: state.determinant_sign,
     "current stiffness": lambda state: state.current_stiffness,
@@ -37,6 +38,7 @@ class StepRule:
     turn : largest angle in radians between the increment of a step and the tangents at its start and its end (with
         contact, the increment before); pi: any
     newton : "full", a new tangent for each iteration, or "modified", the tangent at the start of the step for all
+    default : of the class, the first step where none is given
     passes_limits : of the class, whether a step can go through an extremum of the load
     """
 
@@ -60,6 +62,7 @@ class StepRule:
         """Factor on the next step's length after a step of so many iterations."""
         return min(2.0, max(0.5, sqrt(self.iterations / max(iterations, 1))))
 
+    default: ClassVar[float]
     passes_limits = True
 
     @property

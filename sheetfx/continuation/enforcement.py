@@ -46,7 +46,8 @@ class Enforcement:
 
     def _augmented(self) -> bool:
         """Whether all contributions hold; each that does not has changed what the next solution starts from."""
-        return all([contribution.augment() for contribution in self._rough])
+        held = [contribution.augment() for contribution in self._rough]
+        return all(held)
 
     def summary(self) -> tuple[int, float]:
         """Number of points that touch and largest penetration, on all processes."""

@@ -37,7 +37,7 @@ def occurrences(tracer, before: State, after: State, events: Sequence[Event]) ->
     found = []
     for event in events:
         left, right = event.value(before), event.value(after)
-        if left * right < 0 or left and not right:
+        if left * right < 0 or (left and not right):
             found.append((event, _point(tracer, before, after, event)))
     if found:
         tracer.back_to(after)

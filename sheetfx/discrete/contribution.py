@@ -20,7 +20,8 @@ class Forces:
     """
 
     def __init__(self, unknowns: Unknowns, layout: Layout):
-        self._fields, self._values = unknowns.fields, {}
+        self._fields = unknowns.fields
+        self._values: dict[int, np.ndarray] = {}
         self.along_space = layout.zeros()
 
     def on(self, number: int) -> np.ndarray:

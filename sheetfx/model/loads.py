@@ -72,7 +72,7 @@ class Moment(Load):
         require_components(f"Moment at {self.at!r}: moment", np.ravel(self.moment), 2 * self.model.dimension - 3)
 
     @property
-    def conservative(self) -> bool:
+    def conservative(self) -> bool:  # type: ignore[override]
         """In space the work of a fixed moment depends on the way of turning (Ziegler 1968)."""
         return self.model.dimension == 2
 
@@ -118,7 +118,7 @@ class LineForce(Load):
             raise ValueError("LineForce: follower is True, but bars have no cross-section that turns; make it False")
 
     @property
-    def conservative(self) -> bool:
+    def conservative(self) -> bool:  # type: ignore[override]
         return not self.follower
 
     @property

@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 from ..mesh.reader import Model
 from .beam import Bar, Beam
@@ -39,7 +40,7 @@ class Stage:
 
     loads: Sequence[Load]
     name: str = "preload"
-    control: object = None
+    control: Any = None
 
     def __post_init__(self):
         if not self.loads:
@@ -111,7 +112,7 @@ class Scene:
         """Warn of models that neither joints nor an obstacle connect: they are solved side by side."""
         models = self.models
         groups = {model: {model} for model in models}
-        touching = {}
+        touching: dict = {}
         for contact in self.contacts:
             touching.setdefault(contact.obstacle, []).append(contact.beam.model)
         for joined in [*(joint.models for joint in self.joints), *touching.values()]:

@@ -60,9 +60,10 @@ class Section:
 
     def inertia(self, material: Elastic, dimension: int) -> list[float]:
         """Mass per length, and rotary inertia per length about the binormal (2) or all axes of the section (3)."""
-        about_normal, about_binormal = (material.density * i for i in self.second_moments)
+        density = material.density or 0.0
+        about_normal, about_binormal = (density * i for i in self.second_moments)
         rotary = [about_binormal] if dimension == 2 else [about_normal + about_binormal, about_normal, about_binormal]
-        return [material.density * self.area, *rotary]
+        return [density * self.area, *rotary]
 
 
 @dataclass(frozen=True)
@@ -157,7 +158,8 @@ class ShellSection:
 
     def inertia(self, material: Elastic) -> list[float]:
         """Mass per area, and rotary inertia of the director per area."""
-        return [material.density * self.thickness, material.density * self.thickness**3 / 12]
+        density = material.density or 0.0
+        return [density * self.thickness, density * self.thickness**3 / 12]
 
 
 @dataclass(frozen=True)

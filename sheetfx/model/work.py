@@ -61,7 +61,7 @@ class Acting:
 
     def work(self, fields):
         """Its virtual work as a UFL form; None: none."""
-        return None
+        return
 
     def contributions(self, fields) -> Iterable:
         """Contributions to the system beside that form (`discrete.contribution.Contribution`)."""

@@ -245,7 +245,7 @@ def _compare_sides(segment: Segment, length: float, reach: float, count: int) ->
     mode = modes[int(np.argmin(np.abs(values)))].array
     moved, led = segment.along(mode, left, right)
     distance, size = segment.distance(left, right), max(abs(moved), abs(led))
-    strays = abs(moved - led) > size / 2 and size > NOISE * distance or abs(moved) > FOLD * distance
+    strays = (abs(moved - led) > size / 2 and size > NOISE * distance) or abs(moved) > FOLD * distance
     if strays and size > 10 * max(segment.uncertainty(segment[s]) for s in (left, right)):
         raise Jump("the path bends away from a bifurcation that the step passes")
 
