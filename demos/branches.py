@@ -60,7 +60,7 @@ def follow(scene, branch, control, until):
     return [branch.start, *fx.Path(scene, control, until, start=[branch.start])]
 
 
-halves = [(point, follow(column.case, branch, fx.ArcLength(0.03, largest=2.0), fx.Until(deflection=0.38)))
+halves = [(point, follow(column.scene, branch, fx.ArcLength(0.03, largest=2.0), fx.Until(deflection=0.38)))
           for branch in fx.branches(record.path, record.states, point)]
 draw_branches(record, halves).savefig("column_branches.png", dpi=150)
 assert all(state.unstable_modes == 0 for _, states in halves for state in states)

@@ -10,7 +10,7 @@ import pytest
 from sheetfx.studies.chart import Member, Peer, Point, Unusable, error_percent, measure, options, rivals
 
 SCRIPT = '''
-from sheetfx.scenes.bend import scene as bend
+from sheetfx.scenes.bend import case as bend
 
 REFERENCE = {"tip_x": 15.558, "tip_z": 53.61}
 CHART = [{"elements": 4, "degree": 1}, {"elements": 4, "degree": 2}]
