@@ -117,7 +117,7 @@ class Grounded(fx.Contribution):
         forces.on(self.number)[self.nodes] += self.stiffness * self.field.table[self.nodes]
 
     def tangent(self, held):
-        return np.full(2 * len(self.nodes), self.stiffness)
+        return [np.full(2 * len(self.nodes), self.stiffness)]
 
     def commit(self):
         self.accepted += 1

@@ -81,13 +81,15 @@ class Contribution:
     def extrapolate_stress(self) -> None:
         """Take the stresses of the tangent on by the change of the fields in the last Newton step."""
 
-    def tangent(self, held: Forces) -> np.ndarray:
-        """Values of the tangent in the order of `pattern`, as derivatives by nodal increments.
+    def tangent(self, held: Forces) -> Sequence[np.ndarray]:
+        """Values of the tangent in the order of `pattern`, in arrays one behind the other.
+
+        They are derivatives by nodal increments.
 
         Forces on rotations that the tangent holds fixed are added to `held`: the system makes their share of the
         tangent, which comes from the curvature of the rotations, for all contributions at once.
         """
-        return np.empty(0)
+        return ()
 
     def commit(self) -> None:
         """Accept the present state: history moves on. Increments still count from where they did."""

@@ -8,6 +8,7 @@ increments.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import combinations_with_replacement, product
@@ -108,7 +109,7 @@ class ElementWork(Contribution):
             for term in self._terms:
                 term.extrapolate_stress(chunk)
 
-    def tangent(self, held: Forces) -> np.ndarray:
+    def tangent(self, held: Forces) -> Sequence[np.ndarray]:
         for coupling in self.couplings:
             coupling.values[:] = 0
         bases = {n: f.variations() for n, f in zip(self.numbers, self._fields, strict=True)}
@@ -127,8 +128,8 @@ class ElementWork(Contribution):
                     sizes = tuple((0,) * n for n in (*raw, *coupling.values.shape[1:]))
                     _add_blocks(matrices[a, b], *_layout(*raw, a == b), bases[a], bases[b], nodes[a][chunk],
                                 nodes[b][chunk], coupling.pairs[chunk], coupling.values, sizes)
-        return np.concatenate([values.ravel() for coupling in self.couplings
-                               for values in (coupling.values, coupling.values[coupling.mirrored])])
+        return [values.ravel() for coupling in self.couplings
+                for values in (coupling.values, coupling.values[coupling.mirrored])]
 
 
 class _TermWork:

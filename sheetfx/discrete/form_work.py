@@ -55,8 +55,8 @@ class FormWork(Contribution):
         rows, columns = (np.concatenate(numbers) for numbers in zip(*parts, strict=True))
         return rows, columns
 
-    def tangent(self, held: Forces) -> np.ndarray:
-        return np.concatenate([self._matrix.values(), *(border.values() for border in self._borders)])
+    def tangent(self, held: Forces) -> Sequence[np.ndarray]:
+        return [self._matrix.values(), *(border.values() for border in self._borders)]
 
 
 def _numbers_in(unknowns: Unknowns, work) -> list[NumberField]:

@@ -44,8 +44,8 @@ class FixedIncrements(Contribution):
 
     def pattern(self, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
         rows = layout.fixed.astype(np.int64) + layout.start
-        self._count = len(rows)
+        self._ones = np.ones(len(rows))
         return rows, rows
 
-    def tangent(self, held: Forces) -> np.ndarray:
-        return np.ones(self._count)
+    def tangent(self, held: Forces) -> Sequence[np.ndarray]:
+        return [self._ones]

@@ -82,6 +82,10 @@ class AdditiveField:
             return components
         return np.einsum("nji,nj->ni", self.axes, components.reshape(-1, self.width)).ravel()
 
+    def pull(self, force: np.ndarray) -> np.ndarray:
+        """Forces on nodal increments by forces conjugate to the values, shape (nodes, components), as a flat array."""
+        return self.inward(force.ravel())
+
     def advance(self, block_increment: np.ndarray) -> None:
         self.value.x.array[:] = self.previous.x.array + self.outward(block_increment[self.dofs])
 
@@ -152,6 +156,9 @@ class QuaternionField(AdditiveField):
         slopes = _slopes(self.value.x.array.reshape(-1, 4))
         slopes[self.charted] = self._chart()[2]
         return np.ascontiguousarray(slopes if self.axes is None else slopes @ self.axes)
+
+    def pull(self, force):
+        return np.einsum("na,nai->ni", force, self.variations()).ravel()
 
     def _chart(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Of charted nodes the quaternion, and its derivative by the Rodrigues vector along and across it."""

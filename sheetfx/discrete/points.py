@@ -95,17 +95,17 @@ class PointWork(Contribution):
                 columns.append(np.broadcast_to(right[:, None, None, :, :], shape).ravel())
         return np.concatenate(rows), np.concatenate(columns)
 
-    def tangent(self, held: Forces) -> np.ndarray:
+    def tangent(self, held: Forces) -> Sequence[np.ndarray]:
         forces, stiffness = self._law(self.values())
         self._add(held, forces, curved_only=True)
         bases = [t.weights[:, :, None, None] * np.broadcast_to(
             f.variations(), (len(f.table), f.components, f.width))[t.nodes]
             for t, f in zip(self._traces, self._fields, strict=True)]
-        values = [np.empty(0)]
+        values = []
         for left, rows in zip(bases, self._parts, strict=True):
             for right, columns in zip(bases, self._parts, strict=True):
                 values.append(np.einsum("nkcv,ncd,nldw->nkvlw", left, stiffness[:, rows, columns], right).ravel())
-        return np.concatenate(values)
+        return values
 
 
 class PointLaw:

@@ -144,7 +144,7 @@ class System:
             if any(c.moved for c in self.contributions):
                 self._create_matrix()
             held = self._forces()
-            values = [contribution.tangent(held) for contribution in self.contributions]
+            values = [array for contribution in self.contributions for array in contribution.tangent(held)]
             moments = self._moments()
             for number, field in enumerate(self.unknowns.fields):
                 if field.curved:
@@ -174,8 +174,7 @@ class System:
         for number, (f, array) in enumerate(self._layout.fields(arrays)):
             force = forces.given(number)
             if force is not None:
-                basis = np.broadcast_to(f.variations(), (*force.shape, f.width))
-                array[f.dofs] += np.einsum("na,nai->ni", force, basis).ravel()
+                array[f.dofs] += f.pull(force)
         self._layout.put(arrays, out)
         out.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
         support = out.array[self.fixed_rows]
