@@ -101,10 +101,10 @@ class Tracer:
 
     def enter(self, stage: int) -> State:
         """Begin a load stage at the current state: its load factor varies from zero, that of the last one stays."""
-        before = self.state
+        before, spent = self.state, self.total_factorisations
         self.system.factors.enter(stage, 0.0)
         self._reference, self._most = None, 0
-        self.state = replace(self._converged(None), step=before.step + 1, deflection=before.deflection)
+        self.state = replace(self._converged(None, factorisations=spent), step=before.step + 1, deflection=before.deflection)
         self._mark_factored()
         return self.state
 

@@ -23,8 +23,8 @@ class Joint(Acting):
     """
 
     @property
-    def models(self) -> Sequence[Model]:
-        """Models that it connects; those that no joint connects are told when the scene is made."""
+    def points(self) -> Sequence[tuple[Model, str]]:
+        """Named points that it connects; models that no joint connects are told when the scene is made."""
         return ()
 
 
@@ -81,8 +81,8 @@ class Spring(Joint):
         return [End(self.model, self.at), *([End(*self.to)] if self.to else [])]
 
     @property
-    def models(self) -> Sequence[Model]:
-        return [end.model for end in self._ends] if self.to else []
+    def points(self) -> Sequence[tuple[Model, str]]:
+        return [(end.model, end.at) for end in self._ends]
 
     def contributions(self, fields):
         index, dimension = COMPONENTS[self.model.dimension].index(self.component), self.model.dimension
@@ -153,8 +153,8 @@ class Tie(Joint):
             require_known_component(f"Tie at {self.at!r}", name, COMPONENTS[self.model.dimension])
 
     @property
-    def models(self) -> Sequence[Model]:
-        return [self.model, self.to[0]]
+    def points(self) -> Sequence[tuple[Model, str]]:
+        return [(self.model, self.at), self.to]
 
     def unknowns(self, fields) -> None:
         count = len(End(self.model, self.at).nodes(fields)) * len(self.components.split())

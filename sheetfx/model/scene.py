@@ -115,7 +115,7 @@ class Scene:
         touching: dict = {}
         for contact in self.contacts:
             touching.setdefault(contact.obstacle, []).append(contact.beam.model)
-        for joined in [*(joint.models for joint in self.joints), *touching.values()]:
+        for joined in [*([model for model, _ in joint.points] for joint in self.joints), *touching.values()]:
             union = set().union(*(groups.get(model, set()) for model in joined))
             groups |= dict.fromkeys(union, union)
         apart = [model for model in models if model not in groups[models[0]]]

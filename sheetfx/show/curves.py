@@ -13,7 +13,7 @@ from .evaluate import communicator, most_telling, stays, unit_of, with_unit
 from .labels import place_labels
 
 STABLE, UNSTABLE = "#0b4f8a", "#c4432b"
-MARKERS = {"limit": ("o", "limit point"), "bifurcation": ("D", "bifurcation point")}
+MARKERS = {"limit": ("o", "limit point"), "bifurcation": ("D", "bifurcation point"), "event": ("s", "event")}
 MOST_LABELS = 6
 
 
@@ -25,24 +25,25 @@ def path_curve(record: Record, folder: Folder, name: str = "path.png") -> None:
 
 
 def draw_path(record: Record, jumps: Sequence[tuple[State, State]] = ()):
-    """The matplotlib figure of `path_curve`.
+    """The matplotlib figure of `path_curve`: of the last load stage, since each has a load of its own.
 
     Parameters
     ----------
     jumps : states between which labels leave room for arrows
     """
     figure, axes = _frame(record)
-    knots, unstable = path_knots(record.states)
+    states = [s for s in record.states if s.stage == record.states[-1].stage]
+    knots, unstable = path_knots(states)
     if not knots[:, 0].any():
         axes.set_xlim(-1.0, 1.0)
     curve = _draw_stretches(axes, knots, unstable, named=record.states[-1].unstable_modes is not None)
-    axes.plot([s.deflection for s in record.states], [s.load for s in record.states], ".", color="#333333",
+    axes.plot([s.deflection for s in states], [s.load for s in states], ".", color="#333333",
               markersize=3.5, zorder=3, label="converged states")
-    points = record.critical_points
+    points = [point for state in states for point in state.critical]
     _draw_points(axes, points)
     axes.legend(frameon=True, framealpha=0.9, edgecolor="none", fontsize=9)
     unit = unit_of(record.case.axes[1])
-    texts = [(p.deflection, p.load, f"{p.kind} {with_unit(p.load, unit)}") for p in most_telling(points, MOST_LABELS)]
+    texts = [(p.deflection, p.load, f"{p.name if p.kind == 'event' else p.kind} {with_unit(p.load, unit)}") for p in most_telling(points, MOST_LABELS)]
     arrows = [np.linspace((a.deflection, a.load), (b.deflection, b.load), 100) for a, b in jumps]
     place_labels(axes, texts, np.concatenate([curve, *arrows]))
     return figure
@@ -109,14 +110,14 @@ def _draw_points(axes, points: list[CriticalPoint]) -> None:
 def path_knots(states: Sequence[State]) -> tuple[np.ndarray, np.ndarray]:
     """Points of the path in order, and whether it is unstable between each and the next.
 
-    Deflections that are zero but for rounding are zero.
+    Events are left out: they change no stability. Deflections that are zero but for rounding are zero.
 
     Returns
     -------
     (n, 2) deflection and load of states and critical points; (n - 1,) bool
     """
     rows, unstable = [(states[0].deflection, states[0].load)], []
-    points = [p for s in states for p in s.critical]
+    points = [p for s in states for p in s.critical if p.kind != "event"]
     for before, after in zip(states[:-1], states[1:], strict=True):
         inside = [(p.deflection, p.load) for p in points if p.step == after.step]
         ends = bool(before.unstable_modes), bool(after.unstable_modes)

@@ -25,7 +25,7 @@ class Progress:
         self.name, self.folder = name, folder
         self.console = Console(quiet=MPI.COMM_WORLD.rank > 0, highlight=False)
         self._live = Live(Text(f"{name}: compiling forms, meshing"), console=self.console, transient=True)
-        self._until = None
+        self._until, self._stages = None, []
         self._start = time.perf_counter()
 
     def __enter__(self) -> Progress:
@@ -39,6 +39,7 @@ class Progress:
 
     def begin(self, case: Case) -> None:
         self._until = case.until
+        self._stages = [stage.name for stage in case.scene.all_stages]
 
     def __call__(self, state: State) -> None:
         for point in state.critical:
@@ -52,7 +53,8 @@ class Progress:
             self.console.print(self._line(state), soft_wrap=True)
 
     def _line(self, state: State) -> str:
-        line = (f"{self.name}: step {state.step}, load {state.load:.5g}, deflection {state.deflection:.5g}, "
+        stage = f", stage {self._stages[state.stage]!r}" if len(self._stages) > 1 else ""
+        line = (f"{self.name}{stage}: step {state.step}, load {state.load:.5g}, deflection {state.deflection:.5g}, "
                 f"{state.iterations} iterations")
         if state.contact_points:
             line += f", {state.contact_points} contact points"
