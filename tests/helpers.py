@@ -103,8 +103,7 @@ def started(record: Record, amplitude: float = 0.05, number: int = 0) -> tuple[C
 def displacement(record: Record, at: str = "tip") -> np.ndarray:
     """Displacement of a point in the last state."""
     record.show(record.states[-1])
-    model = record.case.scene.parts[0].model
-    return record.path.discretisation.kinematics(model).displacement(model, at)
+    return record.displacement(at)
 
 
 def response(scene: Scene) -> float:

@@ -254,3 +254,54 @@ except ValueError as error:
 ''')
     assert float(lines[0]) == pytest.approx(1e-4 / 7, rel=1e-6)
     assert "different ones of the 2 processes" in lines[1]
+
+
+def column(welded: bool):
+    """A hinged column of two halves, with density: one model, or two that are welded."""
+    options = {"section": fx.Rectangle(0.01, 0.01), "material": fx.Elastic(1e9, density=1.0)}
+    if welded:
+        lower, upper = member((0.0, 0.0), (0.5, 0.0), elements=8), member((0.5, 0.0), (1.0, 0.0), elements=8)
+        models, middle = [lower, upper], fx.Monitor(lower, "end", "y")
+        joints = [fx.weld(lower, "end", (upper, "start"))]
+    else:
+        whole = member((0.0, 0.0), (1.0, 0.0), elements=16)
+        models, joints, middle = [whole], [], fx.Monitor(whole, "middle", "y")
+    return fx.Scene([fx.Beam(m, **options) for m in models],
+                    [fx.pin(models[0], "start"), fx.Support(models[-1], "end", "y")],
+                    [fx.PointForce(models[-1], "end", (-1.0, 0.0))], middle, joints=joints)
+
+
+def test_welded_column_is_the_whole_one():
+    """Bifurcations with Koiter's b, branches, buckling loads and frequencies: multipliers change none of them."""
+    found, names = [], []
+    for welded in (True, False):
+        record = fx.trace(fx.Case(column(welded), fx.LoadControl(3.0, target=36.0)))
+        points = record.critical_points
+        (branch, _) = record.branches(points[0])
+        rise = points[0].curvature * branch.amplitude**2
+        assert branch.start.load / points[0].load - 1 == pytest.approx(rise, rel=0.05)
+        names.append([p.title for p in points])
+        found.append([*(p.load for p in points), *(p.curvature for p in points),
+                      *(b.factor for b in record.buckling(record.states[0], count=2)),
+                      *(v.squared for v in record.frequencies(record.states[1], 3))])
+    assert names[0] == names[1] and len(names[0]) == 2
+    assert found[0] == pytest.approx(found[1], rel=2e-6)
+
+
+def test_hinged_truss_of_two_models_snaps():
+    """Two struts on hinges that a hinge ties at their apex: the limit and the fall of a von Mises truss."""
+    models = [member((-1.0, 0.0), (0.0, 0.2), elements=2), member((1.0, 0.0), (0.0, 0.2), elements=2)]
+    stocky = {"section": fx.Rectangle(1.0, 1.0), "material": fx.Elastic(1.0, 0.0)}
+    scene = fx.Scene([fx.Beam(m, **stocky) for m in models], [fx.pin(m, "start") for m in models],
+                     [fx.PointForce(models[0], "end", (0.0, -1.0))], fx.Monitor(models[0], "end", "y", -1.0),
+                     joints=[fx.hinge(models[0], "end", (models[1], "end"))])
+    record = fx.trace(fx.Case(scene, fx.ArcLength(0.01), fx.Until(deflection=0.45)))
+    length, base = np.hypot(1.0, 0.2), 1.0
+    at_limit = (length * base**2) ** (1 / 3)
+    exact = 2 * (length - at_limit) / length * np.sqrt(at_limit**2 - base**2) / at_limit
+    limit = next(p for p in record.critical_points if p.kind == "limit")
+    assert limit.load == pytest.approx(exact, rel=1e-9)
+    unstable = next(s for s in record.states if s.unstable_modes)
+    fall = record.snap(unstable)
+    assert fall.after.unstable_modes == 0 and fall.after.load == pytest.approx(unstable.load, rel=1e-9)
+    assert fall.after.deflection > 0.4 and fall.energy_released > 0

@@ -184,3 +184,17 @@ def test_flags_of_contributions_are_those_of_the_system():
     path = fx.Path(sprung_cantilever([lambda model: Rough(model, "tip", 4.0)]))
     assert not path.discretisation.system.smooth and not path.discretisation.system.conservative
     assert path.tracer.state.unstable_modes is None, "an unsymmetric tangent has no inertia"
+
+
+def test_fall_does_not_move_history_on():
+    """The many steps of a fall let increments count anew; only its end is a state that is accepted."""
+    nodes = {"left": (-1.0, 0.0), "apex": (0.0, 0.2), "right": (1.0, 0.0)}
+    model = fx.read(lambda: fx.meshes.frame(nodes, {"a": ("left", "apex", 1), "b": ("apex", "right", 1)}), 2)
+    scene = fx.Scene([fx.Bar(model, fx.Rectangle(1.0, 1.0), fx.Elastic(1.0))],
+                     [fx.pin(model, "left"), fx.pin(model, "right")], [fx.PointForce(model, "apex", (0.0, -1.0))],
+                     fx.Monitor(model, "apex", "y", -1.0), joints=[Ground(model, "apex", 1e-9)])
+    record = fx.trace(fx.Case(scene, fx.ArcLength(0.01), fx.Until(deflection=0.2)))
+    unstable = next(s for s in record.states if s.unstable_modes)
+    fall = record.snap(unstable)
+    assert fall.iterations > 3
+    assert fall.after.fields["accepted"] == unstable.fields["accepted"] + 1

@@ -30,7 +30,7 @@ def pinched_hemisphere(turn: np.ndarray, pressure: float) -> tuple[np.ndarray, l
     loads = [fx.PointForce(model, "A", tuple(4e4 * turn[:, 0])), fx.Pressure(shell, pressure)]
     record = trace(Case(fx.Scene([shell], supports, loads, fx.Monitor(model, "A", "x")), LoadControl(0.5, fixed=True)))
     record.show(record.states[-1])
-    return turn.T @ record.path.discretisation.kinematics(model).displacement(model, "A"), [
+    return turn.T @ record.displacement("A"), [
         s.iterations for s in record.states]
 
 

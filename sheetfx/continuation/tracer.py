@@ -104,7 +104,8 @@ class Tracer:
         before, spent = self.state, self.total_factorisations
         self.system.factors.enter(stage, 0.0)
         self._reference, self._most = None, 0
-        self.state = replace(self._converged(None, factorisations=spent), step=before.step + 1, deflection=before.deflection)
+        begun = self._converged(None, factorisations=spent)
+        self.state = replace(begun, step=before.step + 1, deflection=before.deflection)
         self._mark_factored()
         return self.state
 

@@ -16,7 +16,7 @@ from typer import Option
 from .. import meshes
 from ..case import Case
 from ..continuation.control import LoadControl
-from ..mesh.reader import Model, read
+from ..mesh.reader import read
 from ..model.beam import Beam
 from ..model.loads import PointForce
 from ..model.scene import Monitor, Scene
@@ -58,15 +58,15 @@ def case(
         scene=Scene(
             parts=[beam], supports=[clamp(model, "start")], loads=[PointForce(model, "end", (0.0, 0.0, force))],
             monitor=Monitor(model, "end", "z")),
-        control=LoadControl(step=1 / steps, fixed=True), quantities=lambda record: quantities(record, model),
+        control=LoadControl(step=1 / steps, fixed=True), quantities=quantities,
         pictures=[path_curve, shapes, paraview],
         axes=("displacement of the tip out of the plane", "force"), mixed_points=not plain_tangent)
 
 
-def quantities(record: Record, model: Model) -> dict[str, float]:
+def quantities(record: Record) -> dict[str, float]:
     """Place of the tip with the clamp at the origin, and the iterations of the steps."""
     record.show(record.states[-1])
-    displacement = record.path.discretisation.kinematics(model).displacement(model, "end")
+    displacement = record.displacement("end")
     tip = RADIUS * np.array([1 - np.cos(pi / 4), np.sin(pi / 4), 0.0]) + displacement
     iterations = [s.iterations for s in record.states[1:]]
     return dict(zip(("tip_x", "tip_y", "tip_z"), tip.tolist(), strict=True)) | {

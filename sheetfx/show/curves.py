@@ -43,7 +43,8 @@ def draw_path(record: Record, jumps: Sequence[tuple[State, State]] = ()):
     _draw_points(axes, points)
     axes.legend(frameon=True, framealpha=0.9, edgecolor="none", fontsize=9)
     unit = unit_of(record.case.axes[1])
-    texts = [(p.deflection, p.load, f"{p.name if p.kind == 'event' else p.kind} {with_unit(p.load, unit)}") for p in most_telling(points, MOST_LABELS)]
+    texts = [(p.deflection, p.load, f"{p.name if p.kind == 'event' else p.kind} {with_unit(p.load, unit)}")
+             for p in most_telling(points, MOST_LABELS)]
     arrows = [np.linspace((a.deflection, a.load), (b.deflection, b.load), 100) for a, b in jumps]
     place_labels(axes, texts, np.concatenate([curve, *arrows]))
     return figure
@@ -110,19 +111,20 @@ def _draw_points(axes, points: list[CriticalPoint]) -> None:
 def path_knots(states: Sequence[State]) -> tuple[np.ndarray, np.ndarray]:
     """Points of the path in order, and whether it is unstable between each and the next.
 
-    Events are left out: they change no stability. Deflections that are zero but for rounding are zero.
+    Events change no stability. Deflections that are zero but for rounding are zero.
 
     Returns
     -------
     (n, 2) deflection and load of states and critical points; (n - 1,) bool
     """
     rows, unstable = [(states[0].deflection, states[0].load)], []
-    points = [p for s in states for p in s.critical if p.kind != "event"]
+    points = [p for s in states for p in s.critical]
     for before, after in zip(states[:-1], states[1:], strict=True):
-        inside = [(p.deflection, p.load) for p in points if p.step == after.step]
-        ends = bool(before.unstable_modes), bool(after.unstable_modes)
-        unstable += [ends[0], *[True] * (len(inside) - 1), ends[1]] if inside else [ends[1]]
-        rows += [*inside, (after.deflection, after.load)]
+        inside = [p for p in points if p.step == after.step]
+        changes = np.cumsum([0, *(p.kind != "event" for p in inside)])
+        unstable += [bool((after if n == changes[-1] else before).unstable_modes) or 0 < n < changes[-1]
+                     for n in changes]
+        rows += [*((p.deflection, p.load) for p in inside), (after.deflection, after.load)]
     knots = np.array(rows)
     if stays(states):
         knots[:, 0] = 0.0
