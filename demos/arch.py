@@ -47,15 +47,15 @@ def reissner(u, rotation, frame):
 # updated (Uzawa) or an unknown (semismooth Newton).
 
 # %%
-model = fx.read(lambda: fx.meshes.arc(3380.6, 0.0, np.radians(7.338), 40, {"crown": 0.0}), dimension=2, order=2)
-arch = fx.Beam(model, fx.Rectangle(25.4, 4.7625), fx.Elastic(72395.0), strains=reissner)
+mesh = fx.read(lambda: fx.meshes.arc(3380.6, 0.0, np.radians(7.338), 40, {"crown": 0.0}), dimension=2, order=2)
+arch = fx.Beam(mesh, fx.Rectangle(25.4, 4.7625), fx.Elastic(72395.0), strains=reissner)
 punch = fx.RigidCylinder(radius=3380.6, centre=(0.0, 2 * 3380.6), travel=(0.0, -1.0))
 half = fx.Scene(
     parts=[arch],
     contacts=[fx.Contact(arch, punch)],
-    supports=[fx.clamp(model, "end"), fx.symmetry(model, "crown")],
+    supports=[fx.clamp(mesh, "end"), fx.symmetry(mesh, "crown")],
     loads=[fx.ObstacleForce(punch, 0.5)],
-    monitor=fx.Monitor(model, "crown", "y", -1.0),
+    monitor=fx.Monitor(mesh, "crown", "y", -1.0),
     symmetry_factor=2,
 )
 path = []

@@ -31,11 +31,11 @@ QUICK = bool(os.environ.get("SHEETFX_QUICK"))
 # %%
 nodes = {"base": (0, 0), "middle": (0.5, 0), "tip": (1, 0)}
 members = {"lower": ("base", "middle", 8), "upper": ("middle", "tip", 8)}
-model = fx.read(lambda: fx.meshes.frame(nodes, members), dimension=2)
-bar = fx.Beam(model, fx.Rectangle(0.01, 0.01), fx.Elastic(1e9), shear_rigidity=1e3)
+mesh = fx.read(lambda: fx.meshes.frame(nodes, members), dimension=2)
+bar = fx.Beam(mesh, fx.Rectangle(0.01, 0.01), fx.Elastic(1e9), shear_rigidity=1e3)
 column = fx.Case(
-    fx.Scene([bar], [fx.pin(model, "base"), fx.Support(model, "tip", "y")], [fx.PointForce(model, "tip", (-1.0, 0.0))],
-             fx.Monitor(model, "middle", "y")),
+    fx.Scene([bar], [fx.pin(mesh, "base"), fx.Support(mesh, "tip", "y")], [fx.PointForce(mesh, "tip", (-1.0, 0.0))],
+             fx.Monitor(mesh, "middle", "y")),
     fx.LoadControl(step=3.0, target=10.0), axes=("deflection of the middle", "load"))
 record = fx.trace(column)
 point = record.critical_points[0]

@@ -56,10 +56,10 @@ for edges, values in plates.items():
 
 # %%
 angle = radians(7.338)
-model = fx.read(lambda: fx.meshes.arc(3380.6, -angle, angle, 20, {"crown": 0.0}), dimension=2, order=2)
-arch = fx.Beam(model, fx.Rectangle(25.4, 4.7625), fx.Elastic(72395.0))
-hinged = fx.Scene([arch], [fx.pin(model, "start"), fx.pin(model, "end")],
-                  [fx.PointForce(model, "crown", (0.0, -1.0))], fx.Monitor(model, "crown", "y", -1.0))
+mesh = fx.read(lambda: fx.meshes.arc(3380.6, -angle, angle, 20, {"crown": 0.0}), dimension=2, order=2)
+arch = fx.Beam(mesh, fx.Rectangle(25.4, 4.7625), fx.Elastic(72395.0))
+hinged = fx.Scene([arch], [fx.pin(mesh, "start"), fx.pin(mesh, "end")],
+                  [fx.PointForce(mesh, "crown", (0.0, -1.0))], fx.Monitor(mesh, "crown", "y", -1.0))
 record = fx.trace(fx.Case(hinged, fx.ArcLength(step=0.003), fx.Until(deflection=8.0)))
 bifurcation = next(p.load for p in record.critical_points if p.kind == "bifurcation")
 

@@ -23,29 +23,29 @@ class Winkler(fx.Joint):                                # virtual work against a
         self.beam, self.modulus = beam, modulus
 
     def work(self, fields):
-        u = fields.displacement(self.beam.model)[1]
+        u = fields.displacement(self.beam.mesh)[1]
         return self.modulus * u * fields.vary(u) * self.beam.measure()
 
 
 class Hardening(fx.Joint):                              # force k v + c v^3 and its derivative at a node
-    def __init__(self, model, at, linear, cubic):
-        self.model, self.at, self.linear, self.cubic = model, at, linear, cubic
+    def __init__(self, mesh, at, linear, cubic):
+        self.mesh, self.at, self.linear, self.cubic = mesh, at, linear, cubic
 
     def contributions(self, fields):
         def law(u):
             force, stiffness, v = np.zeros_like(u), np.zeros((*u.shape, 2)), u[:, 1]
             force[:, 1], stiffness[:, 1, 1] = self.linear * v + self.cubic * v**3, self.linear + 3 * self.cubic * v**2
             return force, stiffness
-        yield fx.PointWork(fields.unknowns, [fields.trace(self.model, fields.nodes(self.model, self.at))], law)
+        yield fx.PointWork(fields.unknowns, [fields.trace(self.mesh, fields.nodes(self.mesh, self.at))], law)
 
 
 def beam_on_foundation(modulus, linear=0.0, cubic=0.0):
     nodes = {"base": (0.0, 0.0), "middle": (0.5, 0.0), "tip": (1.0, 0.0)}
-    model = fx.read(lambda: fx.meshes.frame(nodes, {"left": ("base", "middle", 16), "right": ("middle", "tip", 16)}), 2)
-    beam = fx.Beam(model, fx.Rectangle(1.0, 0.001), fx.Elastic(12e9))           # EI = 1
-    scene = fx.Scene([beam], [fx.pin(model, "base"), fx.Support(model, "tip", "y")],
-                     [fx.PointForce(model, "tip", (-1.0, 0.0))], fx.Monitor(model, "middle", "y"),
-                     joints=[Winkler(beam, modulus), Hardening(model, "middle", linear, cubic)])
+    mesh = fx.read(lambda: fx.meshes.frame(nodes, {"left": ("base", "middle", 16), "right": ("middle", "tip", 16)}), 2)
+    beam = fx.Beam(mesh, fx.Rectangle(1.0, 0.001), fx.Elastic(12e9))           # EI = 1
+    scene = fx.Scene([beam], [fx.pin(mesh, "base"), fx.Support(mesh, "tip", "y")],
+                     [fx.PointForce(mesh, "tip", (-1.0, 0.0))], fx.Monitor(mesh, "middle", "y"),
+                     joints=[Winkler(beam, modulus), Hardening(mesh, "middle", linear, cubic)])
     return fx.trace(fx.Case(scene, fx.LoadControl(20.0, target=130.0)))
 
 

@@ -38,14 +38,14 @@ perfect = fx.read(lambda: fx.meshes.rectangle((6, 4)), dimension=3, order=3, pla
 
 def patch(imperfection):
     """Part of the cylinder with an imperfection of so many thicknesses, inwards at both ends."""
-    model = fx.imperfect(perfect, lambda x: -np.cos(wave * x[:, 0]), imperfection * THICKNESS)
+    mesh = fx.imperfect(perfect, lambda x: -np.cos(wave * x[:, 0]), imperfection * THICKNESS)
     end = side / RADIUS
     return fx.Scene(
-        [fx.Shell(model, fx.Plate(THICKNESS), fx.Elastic(modulus, POISSON), form="naghdi-q3")],
-        [fx.symmetry(model, "west", "x"), fx.symmetry(model, "south", "y"),
-         fx.symmetry(model, "north", (0.0, np.cos(end), -np.sin(end))), fx.Support(model, "east", "ry rz")],
-        [fx.PrescribedDisplacement(model, "east", "x", -side / (modulus * THICKNESS))],
-        fx.Monitor(model, "south-east", "x", -1.0))
+        [fx.Shell(mesh, fx.Plate(THICKNESS), fx.Elastic(modulus, POISSON), form="naghdi-q3")],
+        [fx.symmetry(mesh, "west", "x"), fx.symmetry(mesh, "south", "y"),
+         fx.symmetry(mesh, "north", (0.0, np.cos(end), -np.sin(end))), fx.Support(mesh, "east", "ry rz")],
+        [fx.PrescribedDisplacement(mesh, "east", "x", -side / (modulus * THICKNESS))],
+        fx.Monitor(mesh, "south-east", "x", -1.0))
 
 
 def buckling_load(imperfection):

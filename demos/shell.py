@@ -83,12 +83,12 @@ def section(strains, stiffness, plane):
 
 
 def deflections(measure, plane):
-    model, axes = fx.read(lambda: fx.meshes.rectangle((6, 6), (0.5, 0.5)), 3, order=2), np.eye(3).tolist()
-    plate = fx.Shell(model, fx.Plate(T), fx.Elastic(1.0, 0.3), law=partial(section, plane=plane),
+    mesh, axes = fx.read(lambda: fx.meshes.rectangle((6, 6), (0.5, 0.5)), 3, order=2), np.eye(3).tolist()
+    plate = fx.Shell(mesh, fx.Plate(T), fx.Elastic(1.0, 0.3), law=partial(section, plane=plane),
                      strains=lambda u, r, frame: measure(u, r, replace(frame, axes=[*map(as_vector, axes)])))
-    held = [fx.Support(model, "west", "x y z rx"), fx.Support(model, "south", "x y z ry"),
-            fx.symmetry(model, "east", "x"), fx.symmetry(model, "north", "y")]
-    bent = fx.Scene([plate], held, [fx.SurfaceForce(plate, (0.0, 0.0, LOAD))], fx.Monitor(model, "north-east", "z"))
+    held = [fx.Support(mesh, "west", "x y z rx"), fx.Support(mesh, "south", "x y z ry"),
+            fx.symmetry(mesh, "east", "x"), fx.symmetry(mesh, "north", "y")]
+    bent = fx.Scene([plate], held, [fx.SurfaceForce(plate, (0.0, 0.0, LOAD))], fx.Monitor(mesh, "north-east", "z"))
     return [state.deflection / T for state in fx.Path(bent, fx.LoadControl(step=0.2, fixed=True))]
 
 

@@ -96,7 +96,7 @@ figure.savefig("snap.png", dpi=150)
 
 # %%
 heavy = fx.Elastic(case.scene.parts[0].material.modulus, 0.3, density=2.5e-4)
-part = fx.Beam(case.scene.parts[0].model, lee_frame.SECTION, heavy, shear_rigidity=1e3)
+part = fx.Beam(case.scene.parts[0].mesh, lee_frame.SECTION, heavy, shear_rigidity=1e3)
 scene = fx.Scene([part], case.scene.supports, case.scene.loads, case.scene.monitor)
 path = fx.Path(scene, case.control, fx.Until(deflection=58.0))
 table = np.array([(s.load, fx.frequencies(path, s, 1)[0].squared) for s in path])

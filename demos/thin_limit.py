@@ -41,12 +41,12 @@ def response(scene):
 
 def plate(form, cells, t, distortion=0.0):
     """Quarter of a clamped square plate: deflection of its centre times D / q a^4."""
-    model = surface(form, cells, distortion, lambda x, y: np.column_stack((x / 2, y / 2, 0 * x)))
-    shell = fx.Shell(model, fx.Plate(t), fx.Elastic(1.0, 0.3), form=form)
-    supports = [fx.clamp(model, "west"), fx.clamp(model, "south"), fx.symmetry(model, "east", "x"),
-                fx.symmetry(model, "north", "y")]
+    mesh = surface(form, cells, distortion, lambda x, y: np.column_stack((x / 2, y / 2, 0 * x)))
+    shell = fx.Shell(mesh, fx.Plate(t), fx.Elastic(1.0, 0.3), form=form)
+    supports = [fx.clamp(mesh, "west"), fx.clamp(mesh, "south"), fx.symmetry(mesh, "east", "x"),
+                fx.symmetry(mesh, "north", "y")]
     return response(fx.Scene([shell], supports, [fx.SurfaceForce(shell, (0.0, 0.0, t**3 / 12 / 0.91))],
-                             fx.Monitor(model, "north-east", "z")))
+                             fx.Monitor(mesh, "north-east", "z")))
 
 
 def hemisphere(form, cells, t):
@@ -55,11 +55,11 @@ def hemisphere(form, cells, t):
         a, h = pi / 2 * x, radians(72.0) * y
         return np.column_stack((np.cos(h) * np.cos(a), np.cos(h) * np.sin(a), np.sin(h)))
 
-    model, force = surface(form, cells, 0.0, place), t**3 / 24 / 0.91
-    shell = fx.Shell(model, fx.Plate(t), fx.Elastic(1.0, 0.3), form=form)
-    held = [fx.symmetry(model, "west", "y"), fx.symmetry(model, "east", "x"), fx.Support(model, "south-west", "z")]
-    loads = [fx.PointForce(model, f"south-{end}", f) for end, f in (("west", (force, 0, 0)), ("east", (0, -force, 0)))]
-    return response(fx.Scene([shell], held, loads, fx.Monitor(model, "south-west", "x")))
+    mesh, force = surface(form, cells, 0.0, place), t**3 / 24 / 0.91
+    shell = fx.Shell(mesh, fx.Plate(t), fx.Elastic(1.0, 0.3), form=form)
+    held = [fx.symmetry(mesh, "west", "y"), fx.symmetry(mesh, "east", "x"), fx.Support(mesh, "south-west", "z")]
+    loads = [fx.PointForce(mesh, f"south-{end}", f) for end, f in (("west", (force, 0, 0)), ("east", (0, -force, 0)))]
+    return response(fx.Scene([shell], held, loads, fx.Monitor(mesh, "south-west", "x")))
 
 
 # %% [markdown]

@@ -7,18 +7,18 @@ that the command line starts fast.
 from importlib import import_module as _import_module
 
 _ROOMS = {
-    "mesh.reader": "read",
+    "mesh.reader": "NamedMesh read",
     "mesh.imperfection": "imperfect measured random_field",
-    "model.beam": "Bar Beam",
-    "model.contact": "Contact",
-    "model.joints": "Foundation Joint Spring Tie Uniform hinge weld",
-    "model.loads": "EdgeForce LineForce Load Moment "
+    "mesh.beam": "Bar Beam",
+    "mesh.contact": "Contact",
+    "mesh.joints": "Foundation Joint Spring Tie Uniform hinge weld",
+    "mesh.loads": "EdgeForce LineForce Load Moment "
                    "ObstacleForce PointForce PrescribedDisplacement PrescribedRotation Pressure SurfaceForce",
-    "model.obstacles": "RigidCylinder RigidPlane",
-    "model.scene": "Monitor Scene Stage",
-    "model.section": "Elastic GivenPlate Plate Rectangle ShellStiffness Tube round_bar",
-    "model.shell": "Shell ShellForm",
-    "model.supports": "Support clamp pin symmetry",
+    "mesh.obstacles": "RigidCylinder RigidPlane",
+    "mesh.scene": "Monitor Scene Stage",
+    "mesh.section": "Elastic GivenPlate Plate Rectangle ShellStiffness Tube round_bar",
+    "mesh.shell": "Shell ShellForm",
+    "mesh.supports": "Support clamp pin symmetry",
     "discrete.contribution": "Contribution",
     "discrete.points": "PointWork Trace",
     "continuation.control": "ArcLength DisplacementControl LoadControl",

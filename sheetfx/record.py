@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .continuation.state import CriticalPoint, State
-from .mesh.reader import Model
+from .mesh.reader import NamedMesh
 from .path import Path
 
 if TYPE_CHECKING:
@@ -79,17 +79,17 @@ class Record:
         """Put all fields to those of a state, for evaluation and pictures."""
         self.path.discretisation.system.restore(state.fields)
 
-    def displacement(self, at: str, model: Model | None = None) -> np.ndarray:
+    def displacement(self, at: str, mesh: NamedMesh | None = None) -> np.ndarray:
         """Displacement of a named point in the shown state, the same on all processes.
 
         Parameters
         ----------
-        model : that has the point; None: the first one that does
+        mesh : that has the point; None: the first one that does
         """
-        model = model or self._model_with(at)
-        return self.path.discretisation.kinematics(model).displacement(model, at)
+        mesh = mesh or self._model_with(at)
+        return self.path.discretisation.kinematics(mesh).displacement(mesh, at)
 
-    def rotation(self, at: str, model: Model | None = None) -> float | np.ndarray:
+    def rotation(self, at: str, mesh: NamedMesh | None = None) -> float | np.ndarray:
         """Rotation of a named point in the shown state: an angle in the plane, a unit quaternion in space.
 
         Raises
@@ -97,12 +97,12 @@ class Record:
         ValueError
             If its parts have no rotation.
         """
-        model = model or self._model_with(at)
-        return self.path.discretisation.kinematics(model).turned(model, at)
+        mesh = mesh or self._model_with(at)
+        return self.path.discretisation.kinematics(mesh).turned(mesh, at)
 
-    def _model_with(self, at: str) -> Model:
-        models = self.case.scene.models
-        return next((m for m in models if at in (*m.points, *m.edges)), models[0])
+    def _model_with(self, at: str) -> NamedMesh:
+        meshes = self.case.scene.meshes
+        return next((m for m in meshes if at in (*m.points, *m.edges)), meshes[0])
 
     def forces(self, part) -> np.ndarray:
         """Stress resultants of a part in the shown state at the points of its quadrature, on this process.

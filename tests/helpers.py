@@ -19,7 +19,7 @@ from sheetfx import meshes
 from sheetfx.case import Case, trace
 from sheetfx.continuation.control import LoadControl
 from sheetfx.continuation.state import CriticalPoint
-from sheetfx.mesh.reader import Model, read
+from sheetfx.mesh.reader import NamedMesh, read
 from sheetfx.model.beam import Beam
 from sheetfx.model.loads import LineForce, PointForce
 from sheetfx.model.scene import Monitor, Scene
@@ -30,58 +30,58 @@ from sheetfx.record import Record
 from sheetfx.stability.branches import Branch, branches
 
 
-def straight(elements: int, length: float = 1.0, dimension: int = 2) -> Model:
-    """Straight model along x with the points base and tip."""
+def straight(elements: int, length: float = 1.0, dimension: int = 2) -> NamedMesh:
+    """Straight mesh along x with the points base and tip."""
     nodes = {"base": (0, 0), "tip": (length, 0)}
     return read(lambda: meshes.frame(nodes, {"beam": ("base", "tip", elements)}), dimension)
 
 
-def cantilever(model: Model, loads, component: str = "y", **beam) -> Scene:
-    """Scene of a straight model of length 1, clamped at its base; `loads` is a function of the beam."""
+def cantilever(mesh: NamedMesh, loads, component: str = "y", **beam) -> Scene:
+    """Scene of a straight mesh of length 1, clamped at its base; `loads` is a function of the beam."""
     settings = {"section": Rectangle(0.1, 0.1), "material": Elastic(1.2e5, 0.0)} | beam
-    structure = Beam(model, **settings)
-    return Scene([structure], [clamp(model, "base")], loads(structure), Monitor(model, "tip", component))
+    structure = Beam(mesh, **settings)
+    return Scene([structure], [clamp(mesh, "base")], loads(structure), Monitor(mesh, "tip", component))
 
 
 def shallow_arch(elements: int, degree: int = 2) -> Scene:
     """Symmetric half of the clamped shallow arch under a point load (thesis, section 4.5.2)."""
-    model = read(lambda: meshes.arc(3380.6, 0.0, radians(7.338), elements, {"crown": 0.0}), 2, min(degree, 2))
-    beam = Beam(model, Rectangle(25.4, 4.7625), Elastic(72395.0), degree=degree)
-    return Scene([beam], [clamp(model, "end"), symmetry(model, "crown")],
-                 [PointForce(model, "crown", (0.0, -0.5))], Monitor(model, "crown", "y", -1.0), symmetry_factor=2)
+    mesh = read(lambda: meshes.arc(3380.6, 0.0, radians(7.338), elements, {"crown": 0.0}), 2, min(degree, 2))
+    beam = Beam(mesh, Rectangle(25.4, 4.7625), Elastic(72395.0), degree=degree)
+    return Scene([beam], [clamp(mesh, "end"), symmetry(mesh, "crown")],
+                 [PointForce(mesh, "crown", (0.0, -0.5))], Monitor(mesh, "crown", "y", -1.0), symmetry_factor=2)
 
 
-def whole_arch(elements: int) -> Model:
+def whole_arch(elements: int) -> NamedMesh:
     """The arch of `shallow_arch` from hinge to hinge, with its crown."""
     half = radians(7.338)
     return read(lambda: meshes.arc(3380.6, -half, half, elements, {"crown": 0.0}), 2, 2)
 
 
-def hinged_arch(model: Model) -> Scene:
+def hinged_arch(mesh: NamedMesh) -> Scene:
     """The whole shallow arch on hinges under a force at its crown; it sways at 129.8, before its limit load."""
-    beam = Beam(model, Rectangle(25.4, 4.7625), Elastic(72395.0))
-    return Scene([beam], [pin(model, "start"), pin(model, "end")], [PointForce(model, "crown", (0.0, -1.0))],
-                 Monitor(model, "crown", "y", -1.0))
+    beam = Beam(mesh, Rectangle(25.4, 4.7625), Elastic(72395.0))
+    return Scene([beam], [pin(mesh, "start"), pin(mesh, "end")], [PointForce(mesh, "crown", (0.0, -1.0))],
+                 Monitor(mesh, "crown", "y", -1.0))
 
 
 def hinged_column(dimension: int = 2, width: float = 0.01) -> Scene:
     """Column of length 1 on two hinges with its middle monitored; it buckles at about 8.2."""
     nodes = {"base": (0, 0), "middle": (0.5, 0), "tip": (1, 0)}
     members = {"lower": ("base", "middle", 8), "upper": ("middle", "tip", 8)}
-    model = read(lambda: meshes.frame(nodes, members), dimension)
-    supports = [pin(model, "base"), Support(model, "tip", "y")]
+    mesh = read(lambda: meshes.frame(nodes, members), dimension)
+    supports = [pin(mesh, "base"), Support(mesh, "tip", "y")]
     if dimension == 3:
-        supports = [Support(model, "base", "x y z rx"), Support(model, "tip", "y z")]
-    return Scene([Beam(model, Rectangle(width, 0.01), Elastic(1e9))], supports,
-                 [PointForce(model, "tip", (-1.0, 0.0, 0.0)[:dimension])], Monitor(model, "middle", "y"))
+        supports = [Support(mesh, "base", "x y z rx"), Support(mesh, "tip", "y z")]
+    return Scene([Beam(mesh, Rectangle(width, 0.01), Elastic(1e9))], supports,
+                 [PointForce(mesh, "tip", (-1.0, 0.0, 0.0)[:dimension])], Monitor(mesh, "middle", "y"))
 
 
 def ring_under_pressure() -> Scene:
     """A quarter of a ring of radius 1 and bending stiffness 1 under a pressure that follows it."""
-    model = read(lambda: meshes.arc(1.0, 0.0, pi / 2, 24), 2, 2)
-    beam = Beam(model, Rectangle(1.0, 0.01), Elastic(12e6))
-    return Scene([beam], [symmetry(model, "start"), symmetry(model, "end", "y")],
-                 [LineForce(beam, (0.0, -1.0), follower=True)], Monitor(model, "start", "y", -1.0))
+    mesh = read(lambda: meshes.arc(1.0, 0.0, pi / 2, 24), 2, 2)
+    beam = Beam(mesh, Rectangle(1.0, 0.01), Elastic(12e6))
+    return Scene([beam], [symmetry(mesh, "start"), symmetry(mesh, "end", "y")],
+                 [LineForce(beam, (0.0, -1.0), follower=True)], Monitor(mesh, "start", "y", -1.0))
 
 
 def follow(scene: Scene, control=None, deflection=None, **case) -> Record:

@@ -26,11 +26,11 @@ def two_bars(rise: float, strains=fx.forms.bar.engineering, dimension: int = 2, 
     members = {"one": ("left", "apex", 1), "other": ("apex", "right", 1), "third": ("apex", "behind", 1)}
     pinned = ["left", "right", "behind"][:dimension]
     nodes = {name: places[name] for name in ["apex", *pinned]}
-    model = fx.read(lambda: fx.meshes.frame(nodes, dict(list(members.items())[:dimension])), dimension)
-    bars = fx.Bar(model, SECTION, MATERIAL, strains=strains)
-    return fx.Scene([bars], [fx.pin(model, name) for name in pinned],
-                    [fx.PointForce(model, "apex", (0.0, -1.0, 0.0)[:dimension])],
-                    fx.Monitor(model, "apex", "y", -1.0))
+    mesh = fx.read(lambda: fx.meshes.frame(nodes, dict(list(members.items())[:dimension])), dimension)
+    bars = fx.Bar(mesh, SECTION, MATERIAL, strains=strains)
+    return fx.Scene([bars], [fx.pin(mesh, name) for name in pinned],
+                    [fx.PointForce(mesh, "apex", (0.0, -1.0, 0.0)[:dimension])],
+                    fx.Monitor(mesh, "apex", "y", -1.0))
 
 
 @pytest.mark.parametrize("strains", STRAINS)
@@ -69,14 +69,14 @@ def test_dome_moves_as_an_independent_truss():
     truss = Truss(np.array(list(nodes.values())), np.array([[names.index(n) for n in m] for m in members.values()]),
                   [names.index(n) for n in free], None)
     forces = 1e-4 * np.random.default_rng(3).uniform(-1, 1, (len(free), 3))
-    model = fx.read(lambda: fx.meshes.frame(nodes, {name: (*m, 1) for name, m in members.items()}), 3)
-    scene = fx.Scene([fx.Bar(model, fx.Rectangle(1.0, 1.0), fx.Elastic(1.0))],
-                     [fx.pin(model, n) for n in names if n.startswith("outer")],
-                     [fx.PointForce(model, n, tuple(f)) for n, f in zip(free, forces, strict=True)],
-                     fx.Monitor(model, "apex", "z"))
+    mesh = fx.read(lambda: fx.meshes.frame(nodes, {name: (*m, 1) for name, m in members.items()}), 3)
+    scene = fx.Scene([fx.Bar(mesh, fx.Rectangle(1.0, 1.0), fx.Elastic(1.0))],
+                     [fx.pin(mesh, n) for n in names if n.startswith("outer")],
+                     [fx.PointForce(mesh, n, tuple(f)) for n, f in zip(free, forces, strict=True)],
+                     fx.Monitor(mesh, "apex", "z"))
     record = trace(Case(scene, LoadControl(0.5)))
-    kinematics = record.path.discretisation.kinematics(model)
-    moves = np.array([kinematics.displacement(model, n) for n in free])
+    kinematics = record.path.discretisation.kinematics(mesh)
+    moves = np.array([kinematics.displacement(mesh, n) for n in free])
     assert np.abs(moves).max() > 0.05
     assert moves == pytest.approx(truss.equilibrium(forces), rel=1e-7, abs=1e-9)
 
@@ -95,9 +95,9 @@ def test_pictures_of_bars(tmp_path):
 def test_own_weight_of_bars():
     """A line force of fixed direction: half of the weight of the bars hangs on the apex."""
     scene = two_bars(3.0)
-    bars, model = scene.parts[0], scene.models[0]
+    bars, mesh = scene.parts[0], scene.meshes[0]
     weighed = fx.Scene([bars], scene.supports, [fx.LineForce(bars, (0.0, -1e-4))], scene.monitor)
-    pulled = fx.Scene([bars], scene.supports, [fx.PointForce(model, "apex", (0.0, -1e-4 * hypot(1, 3)))],
+    pulled = fx.Scene([bars], scene.supports, [fx.PointForce(mesh, "apex", (0.0, -1e-4 * hypot(1, 3)))],
                       scene.monitor)
     one, other = (follow(s, LoadControl(1.0)).states[-1] for s in (weighed, pulled))
     assert one.deflection == pytest.approx(other.deflection, rel=1e-9)
@@ -107,8 +107,8 @@ def test_own_weight_of_bars():
 def test_load_along_one_bar_as_a_function_of_place():
     """From 0 at its end to 1 at the apex, along its length of 5."""
     scene = two_bars(sqrt(24))
-    model = scene.models[0]
-    parts = [fx.Bar(model, SECTION, MATERIAL, group=name) for name in ("one", "other")]
+    mesh = scene.meshes[0]
+    parts = [fx.Bar(mesh, SECTION, MATERIAL, group=name) for name in ("one", "other")]
     load = fx.LineForce(parts[0], lambda x: (0.0, -1e-4 * (x[0] + 1)))
     state = follow(fx.Scene(parts, scene.supports, [load], scene.monitor), LoadControl(1.0)).states[-1]
     assert state.load == pytest.approx(2.5e-4, rel=1e-9)
@@ -116,19 +116,19 @@ def test_load_along_one_bar_as_a_function_of_place():
 
 def test_bad_input_names_object_value_and_remedy():
     scene = two_bars(1.0)
-    bars, model = scene.parts[0], scene.models[0]
+    bars, mesh = scene.parts[0], scene.meshes[0]
 
     def other(**changes):
         return fx.Scene(**({n: getattr(scene, n) for n in ("parts", "supports", "loads", "monitor")} | changes))
 
     bad = {
-        "Support at 'left': fixes rz.*pin": lambda: other(supports=[fx.clamp(model, "left")]),
-        "Moment at 'apex'.*forces": lambda: other(loads=[fx.Moment(model, "apex", 1.0)]),
-        "Monitor at 'apex'.*rz.*displacement": lambda: other(monitor=fx.Monitor(model, "apex", "rz")),
-        "Bar and Beam of one model": lambda: other(parts=[bars, fx.Beam(model, SECTION, MATERIAL)]),
+        "Support at 'left': fixes rz.*pin": lambda: other(supports=[fx.clamp(mesh, "left")]),
+        "Moment at 'apex'.*forces": lambda: other(loads=[fx.Moment(mesh, "apex", 1.0)]),
+        "Monitor at 'apex'.*rz.*displacement": lambda: other(monitor=fx.Monitor(mesh, "apex", "rz")),
+        "Bar and Beam of one mesh": lambda: other(parts=[bars, fx.Beam(mesh, SECTION, MATERIAL)]),
         r"PointForce at 'apex'.*\(1.0, 2.0, 3.0\) has 3 components; give 2":
-            lambda: fx.PointForce(model, "apex", (1.0, 2.0, 3.0)),
-        r"Moment at 'apex'.*has 3 components; give 1": lambda: fx.Moment(model, "apex", (0.0, 0.0, 1.0)),
+            lambda: fx.PointForce(mesh, "apex", (1.0, 2.0, 3.0)),
+        r"Moment at 'apex'.*has 3 components; give 1": lambda: fx.Moment(mesh, "apex", (0.0, 0.0, 1.0)),
         "LineForce.*follower": lambda: fx.LineForce(bars, (0.0, 1.0), follower=True),
         "Bar: the mesh has curved cells of degree 2": lambda: fx.Bar(
             fx.read(lambda: fx.meshes.arc(1.0, 0.0, 1.0, 2), 2, 2), SECTION, MATERIAL),
@@ -141,8 +141,8 @@ def test_bad_input_names_object_value_and_remedy():
 def test_bars_in_a_chain_can_move_freely():
     """Joints have no stiffness of their own, so that a bar of two cells is a mechanism."""
     nodes = {"base": (0.0, 0.0), "tip": (1.0, 0.0)}
-    model = fx.read(lambda: fx.meshes.frame(nodes, {"bar": ("base", "tip", 2)}), 2)
-    scene = fx.Scene([fx.Bar(model, SECTION, MATERIAL)], [fx.pin(model, "base"), fx.Support(model, "tip", "y")],
-                     [fx.PointForce(model, "tip", (1.0, 0.0))], fx.Monitor(model, "tip", "x"))
+    mesh = fx.read(lambda: fx.meshes.frame(nodes, {"bar": ("base", "tip", 2)}), 2)
+    scene = fx.Scene([fx.Bar(mesh, SECTION, MATERIAL)], [fx.pin(mesh, "base"), fx.Support(mesh, "tip", "y")],
+                     [fx.PointForce(mesh, "tip", (1.0, 0.0))], fx.Monitor(mesh, "tip", "x"))
     with pytest.raises(ValueError, match="move freely"):
         fx.Path(scene)

@@ -141,7 +141,7 @@ def test_slender_cantilevers_do_not_lock(degree):
     for depth in (1e-2, 1e-5):
         section, material = Rectangle(1.0, depth), Elastic(1.0, 0.0)
         force = 2 * section.stiffness(material, 2)[2]
-        scene = cantilever(straight(40 // degree**2), lambda b, f=force: [PointForce(b.model, "tip", (0.0, f))],
+        scene = cantilever(straight(40 // degree**2), lambda b, f=force: [PointForce(b.mesh, "tip", (0.0, f))],
                            section=section, material=material, degree=degree)
         *_, last = Path(scene, LoadControl(step=0.25, fixed=True))
         tips.append(last.deflection)
@@ -150,24 +150,24 @@ def test_slender_cantilevers_do_not_lock(degree):
 
 
 def contact_scene(points, enforcement, layer, friction):
-    model = straight(4)
-    beam = Beam(model, Rectangle(0.1, 0.1), Elastic(1.2e5, 0.3))
+    mesh = straight(4)
+    beam = Beam(mesh, Rectangle(0.1, 0.1), Elastic(1.2e5, 0.3))
     punch = RigidCylinder(0.5, (0.6, 0.5), travel=(0.0, -1.0))
     contact = Contact(beam, punch, points, friction, enforcement=enforcement, layer=layer)
-    return Scene([beam], [clamp(model, "base")], [ObstacleForce(punch, 1.0)], Monitor(model, "tip", "y"),
+    return Scene([beam], [clamp(mesh, "base")], [ObstacleForce(punch, 1.0)], Monitor(mesh, "tip", "y"),
                  contacts=[contact])
 
 
 def beam_scene(dimension):
-    model = straight(3, dimension=dimension)
+    mesh = straight(3, dimension=dimension)
 
     def loads(beam):
         force = (1.0, 2.0, 3.0)[:dimension]
         moment = 2.0 if dimension == 2 else (1.0, 2.0, 3.0)
-        return [PointForce(model, "tip", force), Moment(model, "tip", moment),
+        return [PointForce(mesh, "tip", force), Moment(mesh, "tip", moment),
                 LineForce(beam, force, follower=dimension == 2)]
 
-    return cantilever(model, loads, section=Rectangle(0.2, 0.1), up=(0.0, 1.0, 0.0))
+    return cantilever(mesh, loads, section=Rectangle(0.2, 0.1), up=(0.0, 1.0, 0.0))
 
 
 SCENES = {
@@ -212,8 +212,8 @@ def test_spatial_tangent_with_equal_rotations(mixed_points):
     The rest is proportional to the moments of the residual: a rotation a followed by b is
     a + b + b x a / 2 to the second order.
     """
-    model = straight(3, dimension=3)
-    scene = cantilever(model, lambda b: [PointForce(model, "tip", (1.0, 2.0, 3.0))], section=Rectangle(0.2, 0.1),
+    mesh = straight(3, dimension=3)
+    scene = cantilever(mesh, lambda b: [PointForce(mesh, "tip", (1.0, 2.0, 3.0))], section=Rectangle(0.2, 0.1),
                        up=(0.0, 1.0, 0.0))
     discretisation = Discretisation(scene, mixed_points)
     system, x = discretisation.system, move_at_random(discretisation)
@@ -232,7 +232,7 @@ def test_spatial_tangent_is_the_symmetric_derivative_of_the_residual(mixed_point
 
 
 def test_spatial_tangent_at_equilibrium_is_the_derivative_of_the_residual():
-    scene = cantilever(straight(3, dimension=3), lambda b: [PointForce(b.model, "tip", (1.0, 5.0, 20.0))],
+    scene = cantilever(straight(3, dimension=3), lambda b: [PointForce(b.mesh, "tip", (1.0, 5.0, 20.0))],
                        section=Rectangle(0.2, 0.1), up=(0.0, 1.0, 0.0), component="z")
     record = follow(scene)
     system = record.path.discretisation.system
@@ -253,7 +253,7 @@ def small_strain(u, rotation, frame):
 def test_strain_measure_of_the_user():
     """With linear strains the tip moves by P L^3 / 3 EI + P L / k GA under any load."""
     force = 30.0
-    scene = cantilever(straight(4), lambda b: [PointForce(b.model, "tip", (0.0, force))], strains=small_strain)
+    scene = cantilever(straight(4), lambda b: [PointForce(b.mesh, "tip", (0.0, force))], strains=small_strain)
     states = follow(scene).states
     exact = force / 3 / BENDING + force / (5 / 6 * 0.6e5 * 0.01)
     assert states[-1].deflection == pytest.approx(exact, rel=1e-9)
@@ -269,7 +269,7 @@ def test_section_law_of_the_user():
         return ufl.as_vector([n, q, m / ufl.sqrt(1 + (strains[2] / limit) ** 2)])
 
     moment = part * BENDING * limit
-    scene = cantilever(straight(4), lambda b: [Moment(b.model, "tip", moment)], law=softening)
+    scene = cantilever(straight(4), lambda b: [Moment(b.mesh, "tip", moment)], law=softening)
     record = follow(scene)
     displacement(record)
     angle = record.rotation("tip")
@@ -279,8 +279,8 @@ def test_section_law_of_the_user():
 @pytest.mark.parametrize("size", [0.0, 0.1])
 def test_rigid_rotation_beyond_a_turn_changes_nothing(size):
     """Energy and residual norm are those before, to roundoff of the stiffness 1e5 over the cell length."""
-    model = straight(4, dimension=3)
-    scene = cantilever(model, lambda b: [PointForce(model, "tip", (0.0, 0.0, 1.0))], section=Rectangle(0.2, 0.1),
+    mesh = straight(4, dimension=3)
+    scene = cantilever(mesh, lambda b: [PointForce(mesh, "tip", (0.0, 0.0, 1.0))], section=Rectangle(0.2, 0.1),
                        up=(0.0, 1.0, 0.0))
     discretisation = Discretisation(scene)
     discretisation.system.fixed_rows = np.empty(0, dtype=np.int32)
@@ -290,7 +290,7 @@ def test_rigid_rotation_beyond_a_turn_changes_nothing(size):
     before = energy_and_residual(discretisation)
     assert before[0] > 1.0 or size == 0.0
     turn_rigidly(discretisation, radians(800.0), (1.0, 2.0, 3.0), steps=7)
-    assert np.abs(discretisation.kinematics(model).displacement(model, "tip")).max() > 0.1
+    assert np.abs(discretisation.kinematics(mesh).displacement(mesh, "tip")).max() > 0.1
     assert energy_and_residual(discretisation) == pytest.approx(before, rel=1e-10, abs=1e-8)
 
 
@@ -316,7 +316,7 @@ def test_prescribed_motion_gives_the_path_of_the_load():
     The reaction is the force along y that moves the crown, thus negative.
     """
     loaded = shallow_arch(10)
-    moved = Scene(loaded.parts, loaded.supports, [PrescribedDisplacement(loaded.parts[0].model, "crown", "y", -20.0)],
+    moved = Scene(loaded.parts, loaded.supports, [PrescribedDisplacement(loaded.parts[0].mesh, "crown", "y", -20.0)],
                   loaded.monitor, symmetry_factor=2)
     by_load = follow(loaded, DisplacementControl(**exact_steps(step=1.0)), deflection=20.0).states
     by_motion = follow(moved, LoadControl(step=0.05, fixed=True)).states

@@ -28,8 +28,8 @@ from sheetfx.stability.branches import branches
 from sheetfx.stability.modes import mode_displacement
 
 
-def swaying_arch(model):
-    return follow(hinged_arch(model), ArcLength(step=0.003), 8.0)
+def swaying_arch(mesh):
+    return follow(hinged_arch(mesh), ArcLength(step=0.003), 8.0)
 
 
 @pytest.fixture(scope="module")
@@ -87,11 +87,11 @@ def test_initial_curvature_of_branches(record, amplitude, request):
 def test_limit_loads_of_imperfect_arches(perfect_arch):
     """With the mode as imperfection they fall by its power 2/3 (Koiter 1945); the next term is smaller by 2 %."""
     point, found = started(perfect_arch)
-    model = perfect_arch.case.scene.parts[0].model
-    shape = mode_displacement(perfect_arch.path, model, found[0])
+    mesh = perfect_arch.case.scene.parts[0].mesh
+    shape = mode_displacement(perfect_arch.path, mesh, found[0])
     losses = []
     for amplitude in (0.01, 0.08):
-        limit = swaying_arch(imperfect(model, shape, amplitude)).critical_points[0]
+        limit = swaying_arch(imperfect(mesh, shape, amplitude)).critical_points[0]
         assert limit.kind == "limit"
         losses.append(1 - limit.load / point.load)
     assert np.log(losses[1] / losses[0]) / np.log(8) == pytest.approx(2 / 3, abs=0.01)
@@ -123,12 +123,12 @@ def stayed_column(planar: bool, offset: float = 0.0):
     nodes = {"base": (0, 0, 0), "top": (0, 0, 1)}
     nodes |= {f"anchor{i}": (np.cos(turn), np.sin(turn), 1) for i, turn in enumerate(np.radians([0, 120, 240]))}
     members = {"column": ("base", "top", 1)} | {f"stay{i}": ("top", f"anchor{i}", 1) for i in range(3)}
-    model = read(lambda: meshes.frame(nodes, members), 3)
+    mesh = read(lambda: meshes.frame(nodes, members), 3)
     if offset:
-        model = imperfect(model, lambda x: np.outer(np.all(np.isclose(x, (0, 0, 1)), axis=1), (1, 0, 0)), offset)
-    bars = [Bar(model, Rectangle(1.0, 1.0), Elastic(1e4 if name == "column" else 1.0), group=name) for name in members]
-    supports = [pin(model, name) for name in nodes if name != "top"] + [Support(model, "top", "y")] * planar
-    scene = Scene(bars, supports, [PointForce(model, "top", (0.0, 0.0, -1.0))], Monitor(model, "top", "x"))
+        mesh = imperfect(mesh, lambda x: np.outer(np.all(np.isclose(x, (0, 0, 1)), axis=1), (1, 0, 0)), offset)
+    bars = [Bar(mesh, Rectangle(1.0, 1.0), Elastic(1e4 if name == "column" else 1.0), group=name) for name in members]
+    supports = [pin(mesh, name) for name in nodes if name != "top"] + [Support(mesh, "top", "y")] * planar
+    scene = Scene(bars, supports, [PointForce(mesh, "top", (0.0, 0.0, -1.0))], Monitor(mesh, "top", "x"))
     return follow(scene, ArcLength(0.01) if offset else LoadControl(step=0.7, target=1.9), 0.2 if offset else None)
 
 

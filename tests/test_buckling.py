@@ -29,10 +29,10 @@ EULER = pi**2 * 1e7 * pi * 0.01**4 / 64
 
 def column(force=-1.0, elements=10, supports=None):
     """Round bar of length 1 along x, clamped at its base."""
-    model = read(lambda: meshes.frame({"base": (0, 0), "tip": (1, 0)}, {"bar": ("base", "tip", elements)}), 3)
-    bar = Beam(model, round_bar(0.01), COLUMN)
-    return Scene([bar], supports(model) if supports else [clamp(model, "base")],
-                 [PointForce(model, "tip", (force, 0.0, 0.0))], Monitor(model, "tip", "x", -1.0))
+    mesh = read(lambda: meshes.frame({"base": (0, 0), "tip": (1, 0)}, {"bar": ("base", "tip", elements)}), 3)
+    bar = Beam(mesh, round_bar(0.01), COLUMN)
+    return Scene([bar], supports(mesh) if supports else [clamp(mesh, "base")],
+                 [PointForce(mesh, "tip", (force, 0.0, 0.0))], Monitor(mesh, "tip", "x", -1.0))
 
 
 def unloaded(scene, **options):
@@ -72,10 +72,10 @@ def test_both_signs_of_the_load():
 def test_loads_of_both_signs_in_one_list():
     """A column pushed at its middle, between ends that are both held: both halves are alike, one is pulled."""
     nodes = {"base": (0, 0), "middle": (1, 0), "tip": (2, 0)}
-    model = read(lambda: meshes.frame(nodes, {"a": ("base", "middle", 8), "b": ("middle", "tip", 8)}), 2)
-    bar = Beam(model, round_bar(0.01), COLUMN)
-    _, loads = unloaded(Scene([bar], [pin(model, "base"), pin(model, "tip")],
-                              [PointForce(model, "middle", (-1.0, 0.0))], Monitor(model, "middle", "x")), count=4)
+    mesh = read(lambda: meshes.frame(nodes, {"a": ("base", "middle", 8), "b": ("middle", "tip", 8)}), 2)
+    bar = Beam(mesh, round_bar(0.01), COLUMN)
+    _, loads = unloaded(Scene([bar], [pin(mesh, "base"), pin(mesh, "tip")],
+                              [PointForce(mesh, "middle", (-1.0, 0.0))], Monitor(mesh, "middle", "x")), count=4)
     assert [np.sign(b.factor) for b in loads[:2]] in ([1, -1], [-1, 1])
     assert loads[0].factor == pytest.approx(-loads[1].factor, rel=1e-6)
     assert loads[0].cluster != loads[1].cluster
@@ -83,12 +83,12 @@ def test_loads_of_both_signs_in_one_list():
 
 def test_modes_with_other_supports():
     """A column whose tip slides in line: modes held sideways at the tip have Euler's second case."""
-    def free(model):
-        return [Support(model, "base", "x y z rx")] + [Support(model, "tip", "y z")]
+    def free(mesh):
+        return [Support(mesh, "base", "x y z rx")] + [Support(mesh, "tip", "y z")]
 
     path = Path(column(supports=free))
-    model = path.scene.parts[0].model
-    clamped = [clamp(model, "base"), Support(model, "tip", "y z")]
+    mesh = path.scene.parts[0].mesh
+    clamped = [clamp(mesh, "base"), Support(mesh, "tip", "y z")]
     state = path.tracer.state
     assert buckling(path, state, 1)[0].factor == pytest.approx(EULER, rel=2e-3)
     assert buckling(path, state, 1, supports=clamped)[0].factor == pytest.approx(2.0457 * EULER, rel=3e-3)
@@ -111,8 +111,8 @@ def test_ring_under_pressure():
 def test_prescribed_motion():
     """A column shortened by a prescribed motion, a multiplier in the tangent: the reaction is Euler's load."""
     scene = column()
-    model = scene.parts[0].model
-    loads = unloaded(replace(scene, loads=[PrescribedDisplacement(model, "tip", "x", -1.0)]), count=2)[1]
+    mesh = scene.parts[0].mesh
+    loads = unloaded(replace(scene, loads=[PrescribedDisplacement(mesh, "tip", "x", -1.0)]), count=2)[1]
     assert [b.load for b in loads] == pytest.approx([-EULER / 4] * 2, rel=2e-3)
 
 
@@ -141,8 +141,8 @@ def test_error_about_nonlinear_states_falls_quadratically(swaying_arch, prebuckl
 def test_error_about_loaded_shells_falls_quadratically():
     """A cylinder whose ends are held before buckling; with the stress alone the error falls linearly."""
     scene = cylinder_buckling.case(cells=(6, 4)).scene
-    model = scene.parts[0].model
-    held = replace(scene, supports=[*scene.supports, *(Support(model, end, "x y rz") for end in ("south", "north"))])
+    mesh = scene.parts[0].mesh
+    held = replace(scene, supports=[*scene.supports, *(Support(mesh, end, "x y rz") for end in ("south", "north"))])
 
     def about(factor, **options):
         path = Path(held, LoadControl(step=0.5, largest=1.0, target=factor))
@@ -191,14 +191,14 @@ def test_path_goes_on_after_buckling(swaying_arch):
 def test_mode_as_imperfection(swaying_arch):
     """The arch with its first mode as imperfection sways, and its limit load is below the bifurcation."""
     scene = swaying_arch.case.scene
-    model = scene.parts[0].model
+    mesh = scene.parts[0].mesh
     mode = buckling(swaying_arch.path, swaying_arch.states[0], 1)[0]
-    shape = mode_displacement(swaying_arch.path, model, mode)
+    shape = mode_displacement(swaying_arch.path, mesh, mode)
     assert np.linalg.norm(shape.x.array.reshape(-1, 2), axis=1).max() == pytest.approx(1.0)
-    before = model.mesh.geometry.x.copy()
-    bent = imperfect(model, shape, 0.5)
+    before = mesh.domain.geometry.x.copy()
+    bent = imperfect(mesh, shape, 0.5)
     assert np.abs(bent.mesh.geometry.x - before).max() == pytest.approx(0.5, rel=0.02)
-    assert (model.mesh.geometry.x == before).all()
+    assert (mesh.domain.geometry.x == before).all()
     record = follow(hinged_arch(bent), ArcLength(step=0.003), 20.0)
     bifurcation = next(p.load for p in swaying_arch.critical_points if p.kind == "bifurcation")
     assert 0.8 * bifurcation < record.critical_points[0].load < bifurcation
@@ -208,12 +208,12 @@ def test_mode_as_imperfection(swaying_arch):
 def test_plate_with_its_mode_as_imperfection():
     """At half the buckling load a small imperfection has doubled (1 / (1 - N / N_cr), Timoshenko and Gere 1961)."""
     record = trace(plate_buckling.case(cells=4))
-    model, scene = record.case.scene.parts[0].model, record.case.scene
+    mesh, scene = record.case.scene.parts[0].mesh, record.case.scene
     mode = record.buckling()[0]
-    bent = imperfect(model, mode_displacement(record.path, model, mode), 1e-3)
-    shell = replace(scene.parts[0], model=bent)
-    loaded = Scene([shell], [replace(s, model=bent) for s in scene.supports],
-                   [replace(load, model=bent) for load in scene.loads], replace(scene.monitor, on=bent))
+    bent = imperfect(mesh, mode_displacement(record.path, mesh, mode), 1e-3)
+    shell = replace(scene.parts[0], mesh=bent)
+    loaded = Scene([shell], [replace(s, mesh=bent) for s in scene.supports],
+                   [replace(load, mesh=bent) for load in scene.loads], replace(scene.monitor, on=bent))
     path = Path(loaded, LoadControl(step=mode.factor / 2, target=mode.factor / 2))
     *_, state = path
     deflection = path.discretisation.kinematics(bent).u.x.array[2::3]

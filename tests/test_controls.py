@@ -121,7 +121,7 @@ def test_displacement_control_stops_where_the_displacement_turns_back():
 def test_control_of_another_displacement():
     """The increments of the rotation of the frame's corner are the steps."""
     case = frame()
-    corner = Monitor(case.scene.parts[0].model, "corner", "rz")
+    corner = Monitor(case.scene.parts[0].mesh, "corner", "rz")
     path = Path(case.scene, DisplacementControl(step=0.05, largest=1.0, monitor=corner), replace(case.until, steps=5))
     field, places = path.discretisation.monitored(corner)
     turns = [s.increment[places].sum() for s in path][1:]
@@ -144,4 +144,4 @@ def test_controlled_displacement_must_respond():
     """Along a straight cantilever nothing moves under an end moment, to the first order."""
     case = roll_up.case(turns=1)
     with pytest.raises(ValueError, match="does not respond to the load.*monitor"):
-        trace(replace(case, control=DisplacementControl(monitor=Monitor(case.scene.parts[0].model, "tip", "x"))))
+        trace(replace(case, control=DisplacementControl(monitor=Monitor(case.scene.parts[0].mesh, "tip", "x"))))

@@ -30,10 +30,10 @@ def pinned_arch(steps=12, step=0.01):
 def column(depth=0.01, target=12.0, step=0.2, elements=40):
     """Pinned column of length 1 with EI = 1."""
     nodes, members = {"base": (0, 0), "top": (1, 0)}, {"column": ("base", "top", elements)}
-    model = read(lambda: meshes.frame(nodes, members), 2)
-    beam = Beam(model, Rectangle(1.0, depth), Elastic(12 / depth**3, 0.25))
-    return Case(Scene([beam], [pin(model, "base"), Support(model, "top", "y")],
-                      [PointForce(model, "top", (-1.0, 0.0))], Monitor(model, "top", "x", -1.0)),
+    mesh = read(lambda: meshes.frame(nodes, members), 2)
+    beam = Beam(mesh, Rectangle(1.0, depth), Elastic(12 / depth**3, 0.25))
+    return Case(Scene([beam], [pin(mesh, "base"), Support(mesh, "top", "y")],
+                      [PointForce(mesh, "top", (-1.0, 0.0))], Monitor(mesh, "top", "x", -1.0)),
                 LoadControl(step, target=target))
 
 
@@ -119,7 +119,7 @@ def test_a_step_that_jumps_over_limits_is_seen():
     """One step along the whole path of a snap: the load rises at both its ends, without an unstable direction."""
     case = pinned_arch()
     half = replace(case, scene=replace(case.scene, supports=[*case.scene.supports, Support(
-        case.scene.parts[0].model, "crown", "x rz")]), control=ArcLength(0.2), until=Until(deflection=80.0))
+        case.scene.parts[0].mesh, "crown", "x rz")]), control=ArcLength(0.2), until=Until(deflection=80.0))
     points = [p for p in trace(half).critical_points if p.kind == "limit"]
     assert [p.name for p in points][:2] == ["maximum", "minimum"]
 
@@ -135,7 +135,7 @@ def test_load_control_stops_at_the_limit():
     """Its iteration converges behind the snap too; the step that does is noticed."""
     case = replace(pinned_arch(), control=LoadControl(30.0, target=400.0), until=Until())
     half = replace(case, scene=replace(case.scene, supports=[*case.scene.supports, Support(
-        case.scene.parts[0].model, "crown", "x rz")]))
+        case.scene.parts[0].mesh, "crown", "x rz")]))
     with pytest.raises(PathFailure, match="does not converge") as failure:
         trace(half)
     assert failure.value.record.states[-1].load == pytest.approx(148.496, rel=2e-3)

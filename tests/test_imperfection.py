@@ -24,9 +24,9 @@ def cylinder(cells=(4, 3), order=2):
     return read(lambda: meshes.rectangle(cells), 3, order, place)
 
 
-def shift(model, *arguments):
+def shift(mesh, *arguments):
     """Displacement of the nodes by `imperfect`, shape (n, 3)."""
-    return imperfect(model, *arguments).mesh.geometry.x - model.mesh.geometry.x
+    return imperfect(mesh, *arguments).mesh.geometry.x - mesh.domain.geometry.x
 
 
 def test_statistics_of_random_fields():
@@ -51,51 +51,51 @@ def test_the_same_field_on_any_mesh():
     assert shift(coarse, field)[shared] == pytest.approx(shift(fine, field)[partner[shared]], abs=1e-5)
 
 
-@pytest.mark.parametrize("model, radius", [(arc(), 2.0), (arc(24, 1), 2.0), (cylinder(), 1.0),
+@pytest.mark.parametrize("mesh, radius", [(arc(), 2.0), (arc(24, 1), 2.0), (cylinder(), 1.0),
                                            (cylinder((6, 6), 3), 1.0)])
-def test_deviations_along_the_normal(model, radius):
+def test_deviations_along_the_normal(mesh, radius):
     """They change the radius of a circle and a cylinder; 1e-3: straight cells lean by half their angle at the ends."""
-    moved = imperfect(model, lambda x: np.full(len(x), 0.1)).mesh.geometry.x
-    across = moved[:, :2] if model.dimension == 2 else moved[:, 1:]
+    moved = imperfect(mesh, lambda x: np.full(len(x), 0.1)).mesh.geometry.x
+    across = moved[:, :2] if mesh.dimension == 2 else moved[:, 1:]
     assert np.abs(np.linalg.norm(across, axis=1) - radius) == pytest.approx(0.1, rel=1e-3)
 
 
 def test_measured_field_at_its_points():
     """Nodes at which deviations were measured move by them; a linear field is exact everywhere."""
-    model = cylinder((4, 4), 2)
-    x = model.mesh.geometry.x.copy()
+    mesh = cylinder((4, 4), 2)
+    x = mesh.domain.geometry.x.copy()
     chosen = np.arange(0, len(x), 3)
     offsets = 0.01 * np.random.default_rng(2).standard_normal((len(chosen), 3))
-    assert shift(model, measured(x[chosen], offsets))[chosen] == pytest.approx(offsets, abs=1e-12)
+    assert shift(mesh, measured(x[chosen], offsets))[chosen] == pytest.approx(offsets, abs=1e-12)
     slopes = np.array([[0.1, -0.2, 0.3], [0.0, 0.1, 0.2], [0.3, 0.0, 0.1]])
-    assert shift(model, measured(x[chosen], x[chosen] @ slopes)) == pytest.approx(x @ slopes, abs=1e-10)
+    assert shift(mesh, measured(x[chosen], x[chosen] @ slopes)) == pytest.approx(x @ slopes, abs=1e-10)
 
 
 def test_measured_on_a_line_and_between_points():
     """On a straight line the natural spline through samples of sin(pi x), which has no curvature at its ends either."""
-    model = read(lambda: meshes.frame({"a": (0, 0), "b": (1, 0)}, {"beam": ("a", "b", 33)}), 2)
+    mesh = read(lambda: meshes.frame({"a": (0, 0), "b": (1, 0)}, {"beam": ("a", "b", 33)}), 2)
     stations = np.linspace(0, 1, 9)
     points = np.column_stack((stations, 0 * stations))
-    moved = shift(model, measured(points, np.sin(np.pi * stations)), 0.1)
-    assert moved[:, 1] == pytest.approx(0.1 * np.sin(np.pi * model.mesh.geometry.x[:, 0]), abs=3e-5)
+    moved = shift(mesh, measured(points, np.sin(np.pi * stations)), 0.1)
+    assert moved[:, 1] == pytest.approx(0.1 * np.sin(np.pi * mesh.domain.geometry.x[:, 0]), abs=3e-5)
 
 
 def test_combination_of_modes():
     """A sum of functions of the mesh and of places, each with its amplitude."""
-    model = arc()
-    mode = fem.Function(fem.functionspace(model.mesh, ("P", 2, (2,))))
+    mesh = arc()
+    mode = fem.Function(fem.functionspace(mesh.domain, ("P", 2, (2,))))
     mode.interpolate(lambda x: (x[1], x[0] ** 2))
-    x = model.mesh.geometry.x
+    x = mesh.domain.geometry.x
     expected = 0.5 * np.column_stack((x[:, 1], x[:, 0] ** 2)) + 0.2 * x[:, :2]
-    assert shift(model, [mode, lambda x: x], [0.5, 0.2])[:, :2] == pytest.approx(expected, abs=1e-12)
+    assert shift(mesh, [mode, lambda x: x], [0.5, 0.2])[:, :2] == pytest.approx(expected, abs=1e-12)
 
 
 def summed_shift():
     """A sum over the nodes of a cylinder, each counted once, that tells where they move."""
-    model = cylinder()
-    moved = shift(model, [random_field(0.3, seed=4), lambda x: x], [0.1, 0.2])
-    own = model.mesh.geometry.index_map().size_local
-    return model.mesh.comm.allreduce(float((moved**2 * (1 + model.mesh.geometry.x))[:own].sum()))
+    mesh = cylinder()
+    moved = shift(mesh, [random_field(0.3, seed=4), lambda x: x], [0.1, 0.2])
+    own = mesh.domain.geometry.index_map().size_local
+    return mesh.domain.comm.allreduce(float((moved**2 * (1 + mesh.domain.geometry.x))[:own].sum()))
 
 
 def test_the_same_shape_on_two_processes():

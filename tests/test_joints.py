@@ -19,7 +19,7 @@ SPATIAL = {"section": fx.Rectangle(0.1, 0.1), "material": fx.Elastic(1.2e5, 0.0)
 
 
 def member(start, end, name="beam", elements=4, dimension=2, order=1):
-    """A straight model with the points start, middle and end."""
+    """A straight mesh with the points start, middle and end."""
     middle = tuple((np.array(start) + end) / 2)
     nodes = {"start": start, "middle": middle, "end": end}
     members = {f"{name} 1": ("start", "middle", elements // 2), f"{name} 2": ("middle", "end", elements // 2)}
@@ -34,9 +34,9 @@ def settled(beams, supports, loads, monitor, steps=1, **scene):
 
 
 def cantilever_with(joint, load=1e-4):
-    model = member((0.0, 0.0), (1.0, 0.0))
-    state, _ = settled([fx.Beam(model, **UNIT)], [fx.clamp(model, "start")],
-                       [fx.PointForce(model, "end", (0.0, load))], fx.Monitor(model, "end", "y"), joints=[joint(model)])
+    mesh = member((0.0, 0.0), (1.0, 0.0))
+    state, _ = settled([fx.Beam(mesh, **UNIT)], [fx.clamp(mesh, "start")],
+                       [fx.PointForce(mesh, "end", (0.0, load))], fx.Monitor(mesh, "end", "y"), joints=[joint(mesh)])
     return state.deflection / load
 
 
@@ -63,10 +63,10 @@ def test_spring_with_a_law():
 
 def test_spring_between_models():
     """Two cantilevers, tip to tip: the free one is held by k 3 / (k + 3)."""
-    models = [member((0.0, y), (1.0, y)) for y in (0.0, 0.1)]
-    state, _ = settled([fx.Beam(m, **UNIT) for m in models], [fx.clamp(m, "start") for m in models],
-                       [fx.PointForce(models[0], "end", (0.0, 1e-4))], fx.Monitor(models[0], "end", "y"),
-                       joints=[fx.Spring(models[0], "end", "y", 6.0, (models[1], "end"))])
+    meshes = [member((0.0, y), (1.0, y)) for y in (0.0, 0.1)]
+    state, _ = settled([fx.Beam(m, **UNIT) for m in meshes], [fx.clamp(m, "start") for m in meshes],
+                       [fx.PointForce(meshes[0], "end", (0.0, 1e-4))], fx.Monitor(meshes[0], "end", "y"),
+                       joints=[fx.Spring(meshes[0], "end", "y", 6.0, (meshes[1], "end"))])
     assert state.deflection == pytest.approx(1e-4 / (3 + 2), rel=1e-6)
 
 
@@ -75,14 +75,14 @@ def test_column_on_a_rotational_spring(dimension):
     """A rigid column on a spring buckles at k / L (stable symmetric: P = k angle / (L sin angle))."""
     stiff = {"section": fx.Rectangle(0.1, 0.1), "material": fx.Elastic(1.2e11, 0.0)}
     start, end = ((0.0,) * dimension, (1.0,) + (0.0,) * (dimension - 1))
-    model = member(start, end, dimension=dimension)
+    mesh = member(start, end, dimension=dimension)
     held = "x y" if dimension == 2 else "x y z rx ry"
     load = (-1.0,) + (0.0,) * (dimension - 1)
-    supports = [fx.Support(model, "start", held)]
+    supports = [fx.Support(mesh, "start", held)]
     if dimension == 3:
-        supports.append(fx.Support(model, "end", "z"))
-    scene = fx.Scene([fx.Beam(model, **stiff)], supports, [fx.PointForce(model, "end", load)],
-                     fx.Monitor(model, "end", "y"), joints=[fx.Spring(model, "start", "rz", 2.0)])
+        supports.append(fx.Support(mesh, "end", "z"))
+    scene = fx.Scene([fx.Beam(mesh, **stiff)], supports, [fx.PointForce(mesh, "end", load)],
+                     fx.Monitor(mesh, "end", "y"), joints=[fx.Spring(mesh, "start", "rz", 2.0)])
     (point,) = fx.trace(fx.Case(scene, fx.LoadControl(0.7, target=3.0))).critical_points
     assert point.load == pytest.approx(2.0, rel=5e-6), "its own flexibility is a millionth of the spring's"
     assert point.name == "stable symmetric"
@@ -105,27 +105,27 @@ def test_release_in_a_frame():
     """The same hinge as a release of a member's end, in one mesh."""
     nodes = {"a": (0.0, 0.0), "b": (1.0, 0.0), "c": (1.5, 0.0), "d": (2.0, 0.0)}
     members = {"left": ("a", "b", 4), "middle": ("b", "c", 2), "right": ("c", "d", 2)}
-    model = fx.read(lambda: fx.meshes.frame(nodes, members, releases=[("middle", "b")]), 2)
-    state, _ = settled([fx.Beam(model, **UNIT)], [fx.clamp(model, "a"), fx.Support(model, "d", "y")],
-                       [fx.PointForce(model, "c", (0.0, 1e-4))], fx.Monitor(model, "b", "y"),
-                       joints=[fx.hinge(model, "b", (model, "b of middle"))])
+    mesh = fx.read(lambda: fx.meshes.frame(nodes, members, releases=[("middle", "b")]), 2)
+    state, _ = settled([fx.Beam(mesh, **UNIT)], [fx.clamp(mesh, "a"), fx.Support(mesh, "d", "y")],
+                       [fx.PointForce(mesh, "c", (0.0, 1e-4))], fx.Monitor(mesh, "b", "y"),
+                       joints=[fx.hinge(mesh, "b", (mesh, "b of middle"))])
     assert state.deflection == pytest.approx(0.5e-4 / 3, rel=1e-6)
 
 
 def bent_in_space(joined: bool):
-    """Tip of an L of two arms in space under a large force, in one model or welded from two."""
+    """Tip of an L of two arms in space under a large force, in one mesh or welded from two."""
     corner, tip, force = (1.0, 0.0, 0.0), (1.0, 1.0, 0.0), (0.5, 0.3, 2.0)
     if joined:
         nodes = {"start": (0.0, 0.0, 0.0), "corner": corner, "end": tip}
-        models = [fx.read(lambda: fx.meshes.frame(nodes, {"a": ("start", "corner", 4), "b": ("corner", "end", 4)}), 3)]
+        meshes = [fx.read(lambda: fx.meshes.frame(nodes, {"a": ("start", "corner", 4), "b": ("corner", "end", 4)}), 3)]
         joints = []
     else:
-        models = [member((0.0, 0.0, 0.0), corner, dimension=3), member(corner, tip, dimension=3)]
-        joints = [fx.weld(models[0], "end", (models[1], "start"))]
-    state, record = settled([fx.Beam(m, **SPATIAL) for m in models], [fx.clamp(models[0], "start")],
-                            [fx.PointForce(models[-1], "end", force)], fx.Monitor(models[-1], "end", "z"), 4,
+        meshes = [member((0.0, 0.0, 0.0), corner, dimension=3), member(corner, tip, dimension=3)]
+        joints = [fx.weld(meshes[0], "end", (meshes[1], "start"))]
+    state, record = settled([fx.Beam(m, **SPATIAL) for m in meshes], [fx.clamp(meshes[0], "start")],
+                            [fx.PointForce(meshes[-1], "end", force)], fx.Monitor(meshes[-1], "end", "z"), 4,
                             joints=joints)
-    return record.displacement("end", models[-1]), state
+    return record.displacement("end", meshes[-1]), state
 
 
 def test_weld_is_as_one_model():
@@ -156,13 +156,13 @@ def test_rigid_link_turns_with_its_first_end():
 
 def test_tangents_of_joints_are_derivatives():
     """Springs and ties in space, far from equilibrium and from each other."""
-    models = [member((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), dimension=3), member((1.0, 0.2, 0.0), (2.0, 0.2, 0.1),
+    meshes = [member((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), dimension=3), member((1.0, 0.2, 0.0), (2.0, 0.2, 0.1),
                                                                           dimension=3)]
-    joints = [fx.weld(models[0], "end", (models[1], "start")), fx.Spring(models[0], "middle", "rx", 3.0),
-              fx.Spring(models[0], "middle", "y", 2.0, (models[1], "middle")),
-              fx.Spring(models[0], "middle", "rz", 2.0, (models[1], "end"))]
-    scene = fx.Scene([fx.Beam(m, **SPATIAL) for m in models], [fx.clamp(models[0], "start")],
-                     [fx.PointForce(models[1], "end", (0.0, 0.0, 1.0))], fx.Monitor(models[1], "end", "z"),
+    joints = [fx.weld(meshes[0], "end", (meshes[1], "start")), fx.Spring(meshes[0], "middle", "rx", 3.0),
+              fx.Spring(meshes[0], "middle", "y", 2.0, (meshes[1], "middle")),
+              fx.Spring(meshes[0], "middle", "rz", 2.0, (meshes[1], "end"))]
+    scene = fx.Scene([fx.Beam(m, **SPATIAL) for m in meshes], [fx.clamp(meshes[0], "start")],
+                     [fx.PointForce(meshes[1], "end", (0.0, 0.0, 1.0))], fx.Monitor(meshes[1], "end", "z"),
                      joints=joints)
     discretisation = Discretisation(scene, mixed_points=False)
     x = move_at_random(discretisation)
@@ -173,14 +173,14 @@ def test_tangents_of_joints_are_derivatives():
 
 def test_edge_that_moves_alike():
     """A plate pulled at one corner of an edge that stays straight and parallel moves as under the mean force."""
-    model = fx.read(lambda: fx.meshes.rectangle((3, 2)), 3, 2)
-    shell = fx.Shell(model, fx.Plate(0.01), fx.Elastic(1e4, 0.0), form="naghdi-q2")
+    mesh = fx.read(lambda: fx.meshes.rectangle((3, 2)), 3, 2)
+    shell = fx.Shell(mesh, fx.Plate(0.01), fx.Elastic(1e4, 0.0), form="naghdi-q2")
     state, record = settled(
-        [shell], [fx.Support(model, "west", "x y z rx ry rz"), fx.Support(model, "north", "y"),
-                  fx.Support(model, "south", "y"), fx.Support(model, "east", "y z rx ry rz")],
-        [fx.PointForce(model, "south-east", (1e-3, 0.0, 0.0))], fx.Monitor(model, "north-east", "x"),
-        joints=[fx.Uniform(model, "east", "x")])
-    u = record.path.discretisation.kinematics(model).u
+        [shell], [fx.Support(mesh, "west", "x y z rx ry rz"), fx.Support(mesh, "north", "y"),
+                  fx.Support(mesh, "south", "y"), fx.Support(mesh, "east", "y z rx ry rz")],
+        [fx.PointForce(mesh, "south-east", (1e-3, 0.0, 0.0))], fx.Monitor(mesh, "north-east", "x"),
+        joints=[fx.Uniform(mesh, "east", "x")])
+    u = record.path.discretisation.kinematics(mesh).u
     places = u.function_space.tabulate_dof_coordinates()
     edge = u.x.array.reshape(-1, 3)[places[:, 0] > 1 - 1e-9, 0]
     assert edge == pytest.approx(state.deflection, rel=1e-9)
@@ -189,27 +189,27 @@ def test_edge_that_moves_alike():
 
 def test_foundation_under_a_shell():
     """A rigid plate sinks by its load over the stiffness of its foundation."""
-    model = fx.read(lambda: fx.meshes.rectangle((2, 2)), 3)
-    shell = fx.Shell(model, fx.Plate(0.1), fx.Elastic(1e6, 0.3), form="naghdi-q2")
-    state, _ = settled([shell], [fx.Support(model, "south-west", "x y rz")],
-                       [fx.SurfaceForce(shell, (0.0, 0.0, 2.0))], fx.Monitor(model, "north-east", "z"),
+    mesh = fx.read(lambda: fx.meshes.rectangle((2, 2)), 3)
+    shell = fx.Shell(mesh, fx.Plate(0.1), fx.Elastic(1e6, 0.3), form="naghdi-q2")
+    state, _ = settled([shell], [fx.Support(mesh, "south-west", "x y rz")],
+                       [fx.SurfaceForce(shell, (0.0, 0.0, 2.0))], fx.Monitor(mesh, "north-east", "z"),
                        joints=[fx.Foundation(shell, (0.0, 0.0, 50.0))])
     assert state.deflection == pytest.approx(2.0 / 50.0, rel=1e-6)
 
 
 def test_models_that_nothing_joins_are_told():
-    models = [member((0.0, y), (1.0, y), name) for y, name in ((0.0, "plate"), (0.1, "stiffener"))]
-    beams = [fx.Beam(m, **UNIT) for m in models]
+    meshes = [member((0.0, y), (1.0, y), name) for y, name in ((0.0, "plate"), (0.1, "stiffener"))]
+    beams = [fx.Beam(m, **UNIT) for m in meshes]
 
     def scene(joints):
-        return fx.Scene(beams, [fx.clamp(m, "start") for m in models],
-                        [fx.PointForce(models[0], "end", (0.0, 1.0))], fx.Monitor(models[0], "end", "y"), joints=joints)
+        return fx.Scene(beams, [fx.clamp(m, "start") for m in meshes],
+                        [fx.PointForce(meshes[0], "end", (0.0, 1.0))], fx.Monitor(meshes[0], "end", "y"), joints=joints)
 
     with pytest.warns(UserWarning, match="nothing joins the Beam on plate 1, plate 2 and the Beam on stiff.*weld"):
         scene([])
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        scene([fx.hinge(models[0], "end", (models[1], "end"))])
+        scene([fx.hinge(meshes[0], "end", (meshes[1], "end"))])
 
 
 @pytest.mark.parametrize(("make", "words"), [
@@ -227,12 +227,12 @@ def test_wrong_joints_are_named(make, words):
 
 
 def test_bars_have_no_rotations_to_tie():
-    model = member((0.0, 0.0), (1.0, 0.0))
+    mesh = member((0.0, 0.0), (1.0, 0.0))
     other = member((1.0, 0.0), (2.0, 0.0), elements=2)
-    scene = fx.Scene([fx.Bar(other, UNIT["section"], UNIT["material"]), fx.Beam(model, **UNIT)],
-                     [fx.clamp(model, "start"), fx.pin(other, "end"), fx.Support(other, "middle", "y")],
-                     [fx.PointForce(model, "end", (0.0, 1.0))], fx.Monitor(model, "end", "y"),
-                     joints=[fx.weld(model, "end", (other, "start"))])
+    scene = fx.Scene([fx.Bar(other, UNIT["section"], UNIT["material"]), fx.Beam(mesh, **UNIT)],
+                     [fx.clamp(mesh, "start"), fx.pin(other, "end"), fx.Support(other, "middle", "y")],
+                     [fx.PointForce(mesh, "end", (0.0, 1.0))], fx.Monitor(mesh, "end", "y"),
+                     joints=[fx.weld(mesh, "end", (other, "start"))])
     with pytest.raises(ValueError, match="Tie at 'end': ties rotations, but bars have none"):
         fx.Path(scene)
 
@@ -242,13 +242,13 @@ def test_springs_on_two_processes():
     lines = on_two_processes('''
 import sheetfx as fx
 from test_joints import UNIT, member, settled
-model = member((0.0, 0.0), (1.0, 0.0), elements=8)
-state, _ = settled([fx.Beam(model, **UNIT)], [fx.clamp(model, "start")], [fx.PointForce(model, "end", (0.0, 1e-4))],
-                   fx.Monitor(model, "end", "y"), joints=[fx.Spring(model, "end", "y", 4.0)])
+mesh = member((0.0, 0.0), (1.0, 0.0), elements=8)
+state, _ = settled([fx.Beam(mesh, **UNIT)], [fx.clamp(mesh, "start")], [fx.PointForce(mesh, "end", (0.0, 1e-4))],
+                   fx.Monitor(mesh, "end", "y"), joints=[fx.Spring(mesh, "end", "y", 4.0)])
 print(state.deflection)
 try:
-    settled([fx.Beam(model, **UNIT)], [fx.clamp(model, "start")], [fx.PointForce(model, "end", (0.0, 1e-4))],
-            fx.Monitor(model, "end", "y"), joints=[fx.Spring(model, "end", "y", 4.0, (model, "start"))])
+    settled([fx.Beam(mesh, **UNIT)], [fx.clamp(mesh, "start")], [fx.PointForce(mesh, "end", (0.0, 1e-4))],
+            fx.Monitor(mesh, "end", "y"), joints=[fx.Spring(mesh, "end", "y", 4.0, (mesh, "start"))])
 except ValueError as error:
     print(error)
 ''')
@@ -257,18 +257,18 @@ except ValueError as error:
 
 
 def column(welded: bool):
-    """A hinged column of two halves, with density: one model, or two that are welded."""
+    """A hinged column of two halves, with density: one mesh, or two that are welded."""
     options = {"section": fx.Rectangle(0.01, 0.01), "material": fx.Elastic(1e9, density=1.0)}
     if welded:
         lower, upper = member((0.0, 0.0), (0.5, 0.0), elements=8), member((0.5, 0.0), (1.0, 0.0), elements=8)
-        models, middle = [lower, upper], fx.Monitor(lower, "end", "y")
+        meshes, middle = [lower, upper], fx.Monitor(lower, "end", "y")
         joints = [fx.weld(lower, "end", (upper, "start"))]
     else:
         whole = member((0.0, 0.0), (1.0, 0.0), elements=16)
-        models, joints, middle = [whole], [], fx.Monitor(whole, "middle", "y")
-    return fx.Scene([fx.Beam(m, **options) for m in models],
-                    [fx.pin(models[0], "start"), fx.Support(models[-1], "end", "y")],
-                    [fx.PointForce(models[-1], "end", (-1.0, 0.0))], middle, joints=joints)
+        meshes, joints, middle = [whole], [], fx.Monitor(whole, "middle", "y")
+    return fx.Scene([fx.Beam(m, **options) for m in meshes],
+                    [fx.pin(meshes[0], "start"), fx.Support(meshes[-1], "end", "y")],
+                    [fx.PointForce(meshes[-1], "end", (-1.0, 0.0))], middle, joints=joints)
 
 
 def test_welded_column_is_the_whole_one():
@@ -290,11 +290,11 @@ def test_welded_column_is_the_whole_one():
 
 def test_hinged_truss_of_two_models_snaps():
     """Two struts on hinges that a hinge ties at their apex: the limit and the fall of a von Mises truss."""
-    models = [member((-1.0, 0.0), (0.0, 0.2), elements=2), member((1.0, 0.0), (0.0, 0.2), elements=2)]
+    meshes = [member((-1.0, 0.0), (0.0, 0.2), elements=2), member((1.0, 0.0), (0.0, 0.2), elements=2)]
     stocky = {"section": fx.Rectangle(1.0, 1.0), "material": fx.Elastic(1.0, 0.0)}
-    scene = fx.Scene([fx.Beam(m, **stocky) for m in models], [fx.pin(m, "start") for m in models],
-                     [fx.PointForce(models[0], "end", (0.0, -1.0))], fx.Monitor(models[0], "end", "y", -1.0),
-                     joints=[fx.hinge(models[0], "end", (models[1], "end"))])
+    scene = fx.Scene([fx.Beam(m, **stocky) for m in meshes], [fx.pin(m, "start") for m in meshes],
+                     [fx.PointForce(meshes[0], "end", (0.0, -1.0))], fx.Monitor(meshes[0], "end", "y", -1.0),
+                     joints=[fx.hinge(meshes[0], "end", (meshes[1], "end"))])
     record = fx.trace(fx.Case(scene, fx.ArcLength(0.01), fx.Until(deflection=0.45)))
     length, base = np.hypot(1.0, 0.2), 1.0
     at_limit = (length * base**2) ** (1 / 3)

@@ -14,31 +14,31 @@ def two_fields(width: float):
     return fx.read(lambda: fx.meshes.panels(nodes, {"left": "abef", "right": "bcde"}, 2), 3)
 
 
-def total(model, load) -> float:
-    shell = fx.Shell(model, fx.Plate(0.1), fx.Elastic(1e4, 0.3), form="naghdi-q2")
-    scene = fx.Scene([shell], [fx.clamp(model, "f-a")], [load], fx.Monitor(model, "c", "z"))
+def total(mesh, load) -> float:
+    shell = fx.Shell(mesh, fx.Plate(0.1), fx.Elastic(1e4, 0.3), form="naghdi-q2")
+    scene = fx.Scene([shell], [fx.clamp(mesh, "f-a")], [load], fx.Monitor(mesh, "c", "z"))
     return fx.trace(fx.Case(scene, fx.LoadControl(0.5, fixed=True))).states[1].load
 
 
 def test_surface_force_on_a_group_counts_its_area():
-    model = two_fields(0.25)
-    part = fx.Shell(model, fx.Plate(0.1), fx.Elastic(1e4, 0.3), form="naghdi-q2", group="right")
-    assert total(model, fx.SurfaceForce(part, (0.0, 0.0, 4.0))) == pytest.approx(0.5 * 4.0 * 0.75, rel=1e-12)
+    mesh = two_fields(0.25)
+    part = fx.Shell(mesh, fx.Plate(0.1), fx.Elastic(1e4, 0.3), form="naghdi-q2", group="right")
+    assert total(mesh, fx.SurfaceForce(part, (0.0, 0.0, 4.0))) == pytest.approx(0.5 * 4.0 * 0.75, rel=1e-12)
 
 
 def test_force_at_several_vertices_counts_each():
     """Three vertices of an edge of two cells, of which those in the middle of cells get nothing."""
-    model = two_fields(0.25)
-    state = total(model, fx.PointForce(model, "c-d", (0.0, 0.0, 2.0)))
+    mesh = two_fields(0.25)
+    state = total(mesh, fx.PointForce(mesh, "c-d", (0.0, 0.0, 2.0)))
     assert state == pytest.approx(0.5 * 3 * 2.0, rel=1e-12)
 
 
 def test_reaction_shows_the_forces_at_several_vertices():
     """What is reported is what acts: the same vertices under a prescribed displacement carry the sum."""
-    model = two_fields(0.25)
-    shell = fx.Shell(model, fx.Plate(0.1), fx.Elastic(1e4, 0.3), form="naghdi-q2")
-    supports, monitor = [fx.clamp(model, "f-a")], fx.Monitor(model, "c", "z")
-    load = fx.PointForce(model, "c-d", (0.0, 0.0, 1e-3))
+    mesh = two_fields(0.25)
+    shell = fx.Shell(mesh, fx.Plate(0.1), fx.Elastic(1e4, 0.3), form="naghdi-q2")
+    supports, monitor = [fx.clamp(mesh, "f-a")], fx.Monitor(mesh, "c", "z")
+    load = fx.PointForce(mesh, "c-d", (0.0, 0.0, 1e-3))
     path = fx.Path(fx.Scene([shell], supports, [load], monitor))
     system = path.discretisation.system
     vector = system.create_vector()
@@ -50,8 +50,8 @@ def test_totals_on_two_processes():
     lines = on_two_processes('''
 import sheetfx as fx
 from test_loads import total, two_fields
-model = two_fields(0.25)
-part = fx.Shell(model, fx.Plate(0.1), fx.Elastic(1e4, 0.3), form="naghdi-q2", group="right")
-print(total(model, fx.SurfaceForce(part, (0.0, 0.0, 4.0))), total(model, fx.PointForce(model, "c-d", (0.0, 0.0, 2.0))))
+mesh = two_fields(0.25)
+part = fx.Shell(mesh, fx.Plate(0.1), fx.Elastic(1e4, 0.3), form="naghdi-q2", group="right")
+print(total(mesh, fx.SurfaceForce(part, (0.0, 0.0, 4.0))), total(mesh, fx.PointForce(mesh, "c-d", (0.0, 0.0, 2.0))))
 ''')
     assert [float(word) for word in lines[0].split()] == pytest.approx([1.5, 3.0], rel=1e-12)

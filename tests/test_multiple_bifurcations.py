@@ -50,11 +50,11 @@ def columns(count: int):
         base, middle, tip = f"base{i}", f"middle{i}", f"tip{i}"
         nodes |= {base: (0, i), middle: (0.5, i), tip: (1, i)}
         members |= {f"lower{i}": (base, middle, 4), f"upper{i}": (middle, tip, 4)}
-    model = read(lambda: meshes.frame(nodes, members), 2)
-    beam = Beam(model, Rectangle(0.01, 0.01), Elastic(1e9))
-    supports = [s for i in range(count) for s in (pin(model, f"base{i}"), Support(model, f"tip{i}", "y"))]
-    loads = [PointForce(model, f"tip{i}", (-1.0, 0.0)) for i in range(count)]
-    return follow(Scene([beam], supports, loads, Monitor(model, "middle0", "y")), LoadControl(step=3.0, target=10.0))
+    mesh = read(lambda: meshes.frame(nodes, members), 2)
+    beam = Beam(mesh, Rectangle(0.01, 0.01), Elastic(1e9))
+    supports = [s for i in range(count) for s in (pin(mesh, f"base{i}"), Support(mesh, f"tip{i}", "y"))]
+    loads = [PointForce(mesh, f"tip{i}", (-1.0, 0.0)) for i in range(count)]
+    return follow(Scene([beam], supports, loads, Monitor(mesh, "middle0", "y")), LoadControl(step=3.0, target=10.0))
 
 
 @pytest.mark.parametrize("force, zeros", [
@@ -97,9 +97,9 @@ def dome():
 def displacements(record, state, names):
     """Displacements of named nodes, one in each row."""
     record.show(state)
-    model = record.case.scene.parts[0].model
-    kinematics = record.path.discretisation.kinematics(model)
-    return np.array([kinematics.displacement(model, name) for name in names])
+    mesh = record.case.scene.parts[0].mesh
+    kinematics = record.path.discretisation.kinematics(mesh)
+    return np.array([kinematics.displacement(mesh, name) for name in names])
 
 
 def test_branches_of_the_star_dome(dome):

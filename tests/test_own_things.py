@@ -14,9 +14,9 @@ import sheetfx as fx
 
 
 def plate(law=None, cells=2):
-    model = fx.read(lambda: fx.meshes.rectangle((cells, cells)), 3)
+    mesh = fx.read(lambda: fx.meshes.rectangle((cells, cells)), 3)
     options = {} if law is None else {"law": law}
-    return model, fx.Shell(model, fx.Plate(0.05), fx.Elastic(1e4, 0.3), form="naghdi-q2", **options)
+    return mesh, fx.Shell(mesh, fx.Plate(0.05), fx.Elastic(1e4, 0.3), form="naghdi-q2", **options)
 
 
 class Hydrostatic(fx.Load):
@@ -28,8 +28,8 @@ class Hydrostatic(fx.Load):
         self.shell, self.weight, self.level = shell, weight, level
 
     def work(self, fields):
-        u = fields.displacement(self.shell.model)
-        depth = self.level - ufl.SpatialCoordinate(self.shell.model.mesh)[2] - u[2]
+        u = fields.displacement(self.shell.mesh)
+        depth = self.level - ufl.SpatialCoordinate(self.shell.mesh.domain)[2] - u[2]
         pressure = -fields.factor * self.weight * ufl.max_value(depth, 0.0)
         return fx.forms.load.pressure(pressure, u, self.shell.frame(), fields.vary) * self.shell.measure()
 
@@ -37,9 +37,9 @@ class Hydrostatic(fx.Load):
 def test_load_of_ones_own():
     """Deep under water a plate bends as under a uniform pressure; the deeper it sinks the more it is pressed."""
     def deflection(load):
-        model, shell = plate()
-        edges = [fx.Support(model, edge, "x y z") for edge in ("west", "east", "south", "north")]
-        corner = fx.read(lambda: fx.meshes.rectangle((2, 2)), 3) and model
+        mesh, shell = plate()
+        edges = [fx.Support(mesh, edge, "x y z") for edge in ("west", "east", "south", "north")]
+        corner = fx.read(lambda: fx.meshes.rectangle((2, 2)), 3) and mesh
         scene = fx.Scene([shell], edges[:2], [load(shell)], fx.Monitor(corner, "south-east", "ry"))
         return fx.trace(fx.Case(scene, fx.LoadControl(1.0))).states[-1]
 
@@ -63,9 +63,9 @@ def stiffening(strains, stiffness):
 def test_section_law_of_ones_own():
     """A clamped plate under load stretches, and a stiffening membrane holds it back."""
     def deflection(law):
-        model, shell = plate(law)
-        scene = fx.Scene([shell], [fx.clamp(model, "west"), fx.Support(model, "east", "x y z")],
-                         [fx.SurfaceForce(shell, (0.0, 0.0, 1.0))], fx.Monitor(model, "south-east", "ry"))
+        mesh, shell = plate(law)
+        scene = fx.Scene([shell], [fx.clamp(mesh, "west"), fx.Support(mesh, "east", "x y z")],
+                         [fx.SurfaceForce(shell, (0.0, 0.0, 1.0))], fx.Monitor(mesh, "south-east", "ry"))
         return fx.trace(fx.Case(scene, fx.LoadControl(0.5))).states[-1].deflection
 
     assert abs(deflection(stiffening)) < 0.95 * abs(deflection(None))
@@ -81,9 +81,9 @@ import sheetfx as fx
 def case(length: float = 1.0, steps: int = 4) -> fx.Case:
     """A cantilever under an end force."""
     nodes = {"base": (0.0, 0.0), "tip": (length, 0.0)}
-    model = fx.read(lambda: fx.meshes.frame(nodes, {"beam": ("base", "tip", 2)}), 2)
-    scene = fx.Scene([fx.Beam(model, fx.Rectangle(0.1, 0.1), fx.Elastic(1e4))], [fx.clamp(model, "base")],
-                     [fx.PointForce(model, "tip", (0.0, 1e-3))], fx.Monitor(model, "tip", "y"))
+    mesh = fx.read(lambda: fx.meshes.frame(nodes, {"beam": ("base", "tip", 2)}), 2)
+    scene = fx.Scene([fx.Beam(mesh, fx.Rectangle(0.1, 0.1), fx.Elastic(1e4))], [fx.clamp(mesh, "base")],
+                     [fx.PointForce(mesh, "tip", (0.0, 1e-3))], fx.Monitor(mesh, "tip", "y"))
     return fx.Case(scene, fx.LoadControl(1 / steps, fixed=True))
 ''')
     command = [sys.executable, "-m", "sheetfx", "run", str(script), "--length", "2", "-o", str(tmp_path / "out")]
@@ -99,10 +99,10 @@ class Grounded(fx.Contribution):
     It remembers how often a state was accepted, and moves to other nodes when told to.
     """
 
-    def __init__(self, fields, model, at, stiffness, conservative=True):
-        self.number = fields.unknowns.fields.index(fields.kinematics(model).block.fields[0])
+    def __init__(self, fields, mesh, at, stiffness, conservative=True):
+        self.number = fields.unknowns.fields.index(fields.kinematics(mesh).block.fields[0])
         self.field, self.stiffness, self.conservative = fields.unknowns.fields[self.number], stiffness, conservative
-        self.accepted, self._fields, self._model = 0, fields, model
+        self.accepted, self._fields, self._model = 0, fields, mesh
         self.move_to(at)
 
     def move_to(self, at):
@@ -130,26 +130,26 @@ class Grounded(fx.Contribution):
 
 
 class Ground(fx.Joint):
-    def __init__(self, model, at, stiffness):
-        self.model, self.at, self.stiffness = model, at, stiffness
+    def __init__(self, mesh, at, stiffness):
+        self.mesh, self.at, self.stiffness = mesh, at, stiffness
 
     def contributions(self, fields):
-        self.made = Grounded(fields, self.model, self.at, self.stiffness)
+        self.made = Grounded(fields, self.mesh, self.at, self.stiffness)
         yield self.made
 
 
 def sprung_cantilever(joints):
     """Cantilever of stiffness 3 EI / L^3 = 3 with points at its middle and its tip; EI = 1."""
     nodes = {"base": (0.0, 0.0), "middle": (0.5, 0.0), "tip": (1.0, 0.0)}
-    model = fx.read(lambda: fx.meshes.frame(nodes, {"left": ("base", "middle", 4), "right": ("middle", "tip", 4)}), 2)
-    beam = fx.Beam(model, fx.Rectangle(1.0, 0.001), fx.Elastic(12e9), shear_rigidity=1e3)
-    return fx.Scene([beam], [fx.clamp(model, "base")], [fx.PointForce(model, "tip", (0.0, 1e-4))],
-                    fx.Monitor(model, "tip", "y"), joints=[joint(model) for joint in joints])
+    mesh = fx.read(lambda: fx.meshes.frame(nodes, {"left": ("base", "middle", 4), "right": ("middle", "tip", 4)}), 2)
+    beam = fx.Beam(mesh, fx.Rectangle(1.0, 0.001), fx.Elastic(12e9), shear_rigidity=1e3)
+    return fx.Scene([beam], [fx.clamp(mesh, "base")], [fx.PointForce(mesh, "tip", (0.0, 1e-4))],
+                    fx.Monitor(mesh, "tip", "y"), joints=[joint(mesh) for joint in joints])
 
 
 def test_contribution_of_ones_own():
     """Deflection F / (3 + k) of a cantilever of unit bending stiffness with a spring k at its tip."""
-    scene = sprung_cantilever([lambda model: Ground(model, "tip", 4.0)])
+    scene = sprung_cantilever([lambda mesh: Ground(mesh, "tip", 4.0)])
     record = fx.trace(fx.Case(scene, fx.LoadControl(0.25, fixed=True)))
     assert record.states[-1].deflection == pytest.approx(1e-4 / 7, rel=1e-6)
     assert [int(s.fields["accepted"]) for s in record.states] == [1, 2, 3, 4, 5]
@@ -159,7 +159,7 @@ def test_contribution_of_ones_own():
 
 def test_pattern_that_moves_is_made_anew():
     """A spring k that moves from the tip to the middle: F (L^3 / 3 - (5 / 48)^2 k / (1 + k / 24))."""
-    scene = sprung_cantilever([lambda model: Ground(model, "tip", 4.0)])
+    scene = sprung_cantilever([lambda mesh: Ground(mesh, "tip", 4.0)])
     path = fx.Path(scene, fx.LoadControl(0.5, fixed=True))
     states = iter(path)
     next(states), next(states)
@@ -170,18 +170,18 @@ def test_pattern_that_moves_is_made_anew():
 
 
 def test_flags_of_contributions_are_those_of_the_system():
-    scene = sprung_cantilever([lambda model: Ground(model, "tip", 4.0)])
+    scene = sprung_cantilever([lambda mesh: Ground(mesh, "tip", 4.0)])
     system = fx.Path(scene).discretisation.system
     assert system.smooth and system.conservative
 
     class Rough(Ground):
         def contributions(self, fields):
-            contribution = Grounded(fields, self.model, self.at, self.stiffness, conservative=False)
+            contribution = Grounded(fields, self.mesh, self.at, self.stiffness, conservative=False)
             contribution.smooth = False
             contribution.without_descent = "a spring of the test has no energy"
             yield contribution
 
-    path = fx.Path(sprung_cantilever([lambda model: Rough(model, "tip", 4.0)]))
+    path = fx.Path(sprung_cantilever([lambda mesh: Rough(mesh, "tip", 4.0)]))
     assert not path.discretisation.system.smooth and not path.discretisation.system.conservative
     assert path.tracer.state.unstable_modes is None, "an unsymmetric tangent has no inertia"
 
@@ -189,10 +189,10 @@ def test_flags_of_contributions_are_those_of_the_system():
 def test_fall_does_not_move_history_on():
     """The many steps of a fall let increments count anew; only its end is a state that is accepted."""
     nodes = {"left": (-1.0, 0.0), "apex": (0.0, 0.2), "right": (1.0, 0.0)}
-    model = fx.read(lambda: fx.meshes.frame(nodes, {"a": ("left", "apex", 1), "b": ("apex", "right", 1)}), 2)
-    scene = fx.Scene([fx.Bar(model, fx.Rectangle(1.0, 1.0), fx.Elastic(1.0))],
-                     [fx.pin(model, "left"), fx.pin(model, "right")], [fx.PointForce(model, "apex", (0.0, -1.0))],
-                     fx.Monitor(model, "apex", "y", -1.0), joints=[Ground(model, "apex", 1e-9)])
+    mesh = fx.read(lambda: fx.meshes.frame(nodes, {"a": ("left", "apex", 1), "b": ("apex", "right", 1)}), 2)
+    scene = fx.Scene([fx.Bar(mesh, fx.Rectangle(1.0, 1.0), fx.Elastic(1.0))],
+                     [fx.pin(mesh, "left"), fx.pin(mesh, "right")], [fx.PointForce(mesh, "apex", (0.0, -1.0))],
+                     fx.Monitor(mesh, "apex", "y", -1.0), joints=[Ground(mesh, "apex", 1e-9)])
     record = fx.trace(fx.Case(scene, fx.ArcLength(0.01), fx.Until(deflection=0.2)))
     unstable = next(s for s in record.states if s.unstable_modes)
     fall = record.snap(unstable)

@@ -175,12 +175,12 @@ def test_errors_name_object_value_and_remedy(arguments, words, tmp_path):
 
 
 def bare_arch(supports, contacts=()):
-    model = arch_model(7.338, 8, 2, False)
+    mesh = arch_model(7.338, 8, 2, False)
     base = arch_case(no_punch=True, elements=8).scene
-    beam = type(base.parts[0])(model, base.parts[0].section, base.parts[0].material)
+    beam = type(base.parts[0])(mesh, base.parts[0].section, base.parts[0].material)
     made = [Contact(beam, obstacle) for obstacle in contacts]
-    return Scene([beam], [Support(model, *s) for s in supports], [PointForce(model, "crown", (0.0, -1.0))],
-                 Monitor(model, "crown", "y", -1.0), made)
+    return Scene([beam], [Support(mesh, *s) for s in supports], [PointForce(mesh, "crown", (0.0, -1.0))],
+                 Monitor(mesh, "crown", "y", -1.0), made)
 
 
 def test_structure_that_can_move_freely():
@@ -189,25 +189,25 @@ def test_structure_that_can_move_freely():
 
 
 def test_load_on_supports_only():
-    model = fx.read(lambda: fx.meshes.frame({"a": (0, 0), "b": (1, 0)}, {"beam": ("a", "b", 2)}), 2)
-    scene = fx.Scene([fx.Beam(model, fx.Rectangle(0.1, 0.1), fx.Elastic(1e4))], [fx.clamp(model, "a")],
-                     [fx.PointForce(model, "a", (0.0, 1.0))], fx.Monitor(model, "b", "y"))
+    mesh = fx.read(lambda: fx.meshes.frame({"a": (0, 0), "b": (1, 0)}, {"beam": ("a", "b", 2)}), 2)
+    scene = fx.Scene([fx.Beam(mesh, fx.Rectangle(0.1, 0.1), fx.Elastic(1e4))], [fx.clamp(mesh, "a")],
+                     [fx.PointForce(mesh, "a", (0.0, 1.0))], fx.Monitor(mesh, "b", "y"))
     with pytest.raises(ValueError, match="does not respond to its loads; they act on supports only"):
         fx.Path(scene)
 
 
 def test_displacement_prescribed_twice():
     base = arch_case().scene
-    model = base.parts[0].model
-    motions = [fx.PrescribedDisplacement(model, "crown", "y", distance) for distance in (-1.0, 1.0)]
+    mesh = base.parts[0].mesh
+    motions = [fx.PrescribedDisplacement(mesh, "crown", "y", distance) for distance in (-1.0, 1.0)]
     with pytest.raises(ValueError, match="Displacement of 'crown': component y is prescribed twice; keep one"):
         Scene(base.parts, base.supports, motions, base.monitor)
 
 
 def test_shell_without_material():
-    model = fx.read(lambda: fx.meshes.rectangle((1, 1)), 3)
+    mesh = fx.read(lambda: fx.meshes.rectangle((1, 1)), 3)
     with pytest.raises(ValueError, match=r"Shell: material is None, but Plate\(thickness=0.1.*give an Elastic"):
-        fx.Shell(model, fx.Plate(0.1))
+        fx.Shell(mesh, fx.Plate(0.1))
 
 
 def test_structure_without_support():
@@ -249,8 +249,8 @@ def test_junctions_stay_whole_on_two_processes(tmp_path):
 import sheetfx as fx
 nodes = {n: (x, y, z) for n, x, y, z in zip("abcdefgh", (0, 1, 1, 0, 0, 0, -1, -1), (0, 0, 1, 1, 0, 1, 0, 1),
                                             (0, 0, 0, 0, 1, 1, 0, 0))}
-model = fx.read(lambda: fx.meshes.panels(nodes, {"one": "abcd", "two": "adfe", "three": "adhg"}, 4), 3)
-print(model.mesh.topology.index_map(0).size_global)
+mesh = fx.read(lambda: fx.meshes.panels(nodes, {"one": "abcd", "two": "adfe", "three": "adhg"}, 4), 3)
+print(mesh.domain.topology.index_map(0).size_global)
 """
     result = subprocess.run(["mpirun", "-n", "2", sys.executable, "-c", script], capture_output=True, text=True,
                             timeout=100)

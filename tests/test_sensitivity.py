@@ -27,12 +27,12 @@ def first_limit(scene):
 
 def test_two_thirds_law():
     """Hinged shallow arch, which bends before it buckles sideways; the law's error falls with the imperfection."""
-    model = whole_arch(40)
-    record = trace(Case(hinged_arch(model), until=Until(deflection=10.0)))
+    mesh = whole_arch(40)
+    record = trace(Case(hinged_arch(mesh), until=Until(deflection=10.0)))
     point = next(p for p in record.critical_points if p.kind == "bifurcation")
 
     def imperfect_arch(amplitude):
-        return hinged_arch(imperfect(model, deviation, amplitude))
+        return hinged_arch(imperfect(mesh, deviation, amplitude))
 
     before, after = record.states[point.step - 1: point.step + 1]
     rho = imperfection_sensitivity(record.path, before, after, point, imperfect_arch, 1e-3 * DEPTH)
@@ -50,8 +50,8 @@ def test_the_path_of_a_slightly_imperfect_structure_bends_away(amplitude):
 
     The load of the perfect arch's bifurcation, 129.761, is reached from below as the imperfection vanishes.
     """
-    model = whole_arch(40)
-    record = trace(Case(hinged_arch(imperfect(model, deviation, amplitude * DEPTH)), until=Until(deflection=20.0)))
+    mesh = whole_arch(40)
+    record = trace(Case(hinged_arch(imperfect(mesh, deviation, amplitude * DEPTH)), until=Until(deflection=20.0)))
     (point,) = record.critical_points
     assert point.name == "maximum"
     # the perfect arch's point and sensitivity, as test_two_thirds_law finds them; the law is off by 4 % of the loss

@@ -59,11 +59,11 @@ def one_cell(form, name, thickness, turned=False):
     corners = ["a", "b", "d"] if triangles(form) else ["a", "b", "c", "d"]
     nodes = {label: PANEL[label] for label in corners}
     order = corners[1:] + corners[:1] if turned else corners
-    model = read(lambda: meshes.panels(nodes, {"shell": order}, 1, triangles(form)), 3, FORMS[form].displacement[1],
+    mesh = read(lambda: meshes.panels(nodes, {"shell": order}, 1, triangles(form)), 3, FORMS[form].displacement[1],
                  shape(name))
-    shell = Shell(model, Plate(thickness), Elastic(1.0, 0.3), form=form)
-    return Scene([shell], [Support(model, "a", "")], [PointForce(model, "a", (1.0, 0.0, 0.0))],
-                 Monitor(model, "a", "x"))
+    shell = Shell(mesh, Plate(thickness), Elastic(1.0, 0.3), form=form)
+    return Scene([shell], [Support(mesh, "a", "")], [PointForce(mesh, "a", (1.0, 0.0, 0.0))],
+                 Monitor(mesh, "a", "x"))
 
 
 def eigenvalues(scene):
@@ -91,10 +91,10 @@ def test_the_order_of_nodes_does_not_matter(form):
 
 def deformed(form, mixed_points=True, pressure=0.0):
     """Two or four distorted curved cells, far from equilibrium, turned by up to a radian in each of two steps."""
-    model = surface(form, (2, 1), shape("curved"))
-    shell = Shell(model, Plate(0.1), Elastic(1.0, 0.3), form=form)
-    load = Pressure(shell, pressure) if pressure else PointForce(model, "north-east", (1e-3, 2e-3, 3e-3))
-    scene = Scene([shell], [Support(model, "south-west", "x y z")], [load], Monitor(model, "north-east", "z"))
+    mesh = surface(form, (2, 1), shape("curved"))
+    shell = Shell(mesh, Plate(0.1), Elastic(1.0, 0.3), form=form)
+    load = Pressure(shell, pressure) if pressure else PointForce(mesh, "north-east", (1e-3, 2e-3, 3e-3))
+    scene = Scene([shell], [Support(mesh, "south-west", "x y z")], [load], Monitor(mesh, "north-east", "z"))
     discretisation = Discretisation(scene, mixed_points)
     move_at_random(discretisation, seed=1, size=0.5)
     discretisation.system.history.commit()
@@ -126,28 +126,28 @@ def test_tangent_of_pressure_is_the_derivative_of_its_force():
 @every_form
 @pytest.mark.parametrize("size", [0.0, 0.1])
 def test_rigid_rotation_beyond_a_turn_changes_nothing(form, size):
-    model = surface(form, (2, 1), shape("curved"))
-    shell = Shell(model, Plate(0.1), Elastic(1.0, 0.3), form=form)
-    discretisation = Discretisation(Scene([shell], [Support(model, "south-west", "")],
-                                          [PointForce(model, "north-east", (0.0, 0.0, 1.0))],
-                                          Monitor(model, "north-east", "z")))
+    mesh = surface(form, (2, 1), shape("curved"))
+    shell = Shell(mesh, Plate(0.1), Elastic(1.0, 0.3), form=form)
+    discretisation = Discretisation(Scene([shell], [Support(mesh, "south-west", "")],
+                                          [PointForce(mesh, "north-east", (0.0, 0.0, 1.0))],
+                                          Monitor(mesh, "north-east", "z")))
     move_at_random(discretisation, size=size)
     discretisation.system.factors.set(0.0)
     discretisation.system.history.commit()
     before = energy_and_residual(discretisation)
     assert before[0] > 1e-5 or size == 0.0
     turn_rigidly(discretisation, radians(800.0), (1.0, 2.0, 3.0), steps=7)
-    assert np.abs(discretisation.kinematics(model).displacement(model, "north-east")).max() > 0.1
+    assert np.abs(discretisation.kinematics(mesh).displacement(mesh, "north-east")).max() > 0.1
     assert energy_and_residual(discretisation) == pytest.approx(before, rel=1e-10, abs=1e-14)
 
 
 def cook(form, cells, thickness):
     """Cook's membrane: the upper corner of the loaded edge."""
-    model = surface(form, (cells, cells), lambda x: np.column_stack(
+    mesh = surface(form, (cells, cells), lambda x: np.column_stack(
         (48 * x[:, 0], 44 * x[:, 0] + x[:, 1] * (44 - 28 * x[:, 0]), 0 * x[:, 0])))
-    shell = Shell(model, Plate(thickness), Elastic(1.0, 1 / 3), form=form)
-    return response(Scene([shell], [clamp(model, "west")], [EdgeForce(model, "east", (0.0, thickness / 16, 0.0))],
-                          Monitor(model, "north-east", "y")))
+    shell = Shell(mesh, Plate(thickness), Elastic(1.0, 1 / 3), form=form)
+    return response(Scene([shell], [clamp(mesh, "west")], [EdgeForce(mesh, "east", (0.0, thickness / 16, 0.0))],
+                          Monitor(mesh, "north-east", "y")))
 
 
 def beam(form, cells, thickness, corners, closed):
@@ -156,13 +156,13 @@ def beam(form, cells, thickness, corners, closed):
     nodes = {f"{end}{i}": (x, *corner) for end, x in (("a", 0.0), ("b", 3.0)) for i, corner in enumerate(corners)}
     sides = [(i, (i + 1) % count) for i in range(count if closed else count - 1)]
     faces = {f"side {i}": (f"a{i}", f"b{i}", f"b{j}", f"a{j}") for i, j in sides}
-    model = folded(form, nodes, faces, cells)
-    shell = Shell(model, Plate(thickness), Elastic(1.0, 0.3), form=form)
-    ends = {name for name in model.edges if name.count("b") == 2}
+    mesh = folded(form, nodes, faces, cells)
+    shell = Shell(mesh, Plate(thickness), Elastic(1.0, 0.3), form=form)
+    ends = {name for name in mesh.edges if name.count("b") == 2}
     webs = [f"b{i}-b{j}" for i, j in sides if corners[i][0] == corners[j][0]]
-    loads = [EdgeForce(model, w if w in ends else "-".join(w.split("-")[::-1]), (0.0, 0.0, thickness)) for w in webs]
-    roots = [name for name in model.edges if name.count("a") == 2]
-    return response(Scene([shell], [clamp(model, name) for name in roots], loads, Monitor(model, "b1", "z")))
+    loads = [EdgeForce(mesh, w if w in ends else "-".join(w.split("-")[::-1]), (0.0, 0.0, thickness)) for w in webs]
+    roots = [name for name in mesh.edges if name.count("a") == 2]
+    return response(Scene([shell], [clamp(mesh, name) for name in roots], loads, Monitor(mesh, "b1", "z")))
 
 
 def tube(form, cells, thickness):
@@ -176,10 +176,10 @@ def angle(form, cells, thickness):
 def panel(form, cells, thickness):
     """Cantilever of length 4 and height 1 under a shear force on its end."""
     triangles = FORMS[form].cell == TRIANGLE
-    model = read(lambda: meshes.rectangle((cells, cells), (4.0, 1.0), triangles=triangles), 3)
-    shell = Shell(model, Plate(thickness), Elastic(1.0, 0.3), form=form)
-    return response(Scene([shell], [clamp(model, "west")], [EdgeForce(model, "east", (0.0, thickness, 0.0))],
-                          Monitor(model, "north-east", "y")))
+    mesh = read(lambda: meshes.rectangle((cells, cells), (4.0, 1.0), triangles=triangles), 3)
+    shell = Shell(mesh, Plate(thickness), Elastic(1.0, 0.3), form=form)
+    return response(Scene([shell], [clamp(mesh, "west")], [EdgeForce(mesh, "east", (0.0, thickness, 0.0))],
+                          Monitor(mesh, "north-east", "y")))
 
 
 PANELS = {
@@ -218,12 +218,12 @@ def move_vertices(cells, size, seed=3):
 def plate(form, cells, thickness, distortion):
     """Quarter of a clamped square plate under a uniform force: deflection of its centre times D / q a^4."""
     move = move_vertices(cells, distortion)
-    model = surface(form, (cells, cells), lambda x: np.column_stack((move(x) / 2, 0 * x[:, 0])))
-    shell = Shell(model, Plate(thickness), Elastic(1.0, 0.3), form=form)
-    supports = [clamp(model, "west"), clamp(model, "south"), symmetry(model, "east", "x"),
-                symmetry(model, "north", "y")]
+    mesh = surface(form, (cells, cells), lambda x: np.column_stack((move(x) / 2, 0 * x[:, 0])))
+    shell = Shell(mesh, Plate(thickness), Elastic(1.0, 0.3), form=form)
+    supports = [clamp(mesh, "west"), clamp(mesh, "south"), symmetry(mesh, "east", "x"),
+                symmetry(mesh, "north", "y")]
     return response(Scene([shell], supports, [SurfaceForce(shell, (0.0, 0.0, thickness**3 / 12 / 0.91))],
-                          Monitor(model, "north-east", "z")))
+                          Monitor(mesh, "north-east", "z")))
 
 
 PLATE = {1e-1: 1.504626e-3, 1e-2: 1.267859e-3, 1e-3: 1.265345e-3, 1e-5: 1.265319e-3}
@@ -247,13 +247,13 @@ def hemisphere(form, cells, thickness, distortion=0.0):
         s, t = (move(x) * (pi / 2, height)).T
         return np.column_stack((np.cos(t) * np.cos(s), np.cos(t) * np.sin(s), np.sin(t)))
 
-    model = surface(form, (cells, cells), place)
-    shell = Shell(model, Plate(thickness), Elastic(1.0, 0.3), form=form)
+    mesh = surface(form, (cells, cells), place)
+    shell = Shell(mesh, Plate(thickness), Elastic(1.0, 0.3), form=form)
     half = thickness**3 / 12 / 0.91 / 2
     return response(Scene(
-        [shell], [symmetry(model, "west", "y"), symmetry(model, "east", "x"), Support(model, "south-west", "z")],
-        [PointForce(model, "south-west", (half, 0.0, 0.0)), PointForce(model, "south-east", (0.0, -half, 0.0))],
-        Monitor(model, "south-west", "x")))
+        [shell], [symmetry(mesh, "west", "y"), symmetry(mesh, "east", "x"), Support(mesh, "south-west", "z")],
+        [PointForce(mesh, "south-west", (half, 0.0, 0.0)), PointForce(mesh, "south-east", (0.0, -half, 0.0))],
+        Monitor(mesh, "south-west", "x")))
 
 
 HEMISPHERE = {1e-1: 0.21989, 1e-2: 0.191132, 1e-3: 0.184375}
@@ -285,10 +285,10 @@ STRIP = {"length": 1.0, "width": 0.2, "thickness": 0.01}
 
 def strip(load, component, section=None, **shell):
     """Strip of length 1 along x without Poisson's effect, clamped at its start, with a force on its end."""
-    model = surface("naghdi-q2", (8, 1), lengths=(STRIP["length"], STRIP["width"]))
-    part = Shell(model, section or Plate(STRIP["thickness"]), Elastic(1.0, 0.0), **shell)
-    return response(Scene([part], [clamp(model, "west")], [EdgeForce(model, "east", load)],
-                          Monitor(model, "south-east", component)))
+    mesh = surface("naghdi-q2", (8, 1), lengths=(STRIP["length"], STRIP["width"]))
+    part = Shell(mesh, section or Plate(STRIP["thickness"]), Elastic(1.0, 0.0), **shell)
+    return response(Scene([part], [clamp(mesh, "west")], [EdgeForce(mesh, "east", load)],
+                          Monitor(mesh, "south-east", component)))
 
 
 AXIAL, BENDING = STRIP["thickness"], STRIP["thickness"] ** 3 / 12
@@ -393,9 +393,9 @@ LAWS = {
 @pytest.mark.parametrize("name", LAWS)
 def test_coupling_is_seen_in_the_law(name):
     law, coupled = LAWS[name]
-    mesh = surface("naghdi-q2", (1, 1)).mesh
-    stiffness = as_constants(mesh, Plate(0.1).stiffness(Elastic(1.0, 0.3)))
-    assert is_coupled(lambda strains: law(strains, stiffness), mesh) == coupled
+    domain = surface("naghdi-q2", (1, 1)).mesh
+    stiffness = as_constants(domain, Plate(0.1).stiffness(Elastic(1.0, 0.3)))
+    assert is_coupled(lambda strains: law(strains, stiffness), domain) == coupled
 
 
 def test_orthotropic_section():
@@ -435,12 +435,12 @@ def test_strains_and_law_of_the_user(settings):
     twice the load.
     """
     t = 1e-2
-    model = surface("naghdi-q2", (8, 8), lambda x: x / 2)
-    shell = Shell(model, Plate(t), Elastic(1.0, 0.316), **settings)
+    mesh = surface("naghdi-q2", (8, 8), lambda x: x / 2)
+    shell = Shell(mesh, Plate(t), Elastic(1.0, 0.316), **settings)
     load = 402 * t**4 * (2 if "law" in settings else 1)
-    supports = [clamp(model, "west"), clamp(model, "south"), symmetry(model, "east", "x"),
-                symmetry(model, "north", "y")]
-    scene = Scene([shell], supports, [SurfaceForce(shell, (0.0, 0.0, load))], Monitor(model, "north-east", "z"))
+    supports = [clamp(mesh, "west"), clamp(mesh, "south"), symmetry(mesh, "east", "x"),
+                symmetry(mesh, "north", "y")]
+    scene = Scene([shell], supports, [SurfaceForce(shell, (0.0, 0.0, load))], Monitor(mesh, "north-east", "z"))
     *_, last = Path(scene, LoadControl(step=0.5, fixed=True))
     assert last.deflection / t == pytest.approx(1.902, rel=3e-2)
 

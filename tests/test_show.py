@@ -53,11 +53,11 @@ RADIUS, COPIES = 3380.6, 2
 @pytest.fixture(scope="module")
 def record(tmp_path_factory):
     """Half an arch under a punch, with friction, kept in an archive as a run keeps it."""
-    model = read(lambda: meshes.arc(RADIUS, 0.0, np.radians(7.338), 10, {"crown": 0.0}), 2, 2)
-    beam = Beam(model, Rectangle(25.4, 4.7625), Elastic(72395.0))
+    mesh = read(lambda: meshes.arc(RADIUS, 0.0, np.radians(7.338), 10, {"crown": 0.0}), 2, 2)
+    beam = Beam(mesh, Rectangle(25.4, 4.7625), Elastic(72395.0))
     punch = RigidCylinder(RADIUS, (0.0, 2 * RADIUS), travel=(0.0, -1.0))
-    scene = Scene([beam], [clamp(model, "end"), symmetry(model, "crown")], [ObstacleForce(punch, 1 / COPIES)],
-                  Monitor(model, "crown", "y", -1.0), [Contact(beam, punch, "nodes", friction=0.2)], COPIES)
+    scene = Scene([beam], [clamp(mesh, "end"), symmetry(mesh, "crown")], [ObstacleForce(punch, 1 / COPIES)],
+                  Monitor(mesh, "crown", "y", -1.0), [Contact(beam, punch, "nodes", friction=0.2)], COPIES)
     case = Case(scene, ArcLength(step=0.005), Until(deflection=20.0), axes=("deflection (mm)", "load (N)"))
     archive = Archive(tmp_path_factory.mktemp("run"), MPI.COMM_WORLD)
     archive.clear({})
@@ -220,13 +220,13 @@ def sheet():
     """A strip of shell beside a bar, both clamped and lifted at their ends; rotations at edges if a form has them."""
     form = next((f for f in FORMS if FORMS[f].rotation[0] == "CR"), next(iter(FORMS)))
     triangles = FORMS[form].cell == TRIANGLE
-    model = read(lambda: meshes.rectangle((6, 2), (1.0, 0.2), triangles), 3, FORMS[form].displacement[1])
-    shell = Shell(model, Plate(0.01), Elastic(1.2e6, 0.0), form=form)
+    mesh = read(lambda: meshes.rectangle((6, 2), (1.0, 0.2), triangles), 3, FORMS[form].displacement[1])
+    shell = Shell(mesh, Plate(0.01), Elastic(1.2e6, 0.0), form=form)
     line = read(lambda: meshes.frame({"base": (0, 0.4), "tip": (1, 0.4)}, {"bar": ("base", "tip", 4)}), 3)
     bar = Beam(line, Rectangle(0.1, 0.01), Elastic(1.2e6, 0.0))
-    scene = Scene([shell, bar], [clamp(model, "west"), clamp(line, "base")],
-                  [EdgeForce(model, "east", (0.0, 0.0, 1.0)), PointForce(line, "tip", (0.0, 0.0, 0.1))],
-                  Monitor(model, "south-east", "z"))
+    scene = Scene([shell, bar], [clamp(mesh, "west"), clamp(line, "base")],
+                  [EdgeForce(mesh, "east", (0.0, 0.0, 1.0)), PointForce(line, "tip", (0.0, 0.0, 0.1))],
+                  Monitor(mesh, "south-east", "z"))
     return trace(Case(scene, LoadControl(step=0.5, fixed=True), axes=("deflection (mm)", "load (N)")))
 
 
@@ -236,13 +236,13 @@ def test_surfaces_follow_the_state(sheet):
     assert surface.current[corner, 2] == pytest.approx(sheet.states[-1].deflection)
     assert surface.mesh(surface.undeformed).area == pytest.approx(0.2)
     assert surface.edges(surface.undeformed).length > 0.2
-    assert len(surface.borders) == sheet.case.scene.parts[0].model.mesh.topology.index_map(2).size_local
+    assert len(surface.borders) == sheet.case.scene.parts[0].mesh.domain.topology.index_map(2).size_local
 
 
 def test_surfaces_with_a_displacement_of_the_user(sheet):
-    model = sheet.case.scene.parts[0].model
-    x = ufl.SpatialCoordinate(model.mesh)
-    (surface,) = surfaces(sheet, {model: ufl.as_vector([0.0, 0.0, x[0] * x[1]])})
+    mesh = sheet.case.scene.parts[0].mesh
+    x = ufl.SpatialCoordinate(mesh.domain)
+    (surface,) = surfaces(sheet, {mesh: ufl.as_vector([0.0, 0.0, x[0] * x[1]])})
     moved = surface.undeformed[:, 0] * surface.undeformed[:, 1]
     assert np.allclose(surface.current - surface.undeformed, np.column_stack([0 * moved, 0 * moved, moved]))
 

@@ -114,7 +114,7 @@ def test_frame_under_held_displacement(frame, side):
 def test_prescribed_motion_holds_the_displacement(frame):
     """The frame moved by a prescribed displacement, whose reaction is a multiplier, falls as under a held one."""
     scene = frame.case.scene
-    motion = replace(scene, loads=[PrescribedDisplacement(scene.parts[0].model, "load", "y", -1.0)])
+    motion = replace(scene, loads=[PrescribedDisplacement(scene.parts[0].mesh, "load", "y", -1.0)])
     path = Path(motion, frame.case.control, Until(steps=12))
     *_, before = path
     assert before.unstable_modes == 1
@@ -207,7 +207,7 @@ def test_column_falls_into_its_branch(side):
 
 def test_higher_modes_are_left_behind():
     """A cantilever above its second bifurcation falls to its first bent shape, which has no inflection."""
-    record = follow(cantilever(straight(20), lambda beam: [PointForce(beam.model, "tip", (-1.0, 0.0))]),
+    record = follow(cantilever(straight(20), lambda beam: [PointForce(beam.mesh, "tip", (-1.0, 0.0))]),
                     LoadControl(step=7.0, target=28.0))
     before = record.states[-1]
     assert before.unstable_modes == 2
@@ -276,8 +276,8 @@ def test_cylinder_with_a_cluster_of_unstable_directions():
     Under the load itself a cylinder has no stable state near it.
     """
     scene = cylinder_buckling.case(ratio=100.0, halves=4.0, cells=(12, 5)).scene
-    model = scene.parts[0].model
-    held = replace(scene, supports=[*scene.supports, *(Support(model, end, "x y rz") for end in ("south", "north"))])
+    mesh = scene.parts[0].mesh
+    held = replace(scene, supports=[*scene.supports, *(Support(mesh, end, "x y rz") for end in ("south", "north"))])
     path = Path(held, LoadControl(step=0.25, largest=1.0, target=1.0))
     *_, before = path
     assert before.unstable_modes >= 8

@@ -20,10 +20,10 @@ WEIGHT = 0.04
 def two_bars(half_span, height, supports, loads, monitor="y", **scene):
     """Two bars of unit axial stiffness from supports to an apex."""
     nodes = {"left": (-half_span, 0.0), "apex": (0.0, height), "right": (half_span, 0.0)}
-    model = fx.read(lambda: fx.meshes.frame(nodes, {"a": ("left", "apex", 1), "b": ("apex", "right", 1)}), 2)
-    bars = fx.Bar(model, AREA, fx.Elastic(1.0))
-    return fx.Scene([bars], supports(model), loads(model), fx.Monitor(model, "apex", monitor, -1.0),
-                    **{name: value(model) for name, value in scene.items()})
+    mesh = fx.read(lambda: fx.meshes.frame(nodes, {"a": ("left", "apex", 1), "b": ("apex", "right", 1)}), 2)
+    bars = fx.Bar(mesh, AREA, fx.Elastic(1.0))
+    return fx.Scene([bars], supports(mesh), loads(mesh), fx.Monitor(mesh, "apex", monitor, -1.0),
+                    **{name: value(mesh) for name, value in scene.items()})
 
 
 def weighted_arch(stages):
@@ -50,7 +50,7 @@ def test_arch_under_self_weight_and_then_a_force():
     assert begin.factor == begin.load == 0.0 and begin.deflection == record.states[begin.step - 1].deflection > 0.05
     base, weight = weighted_arch(False)
     force = limit.load / 2
-    together = fx.Scene(base.parts, base.supports, [weight, fx.PointForce(base.parts[0].model, "crown", (0.0, -force))],
+    together = fx.Scene(base.parts, base.supports, [weight, fx.PointForce(base.parts[0].mesh, "crown", (0.0, -force))],
                         base.monitor, symmetry_factor=2)
     path = fx.trace(fx.Case(together, fx.ArcLength(0.005), fx.Until(deflection=15.0)))
     after = next(s for s in path.states if s.critical)
@@ -144,13 +144,13 @@ def test_prescribed_rotation(dimension):
     def length(*x):
         return x + (0.0,) * (dimension - 2)
 
-    model = fx.read(lambda: fx.meshes.frame({"base": length(0.0, 0.0), "tip": length(1.0, 0.0)},
+    mesh = fx.read(lambda: fx.meshes.frame({"base": length(0.0, 0.0), "tip": length(1.0, 0.0)},
                                             {"beam": ("base", "tip", 24)}), dimension)
-    beam = fx.Beam(model, fx.Rectangle(0.1, 0.1), fx.Elastic(1.2e5, 0.0))
+    beam = fx.Beam(mesh, fx.Rectangle(0.1, 0.1), fx.Elastic(1.2e5, 0.0))
     angle = 3 * pi if dimension == 2 else 1.4 * pi
     rotation = angle if dimension == 2 else (0.0, 0.6 * angle, 0.8 * angle)
-    scene = fx.Scene([beam], [fx.clamp(model, "base")], [fx.PrescribedRotation(model, "tip", rotation)],
-                     fx.Monitor(model, "tip", "x"))
+    scene = fx.Scene([beam], [fx.clamp(mesh, "base")], [fx.PrescribedRotation(mesh, "tip", rotation)],
+                     fx.Monitor(mesh, "tip", "x"))
     record = fx.trace(fx.Case(scene, fx.LoadControl(0.05)))
     state = record.states[-1]
     assert state.load == pytest.approx(angle, rel=1e-4), "EI = 1"

@@ -22,13 +22,13 @@ def pinched_hemisphere(turn: np.ndarray, pressure: float) -> tuple[np.ndarray, l
         places = np.column_stack((np.cos(height) * np.cos(azimuth), np.cos(height) * np.sin(azimuth), np.sin(height)))
         return RADIUS * places @ turn.T
 
-    model = fx.read(lambda: fx.meshes.rectangle((2, 2), points={"A": (0, 0)}), 3, 2, place)
-    shell = fx.Shell(model, fx.Plate(0.4), fx.Elastic(6.825e7, 0.3), form="naghdi-q2")
+    mesh = fx.read(lambda: fx.meshes.rectangle((2, 2), points={"A": (0, 0)}), 3, 2, place)
+    shell = fx.Shell(mesh, fx.Plate(0.4), fx.Elastic(6.825e7, 0.3), form="naghdi-q2")
     axes = None if np.array_equal(turn, np.eye(3)) else turn.T
-    supports = [fx.Support(model, "west", "y rx rz", axes), fx.Support(model, "east", "x ry rz", axes),
-                fx.Support(model, "A", "z", axes)]
-    loads = [fx.PointForce(model, "A", tuple(4e4 * turn[:, 0])), fx.Pressure(shell, pressure)]
-    record = trace(Case(fx.Scene([shell], supports, loads, fx.Monitor(model, "A", "x")), LoadControl(0.5, fixed=True)))
+    supports = [fx.Support(mesh, "west", "y rx rz", axes), fx.Support(mesh, "east", "x ry rz", axes),
+                fx.Support(mesh, "A", "z", axes)]
+    loads = [fx.PointForce(mesh, "A", tuple(4e4 * turn[:, 0])), fx.Pressure(shell, pressure)]
+    record = trace(Case(fx.Scene([shell], supports, loads, fx.Monitor(mesh, "A", "x")), LoadControl(0.5, fixed=True)))
     record.show(record.states[-1])
     return turn.T @ record.displacement("A"), [
         s.iterations for s in record.states]
@@ -47,10 +47,10 @@ def test_turned_structure_moves_as_the_upright_one(pressure):
 def test_symmetry_about_any_plane():
     """A plate cut along its diagonal bends as the whole does."""
     def deflection(build, supports):
-        model = fx.read(build, 3)
-        shell = fx.Shell(model, fx.Plate(0.1), fx.Elastic(1e4), form="naghdi-q2")
-        scene = fx.Scene([shell], supports(model), [fx.SurfaceForce(shell, (0.0, 0.0, 1.0))],
-                         fx.Monitor(model, "c", "z"))
+        mesh = fx.read(build, 3)
+        shell = fx.Shell(mesh, fx.Plate(0.1), fx.Elastic(1e4), form="naghdi-q2")
+        scene = fx.Scene([shell], supports(mesh), [fx.SurfaceForce(shell, (0.0, 0.0, 1.0))],
+                         fx.Monitor(mesh, "c", "z"))
         return trace(Case(scene, LoadControl(1.0))).states[-1].deflection
 
     nodes = {"a": (0, 0, 0), "b": (1, 0, 0), "c": (1, 1, 0), "d": (0, 1, 0)}
@@ -62,27 +62,27 @@ def test_symmetry_about_any_plane():
 
 
 def test_bad_axes_are_named():
-    model = fx.read(lambda: fx.meshes.rectangle((1, 1)), 3)
-    skew = fx.Support(model, "west", "x", ((1.0, 0.0, 0.0), (1.0, 1.0, 0.0), (0.0, 0.0, 1.0)))
-    shell = fx.Shell(model, fx.Plate(0.1), fx.Elastic(1e4), form="naghdi-q2")
-    scene = fx.Scene([shell], [skew], [fx.SurfaceForce(shell, (0.0, 0.0, 1.0))], fx.Monitor(model, "north-east", "z"))
+    mesh = fx.read(lambda: fx.meshes.rectangle((1, 1)), 3)
+    skew = fx.Support(mesh, "west", "x", ((1.0, 0.0, 0.0), (1.0, 1.0, 0.0), (0.0, 0.0, 1.0)))
+    shell = fx.Shell(mesh, fx.Plate(0.1), fx.Elastic(1e4), form="naghdi-q2")
+    scene = fx.Scene([shell], [skew], [fx.SurfaceForce(shell, (0.0, 0.0, 1.0))], fx.Monitor(mesh, "north-east", "z"))
     with pytest.raises(ValueError, match="west.*orthonormal"):
         fx.Path(scene)
 
 
 def test_motion_of_an_edge_moves_all_of_it():
     """A plate that is shortened uniformly and held sideways: force E / (1 - nu^2) times strain, but for its square."""
-    model = fx.read(lambda: fx.meshes.rectangle((3, 2)), 3, 2)
-    shell = fx.Shell(model, fx.Plate(0.01), fx.Elastic(1e4, 0.3), form="naghdi-q2")
-    supports = [fx.Support(model, "west", "x y z rx ry rz"), fx.Support(model, "north", "y"),
-                fx.Support(model, "south", "y"), fx.Support(model, "east", "y z rx ry rz")]
-    scene = fx.Scene([shell], supports, [fx.PrescribedDisplacement(model, "east", "x", 1e-4)],
-                     fx.Monitor(model, "south-east", "x"))
+    mesh = fx.read(lambda: fx.meshes.rectangle((3, 2)), 3, 2)
+    shell = fx.Shell(mesh, fx.Plate(0.01), fx.Elastic(1e4, 0.3), form="naghdi-q2")
+    supports = [fx.Support(mesh, "west", "x y z rx ry rz"), fx.Support(mesh, "north", "y"),
+                fx.Support(mesh, "south", "y"), fx.Support(mesh, "east", "y z rx ry rz")]
+    scene = fx.Scene([shell], supports, [fx.PrescribedDisplacement(mesh, "east", "x", 1e-4)],
+                     fx.Monitor(mesh, "south-east", "x"))
     path = fx.Path(scene, LoadControl(1.0))
     *_, state = path
     assert state.load == pytest.approx(1e4 / 0.91 * 0.01 * 1e-4, rel=2e-4)
     assert state.unstable_modes == 0
-    x = path.discretisation.kinematics(model).u
+    x = path.discretisation.kinematics(mesh).u
     places = x.function_space.tabulate_dof_coordinates()
     edge = x.x.array.reshape(-1, 3)[places[:, 0] > 1 - 1e-9]
     assert edge[:, 0] == pytest.approx(1e-4, rel=1e-9)
@@ -90,13 +90,13 @@ def test_motion_of_an_edge_moves_all_of_it():
 
 def test_supports_that_share_a_node_share_its_axes():
     """At a corner components along the directions of space would be taken along the axes of the other support."""
-    model = fx.read(lambda: fx.meshes.rectangle((1, 1)), 3)
-    shell = fx.Shell(model, fx.Plate(0.1), fx.Elastic(1e4), form="naghdi-q2")
-    load, monitor = fx.SurfaceForce(shell, (0.0, 0.0, 1.0)), fx.Monitor(model, "north-east", "z")
-    skew = fx.symmetry(model, "west", (1.0, 1.0, 0.0))
+    mesh = fx.read(lambda: fx.meshes.rectangle((1, 1)), 3)
+    shell = fx.Shell(mesh, fx.Plate(0.1), fx.Elastic(1e4), form="naghdi-q2")
+    load, monitor = fx.SurfaceForce(shell, (0.0, 0.0, 1.0)), fx.Monitor(mesh, "north-east", "z")
+    skew = fx.symmetry(mesh, "west", (1.0, 1.0, 0.0))
     with pytest.raises(ValueError, match="south.*same axes"):
-        fx.Path(fx.Scene([shell], [skew, fx.Support(model, "south", "y z")], [load], monitor))
-    fx.Path(fx.Scene([shell], [skew, fx.Support(model, "south", "x y z")], [load], monitor))
+        fx.Path(fx.Scene([shell], [skew, fx.Support(mesh, "south", "y z")], [load], monitor))
+    fx.Path(fx.Scene([shell], [skew, fx.Support(mesh, "south", "x y z")], [load], monitor))
 
 
 def test_planes_of_symmetry_that_meet_at_a_corner():
@@ -106,15 +106,15 @@ def test_planes_of_symmetry_that_meet_at_a_corner():
     def place(x):
         return np.column_stack((0.3 * x[:, 0], radius * np.sin(angle * x[:, 1]), radius * np.cos(angle * x[:, 1])))
 
-    model = fx.read(lambda: fx.meshes.rectangle((2, 2)), 3, 3, place)
-    shell = fx.Shell(model, fx.Plate(0.01), fx.Elastic(1e4, 0.3), form="naghdi-q3")
-    planes = [fx.symmetry(model, "west", "x"), fx.symmetry(model, "south", "y"),
-              fx.symmetry(model, "north", (0.0, np.cos(angle), -np.sin(angle))), fx.Support(model, "east", "ry rz")]
-    scene = fx.Scene([shell], planes, [fx.PrescribedDisplacement(model, "east", "x", -1e-4)],
-                     fx.Monitor(model, "south-east", "x"))
+    mesh = fx.read(lambda: fx.meshes.rectangle((2, 2)), 3, 3, place)
+    shell = fx.Shell(mesh, fx.Plate(0.01), fx.Elastic(1e4, 0.3), form="naghdi-q3")
+    planes = [fx.symmetry(mesh, "west", "x"), fx.symmetry(mesh, "south", "y"),
+              fx.symmetry(mesh, "north", (0.0, np.cos(angle), -np.sin(angle))), fx.Support(mesh, "east", "ry rz")]
+    scene = fx.Scene([shell], planes, [fx.PrescribedDisplacement(mesh, "east", "x", -1e-4)],
+                     fx.Monitor(mesh, "south-east", "x"))
     path = fx.Path(scene, LoadControl(1.0))
     *_, _ = path
-    u = path.discretisation.kinematics(model).u
+    u = path.discretisation.kinematics(mesh).u
     places, moved = u.function_space.tabulate_dof_coordinates(), u.x.array.reshape(-1, 3)
     radial = np.hypot(*(places + moved)[:, 1:].T) - np.hypot(*places[:, 1:].T)
     assert radial.mean() == pytest.approx(0.3 * 1e-4 / 0.3, rel=0.01)
@@ -123,10 +123,10 @@ def test_planes_of_symmetry_that_meet_at_a_corner():
 
 def test_supports_that_contradict_each_other_at_a_corner():
     angle = 0.35
-    model = fx.read(lambda: fx.meshes.rectangle((1, 1)), 3, 2)
-    shell = fx.Shell(model, fx.Plate(0.01), fx.Elastic(1e4, 0.3), form="naghdi-q2")
-    supports = [fx.symmetry(model, "north", (0.0, np.cos(angle), -np.sin(angle))), fx.Support(model, "west", "y")]
-    scene = fx.Scene([shell], supports, [fx.EdgeForce(model, "east", (1.0, 0.0, 0.0))],
-                     fx.Monitor(model, "south-east", "x"))
+    mesh = fx.read(lambda: fx.meshes.rectangle((1, 1)), 3, 2)
+    shell = fx.Shell(mesh, fx.Plate(0.01), fx.Elastic(1e4, 0.3), form="naghdi-q2")
+    supports = [fx.symmetry(mesh, "north", (0.0, np.cos(angle), -np.sin(angle))), fx.Support(mesh, "west", "y")]
+    scene = fx.Scene([shell], supports, [fx.EdgeForce(mesh, "east", (1.0, 0.0, 0.0))],
+                     fx.Monitor(mesh, "south-east", "x"))
     with pytest.raises(ValueError, match="Support at 'west'.*same axes"):
         fx.Path(scene)

@@ -30,13 +30,13 @@ def column(dimension=2, elements=16, turn=0.0, material=STEEL):
     """Bar of length 1 on two hinges, at an angle to x in the plane of x and y, pushed by a unit of force."""
     direction = np.array([np.cos(turn), np.sin(turn)])
     nodes = {"base": (0, 0), "tip": tuple(direction)}
-    model = read(lambda: meshes.frame(nodes, {"beam": ("base", "tip", elements)}), dimension)
+    mesh = read(lambda: meshes.frame(nodes, {"beam": ("base", "tip", elements)}), dimension)
     along = np.append(direction, 0.0)[:dimension]
     axes = [along, [-along[1], along[0], 0.0], [0.0, 0.0, 1.0]] if turn else None
-    tip = Support(model, "tip", "y" if dimension == 2 else "y z rx", axes=axes)
-    bar = Beam(model, SECTION, material)
-    return Scene([bar], [pin(model, "base"), tip], [PointForce(model, "tip", tuple(-along))],
-                 Monitor(model, "tip", "x", -1.0))
+    tip = Support(mesh, "tip", "y" if dimension == 2 else "y z rx", axes=axes)
+    bar = Beam(mesh, SECTION, material)
+    return Scene([bar], [pin(mesh, "base"), tip], [PointForce(mesh, "tip", tuple(-along))],
+                 Monitor(mesh, "tip", "x", -1.0))
 
 
 def unloaded(scene, count):
@@ -82,8 +82,8 @@ def test_hinged_beam_in_space(turn):
 
 def test_twist():
     """A clamped bar's twist, (pi/2)^2 GJ / (rho I_p), is not among the frequencies of bending."""
-    model, section = straight(20, dimension=3), Rectangle(0.2, 0.1)
-    path, found = unloaded(cantilever(model, lambda beam: [PointForce(model, "tip", (0.0, 1.0, 0.0))], section=section,
+    mesh, section = straight(20, dimension=3), Rectangle(0.2, 0.1)
+    path, found = unloaded(cantilever(mesh, lambda beam: [PointForce(mesh, "tip", (0.0, 1.0, 0.0))], section=section,
                                       material=STEEL), 6)
     twist = (pi / 2) ** 2 * STEEL.shear_modulus * section.torsion / (STEEL.density * sum(section.second_moments))
     assert min(abs(v.squared / twist - 1) for v in found) < 1e-3
@@ -114,8 +114,8 @@ def test_modes_are_displacements():
     """The first mode of the column is a half sine of amplitude 1; the path stays at its state."""
     scene = column()
     path, (mode,) = unloaded(scene, 1)
-    model = scene.parts[0].model
-    shape = mode_displacement(path, model, mode)
+    mesh = scene.parts[0].mesh
+    shape = mode_displacement(path, mesh, mode)
     x = shape.function_space.tabulate_dof_coordinates()[:, 0]
     np.testing.assert_allclose(shape.x.array[1::2], np.sin(pi * x), atol=1e-3)
 
@@ -133,10 +133,10 @@ def test_plate():
 
 def strip_frequencies(offset):
     """Clamped strip of a shell with its mid-surface off the meshed surface."""
-    model = read(lambda: meshes.rectangle((6, 1)), 3, 2, lambda x: x * (10.0, 1.0, 1.0))
-    shell = Shell(model, Plate(0.5), STEEL, offset=offset)
-    scene = Scene([shell], [clamp(model, "west")], [EdgeForce(model, "east", (0.0, 0.0, 1.0))],
-                  Monitor(model, "south-east", "z"))
+    mesh = read(lambda: meshes.rectangle((6, 1)), 3, 2, lambda x: x * (10.0, 1.0, 1.0))
+    shell = Shell(mesh, Plate(0.5), STEEL, offset=offset)
+    scene = Scene([shell], [clamp(mesh, "west")], [EdgeForce(mesh, "east", (0.0, 0.0, 1.0))],
+                  Monitor(mesh, "south-east", "z"))
     return [v.squared for v in unloaded(scene, 3)[1]]
 
 
@@ -147,10 +147,10 @@ def test_mass_of_a_shell_with_offset():
 
 def test_prescribed_motion_is_a_support():
     """A reaction that is a multiplier has no mass: a cantilever whose tip is moved swings as one whose tip is held."""
-    model = straight(10)
-    moved = cantilever(model, lambda beam: [PrescribedDisplacement(model, "tip", "y", 1.0)], material=STEEL)
-    held = cantilever(model, lambda beam: [LineForce(beam, (0.0, 1.0))], "x", material=STEEL)
-    held = replace(held, supports=[*held.supports, Support(model, "tip", "y")])
+    mesh = straight(10)
+    moved = cantilever(mesh, lambda beam: [PrescribedDisplacement(mesh, "tip", "y", 1.0)], material=STEEL)
+    held = cantilever(mesh, lambda beam: [LineForce(beam, (0.0, 1.0))], "x", material=STEEL)
+    held = replace(held, supports=[*held.supports, Support(mesh, "tip", "y")])
     one, other = ([v.squared for v in unloaded(scene, 3)[1]] for scene in (moved, held))
     assert one == pytest.approx(other, rel=1e-8)
 

@@ -51,15 +51,15 @@ class ContactFields:
 
     def __init__(self, contact: Contact, name: str):
         beam = contact.beam
-        mesh, degree = beam.model.mesh, beam.degree
+        domain, degree = beam.mesh.domain, beam.degree
         self.contact = contact
         self.layer, count = resolution(contact)
         stiffness = beam.section.stiffness(beam.material, 2)[2]
         self.enforcement = contact.enforcement or ("penalty" if self.layer else "semismooth")
         self._final_compliance = self.layer**4 / stiffness
-        self.compliance = fem.Constant(mesh, self._final_compliance)
+        self.compliance = fem.Constant(domain, self._final_compliance)
         self.scale = contact.scale or _default_scale(contact, stiffness)
-        cell, shape = mesh.basix_cell(), (2,) if contact.friction else ()
+        cell, shape = domain.basix_cell(), (2,) if contact.friction else ()
         if contact.points == "nodes":
             rule = {"quadrature_rule": "GLL", "quadrature_degree": degree}
             element = basix.ufl.element("P", cell, degree, shape=shape)
@@ -70,8 +70,8 @@ class ContactFields:
             element = basix.ufl.quadrature_element(cell, value_shape=shape, degree=2 * count - 1)
             points, weights = element.custom_quadrature()
         self._points, self._weights = points, np.asarray(weights)
-        self.integral = beam.model.integral(rule, beam.group)
-        self.multiplier = fem.Function(fem.functionspace(mesh, element), name=name)
+        self.integral = beam.mesh.integral(rule, beam.group)
+        self.multiplier = fem.Function(fem.functionspace(domain, element), name=name)
         self.block = None
         self.unit = 1.0
         if self.enforcement == "semismooth":
@@ -143,18 +143,18 @@ class ContactFields:
 
     def prepare(self, at_rest) -> None:
         """Compile the evaluation at contact points; `at_rest` as in Unknowns."""
-        mesh = self.contact.beam.model.mesh
-        jacobian = ufl.Jacobian(mesh)
-        length = ufl.sqrt(sum(jacobian[i, 0] ** 2 for i in range(mesh.geometry.dim)))
+        domain = self.contact.beam.mesh.domain
+        jacobian = ufl.Jacobian(domain)
+        length = ufl.sqrt(sum(jacobian[i, 0] ** 2 for i in range(domain.geometry.dim)))
         tractions = (self.tractions + [ufl.as_ufl(0.0)])[:2]
-        values = [*(self._position[i] for i in range(mesh.geometry.dim)), self.gap, *tractions, length]
+        values = [*(self._position[i] for i in range(domain.geometry.dim)), self.gap, *tractions, length]
         self._expression = fem.Expression(at_rest(ufl.as_vector(values)), self._points, jit_options=JIT)
 
     def evaluate(self) -> ContactState:
         """State of the contact points in the current configuration."""
         beam = self.contact.beam
-        d = beam.model.dimension
-        table = self._expression.eval(beam.model.mesh, beam.model.group(beam.group))
+        d = beam.mesh.dimension
+        table = self._expression.eval(beam.mesh.domain, beam.mesh.group(beam.group))
         table = table.reshape(-1, len(self._weights), d + 4)
         weight = (table[..., d + 3] * self._weights).ravel()
         table = table.reshape(-1, d + 4)
@@ -166,7 +166,7 @@ class ContactFields:
     def _points_of_rows(self) -> np.ndarray:
         """Local number of the contact point of each row of a state; cells may share a node."""
         beam = self.contact.beam
-        return self.multiplier.function_space.dofmap.list[beam.model.group(beam.group)].ravel()
+        return self.multiplier.function_space.dofmap.list[beam.mesh.group(beam.group)].ravel()
 
     def touching(self, state: ContactState) -> int:
         """Number of contact points of this process that touch."""
@@ -195,8 +195,8 @@ def resolution(contact: Contact) -> tuple[float, int]:
     """
     if contact.points == "nodes":
         return contact.layer or 0.0, contact.beam.degree
-    mesh = contact.beam.model.mesh
-    cell = contact.beam.model.measure / mesh.topology.index_map(1).size_global
+    domain = contact.beam.mesh.domain
+    cell = contact.beam.mesh.measure / domain.topology.index_map(1).size_global
     layer = contact.layer
     if layer is None:
         layer = max(0.1 * contact.beam.section.depth, cell / 3)
@@ -213,9 +213,9 @@ def resolution(contact: Contact) -> tuple[float, int]:
 def _default_scale(contact: Contact, stiffness: float) -> float:
     """Augmentation of the order of the beam's own stiffness over a tenth of its size.
 
-    48 EI / (l^3 h) with l a tenth of the model's size and h the mean cell length: pressure per
+    48 EI / (l^3 h) with l a tenth of the mesh's size and h the mean cell length: pressure per
     length that a point force on a simply supported piece would need.
     """
-    model = contact.beam.model
-    cell = model.measure / model.mesh.topology.index_map(1).size_global
-    return 48 * stiffness / ((model.size / 10) ** 3 * cell)
+    mesh = contact.beam.mesh
+    cell = mesh.measure / mesh.domain.topology.index_map(1).size_global
+    return 48 * stiffness / ((mesh.size / 10) ** 3 * cell)

@@ -73,7 +73,7 @@ class ContactWork(FormWork):
 
     @property
     def _comm(self) -> MPI.Comm:
-        return self.fields.contact.beam.model.mesh.comm
+        return self.fields.contact.beam.mesh.domain.comm
 
     def _state(self) -> ContactState:
         with self._clock("contact"):

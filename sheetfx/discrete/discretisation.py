@@ -12,7 +12,7 @@ from mpi4py import MPI
 
 from ..compat import JIT
 from ..mesh.numbers import lift_numbers
-from ..mesh.reader import Model
+from ..mesh.reader import NamedMesh
 from ..model.contact import Contact
 from ..model.scene import Monitor, Scene
 from .contact import ContactFields
@@ -44,8 +44,8 @@ class Discretisation:
     def __init__(self, scene: Scene, mixed_points: bool = True):
         self.scene, self.clock = scene, Stopwatch()
         fields = self.fields = Fields(scene)
-        for model in scene.models:
-            turn_nodes(self.kinematics(model), [s for s in scene.supports if s.model is model])
+        for mesh in scene.meshes:
+            turn_nodes(self.kinematics(mesh), [s for s in scene.supports if s.mesh is mesh])
         self._add_travels()
         for thing in (*scene.all_loads, *scene.joints):
             thing.unknowns(fields)
@@ -59,19 +59,19 @@ class Discretisation:
         with self.clock("compile"):
             contributions = [*self._of_parts(changes), *self._of_contacts(), *self._of_joints(), *self._of_loads(),
                              FixedIncrements()]
-        layout = Layout(scene.parts[0].model.mesh.comm, fields.blocks, fixed)
+        layout = Layout(scene.parts[0].mesh.domain.comm, fields.blocks, fixed)
         self.system = System(self.unknowns, contributions, layout, fields.factors, changes, self.clock)
         self._totals = [[load.total(fields.at_stage(n)) for load in stage.loads]
                         for n, stage in enumerate(scene.all_stages)]
 
-    def kinematics(self, model: Model) -> Kinematics:
-        return self.fields.kinematics(model)
+    def kinematics(self, mesh: NamedMesh) -> Kinematics:
+        return self.fields.kinematics(mesh)
 
     def _add_travels(self) -> None:
         """The travel of each obstacle that may move is an unknown."""
         for contact in self.scene.contacts:
             if contact.obstacle.travel is not None and not self.fields.has(contact.obstacle, "travel"):
-                self.fields.add_number(contact.obstacle, contact.beam.model, "travel", contact.beam.model.size)
+                self.fields.add_number(contact.obstacle, contact.beam.mesh, "travel", contact.beam.mesh.size)
 
     def travel(self, obstacle):
         """Displacement vector of an obstacle, as UFL components."""
@@ -88,8 +88,8 @@ class Discretisation:
     def _position(self, contact: Contact):
         """Current position of the points of a beam that may touch."""
         beam, frame = contact.beam, contact.beam.frame()
-        k = self.kinematics(beam.model)
-        x = ufl.SpatialCoordinate(beam.model.mesh) + k.u
+        k = self.kinematics(beam.mesh)
+        x = ufl.SpatialCoordinate(beam.mesh.domain) + k.u
         if contact.side:
             x = x + contact.side * beam.section.depth / 2 * k.rotation.rotate(frame.normal)
         return x
@@ -97,25 +97,25 @@ class Discretisation:
     def _close_contacts(self) -> None:
         """Express gaps in the fields; refuse obstacles that start inside, move free ones to first touch."""
         for c in self.contacts:
-            contact, model = c.contact, c.contact.beam.model
+            contact, mesh = c.contact, c.contact.beam.mesh
             c.close(self._position(contact), self.travel(contact.obstacle), self._before)
             with self.clock("compile"):
                 c.prepare(self.unknowns.at_rest)
-            smallest = model.mesh.comm.allreduce(float(c.evaluate().gap.min(initial=np.inf)), op=MPI.MIN)
+            smallest = mesh.domain.comm.allreduce(float(c.evaluate().gap.min(initial=np.inf)), op=MPI.MIN)
             if smallest < -1e-6 * contact.beam.section.depth:
                 raise ValueError(
                     f"{type(contact.obstacle).__name__}: starts {-smallest:.4g} inside the structure; "
                     "move its centre or point out of it")
             if self.fields.has(contact.obstacle, "travel"):
                 travel = self.fields.own_field(contact.obstacle, "travel")
-                travel.start(max(self.travelled(contact.obstacle), smallest + 1e-9 * model.size))
+                travel.start(max(self.travelled(contact.obstacle), smallest + 1e-9 * mesh.size))
 
     def _before(self, expression):
         return self.unknowns.at_rest(self.unknowns.previous(ufl.as_ufl(expression)))
 
     def _of_parts(self, changes) -> Iterator[Contribution]:
         for part in self.scene.parts:
-            k = self.kinematics(part.model)
+            k = self.kinematics(part.mesh)
             yield ElementWork(part.internal(k.u, k.total_rotation), self.unknowns.fields, changes)
 
     def _of_contacts(self) -> Iterator[Contribution]:
@@ -129,7 +129,7 @@ class Discretisation:
                 yield FormWork(self.unknowns, work, smooth=joint.smooth, conservative=joint.conservative)
 
     def _of_loads(self) -> Iterator[Contribution]:
-        """Of each stage the work of loads on each model in one form, forces at points, and other contributions."""
+        """Of each stage the work of loads on each mesh in one form, forces at points, and other contributions."""
         for number, stage in enumerate(self.scene.all_stages):
             fields = self.fields.at_stage(number)
             nodal = NodalForces(fields)
@@ -153,9 +153,9 @@ class Discretisation:
 
     def resultants(self, part) -> np.ndarray:
         """Stress resultants of a part now at its points of quadrature, shape (cells, points, resultants)."""
-        k, mesh, cells = self.kinematics(part.model), part.model.mesh, part.model.group(part.group)
+        k, domain, cells = self.kinematics(part.mesh), part.mesh.domain, part.mesh.group(part.group)
         resultants, points = part.resultants(k.u, k.total_rotation)
-        values = fem.Expression(lift_numbers(resultants, mesh), points, jit_options=JIT).eval(mesh, cells)
+        values = fem.Expression(lift_numbers(resultants, domain), points, jit_options=JIT).eval(domain, cells)
         return values.reshape(len(cells), len(points), -1)
 
     def total_load(self) -> float:

@@ -71,8 +71,8 @@ class ElementWork(Contribution):
     """
 
     def __init__(self, internal: Internal, fields: list[AdditiveField], increments: list[fem.Function | None] | None):
-        self.internal, mesh, cells = internal, internal.mesh, internal.cells
-        self._terms = [_TermWork(t, mesh, cells, fields, increments) for t in internal.terms]
+        self.internal, domain, cells = internal, internal.domain, internal.cells
+        self._terms = [_TermWork(t, domain, cells, fields, increments) for t in internal.terms]
         self.numbers = sorted({n for t in self._terms for n in t.numbers})
         self._fields = [fields[n] for n in self.numbers]
         self._nodes = [f.value.function_space.dofmap.list[cells].astype(np.int64) for f in self._fields]
@@ -135,8 +135,8 @@ class ElementWork(Contribution):
 class _TermWork:
     """Evaluation of one term: densities at the points, and their products with shape functions."""
 
-    def __init__(self, term: Term, mesh: Mesh, cells: np.ndarray, fields, increments):
-        self._mesh, self._cells, self._rule = mesh, cells, term.rule
+    def __init__(self, term: Term, domain: Mesh, cells: np.ndarray, fields, increments):
+        self._domain, self._cells, self._rule = domain, cells, term.rule
         strains, jet, self._parts = as_function_of_jet(term.strains, [f.value for f in fields])
         values = [f.value for f in fields]
         self.numbers = [values.index(p.field) for p in self._parts]
@@ -152,7 +152,7 @@ class _TermWork:
             self._prepare_stress(term, [p.field for p in self._parts], [increments[n] for n in self.numbers])
             held = ufl.as_vector(self._stress[i] * slopes[i, j], j)
             stiffness = ufl.as_matrix(ufl.diff(resultants, jet)[i, j] * slopes[i, k], (j, k)) + ufl.diff(held, jet)
-        size = ufl.JacobianDeterminant(mesh)
+        size = ufl.JacobianDeterminant(domain)
         self._force = self._expression(size * force)
         self._entries = [_entries(one, other) for one, other in combinations_with_replacement(self._parts, 2)]
         self._products = [_products(one, other, term.rule.weights)
@@ -162,20 +162,20 @@ class _TermWork:
 
     def _prepare_stress(self, term, values, increments) -> None:
         shape = term.strains.ufl_shape
-        element = basix.ufl.quadrature_element(self._mesh.basix_cell(), value_shape=shape,
+        element = basix.ufl.quadrature_element(self._domain.basix_cell(), value_shape=shape,
                                                points=term.rule.points, weights=term.rule.weights)
-        self._stress = fem.Function(fem.functionspace(self._mesh, element))
+        self._stress = fem.Function(fem.functionspace(self._domain, element))
         self._stress_rows = self._stress.function_space.dofmap.list[self._cells]
         resultants = term.law(term.strains)
         self._extrapolated = self._expression(resultants + ufl.derivative(resultants, values, increments))
 
     def _expression(self, expression) -> fem.Expression:
         """Values at the points of the rule."""
-        return fem.Expression(lift_numbers(ufl.algorithms.expand_derivatives(expression), self._mesh),
+        return fem.Expression(lift_numbers(ufl.algorithms.expand_derivatives(expression), self._domain),
                               self._rule.points, jit_options=JIT)
 
     def _evaluate(self, expression, chunk) -> np.ndarray:
-        table = expression.eval(self._mesh, self._cells[chunk])
+        table = expression.eval(self._domain, self._cells[chunk])
         return table.reshape(len(table), len(self._rule.weights), -1)
 
     def _integrated(self, values):

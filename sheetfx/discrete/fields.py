@@ -11,7 +11,7 @@ from dolfinx.common import IndexMap
 from mpi4py import MPI
 from scipy.spatial import cKDTree
 
-from ..mesh.reader import Model
+from ..mesh.reader import NamedMesh
 from ..model.scene import Scene
 from .kinematics import Kinematics, kinematics_of
 from .load_factors import LoadFactors
@@ -21,7 +21,7 @@ from .points import PointLaw, PointWork, Trace
 from .unknowns import Block, Unknowns
 
 QUANTITIES = "displacement", "rotation"
-SAME_PLACE = 1e-6  # distance of nodes that are joined, over the size of their model
+SAME_PLACE = 1e-6  # distance of nodes that are joined, over the size of their mesh
 
 
 class Fields:
@@ -40,9 +40,9 @@ class Fields:
 
     def __init__(self, scene: Scene):
         self.scene, self.fixed = scene, {}
-        self._kinematics = {p.model: kinematics_of(p.model, *p.spaces) for p in scene.parts}
+        self._kinematics = {p.mesh: kinematics_of(p.mesh, *p.spaces) for p in scene.parts}
         self._own: dict[tuple, NumberField | AdditiveField] = {}
-        self._factors = LoadFactors(scene.parts[0].model.mesh, len(scene.all_stages))
+        self._factors = LoadFactors(scene.parts[0].mesh.domain, len(scene.all_stages))
         self._names: dict[str, int] = {}
         self.blocks: list[Block] = [k.block for k in self._kinematics.values()]
         self.unknowns: Unknowns | None = None
@@ -68,23 +68,23 @@ class Fields:
         return view
 
     @property
-    def models(self) -> list[Model]:
+    def meshes(self) -> list[NamedMesh]:
         return list(self._kinematics)
 
-    def kinematics(self, model: Model) -> Kinematics:
-        return self._kinematics[model]
+    def kinematics(self, mesh: NamedMesh) -> Kinematics:
+        return self._kinematics[mesh]
 
-    def displacement(self, model: Model) -> fem.Function:
-        """Displacement of a model's parts (length unit of the mesh)."""
-        return self._kinematics[model].u
+    def displacement(self, mesh: NamedMesh) -> fem.Function:
+        """Displacement of a mesh's parts (length unit of the mesh)."""
+        return self._kinematics[mesh].u
 
-    def rotation(self, model: Model):
-        """Rotation of a model's parts, see `forms.rotation`; None where they have none."""
-        return self._kinematics[model].rotation
+    def rotation(self, mesh: NamedMesh):
+        """Rotation of a mesh's parts, see `forms.rotation`; None where they have none."""
+        return self._kinematics[mesh].rotation
 
-    def spin(self, model: Model):
+    def spin(self, mesh: NamedMesh):
         """What moments are conjugate to; None where parts have no rotation."""
-        return self._kinematics[model].spin
+        return self._kinematics[mesh].spin
 
     def vary(self, expression):
         """Variation of a UFL expression of the fields and numbers."""
@@ -94,29 +94,29 @@ class Fields:
         """A UFL expression as it was at the last converged state."""
         return self.unknowns.previous(expression)
 
-    def add_number(self, owner, model: Model, name: str, scale: float, multiplier: bool = False) -> None:
-        """Add one number that all processes share, and that forms on a model's mesh may use."""
-        field = NumberField(self._unique(name), shared_by_all(model.mesh.comm), scale, multiplier, model.mesh)
+    def add_number(self, owner, mesh: NamedMesh, name: str, scale: float, multiplier: bool = False) -> None:
+        """Add one number that all processes share, and that forms on a mesh may use."""
+        field = NumberField(self._unique(name), shared_by_all(mesh.domain.comm), scale, multiplier, mesh.domain)
         self._add(owner, name, Block.of_numbers(field))
 
-    def add_numbers(self, owner, model: Model, name: str, count: int) -> None:
+    def add_numbers(self, owner, mesh: NamedMesh, name: str, count: int) -> None:
         """Add Lagrange multipliers at points, so many on this process."""
-        field = NumberField(self._unique(name), IndexMap(model.mesh.comm, count), np.inf, True)
+        field = NumberField(self._unique(name), IndexMap(mesh.domain.comm, count), np.inf, True)
         self._add(owner, name, Block.of_numbers(field))
 
-    def add_multiplier(self, owner, model: Model, name: str, at: str, without: Sequence[str] = ()) -> None:
+    def add_multiplier(self, owner, mesh: NamedMesh, name: str, at: str, without: Sequence[str] = ()) -> None:
         """Add a field of Lagrange multipliers on a component of displacement at a named point or edge.
 
         Parameters
         ----------
         without : points and edges where supports hold the component, so that there is no multiplier
         """
-        element = self.displacement(model).function_space.ufl_element().sub_elements[0]
-        space = fem.functionspace(model.mesh, element)
+        element = self.displacement(mesh).function_space.ufl_element().sub_elements[0]
+        space = fem.functionspace(mesh.domain, element)
         value = fem.Function(space, name=self._unique(name))
         block = Block.of_space(space, AdditiveField(value, np.arange(len(value.x.array)), np.inf, True))
         self._add(owner, name, block)
-        there, *held = (fem.locate_dofs_topological(space, *model.at(place)) for place in (at, *without))
+        there, *held = (fem.locate_dofs_topological(space, *mesh.at(place)) for place in (at, *without))
         nodes = np.setdiff1d(there, np.concatenate([np.empty(0, dtype=there.dtype), *held]))
         self.fixed[block] = [np.setdiff1d(block.fields[0].dofs, nodes)]
 
@@ -140,17 +140,17 @@ class Fields:
         """What an owner has added, as an unknown field."""
         return self._own[owner, name]
 
-    def nodes(self, model: Model, at: str, quantity: str = "displacement", ghosts: bool = False) -> np.ndarray:
+    def nodes(self, mesh: NamedMesh, at: str, quantity: str = "displacement", ghosts: bool = False) -> np.ndarray:
         """Local numbers of the nodes of a named point or edge that this process owns, or also knows of (`ghosts`)."""
-        space = self._field(model, quantity).value.function_space
-        nodes = fem.locate_dofs_topological(space, *model.at(at))
+        space = self._field(mesh, quantity).value.function_space
+        nodes = fem.locate_dofs_topological(space, *mesh.at(at))
         return nodes if ghosts else nodes[nodes < space.dofmap.index_map.size_local]
 
-    def places(self, model: Model, nodes: np.ndarray, quantity: str = "displacement") -> np.ndarray:
+    def places(self, mesh: NamedMesh, nodes: np.ndarray, quantity: str = "displacement") -> np.ndarray:
         """Places of nodes in the reference configuration, shape (n, dimension)."""
-        return self._field(model, quantity).value.function_space.tabulate_dof_coordinates()[nodes, :model.dimension]
+        return self._field(mesh, quantity).value.function_space.tabulate_dof_coordinates()[nodes, :mesh.dimension]
 
-    def matching(self, model: Model, at: str, places: np.ndarray, quantity: str = "displacement") -> np.ndarray:
+    def matching(self, mesh: NamedMesh, at: str, places: np.ndarray, quantity: str = "displacement") -> np.ndarray:
         """Nodes of a named point, or of a named edge those that stand at given places.
 
         Raises
@@ -158,14 +158,14 @@ class Fields:
         ValueError
             If they do not match, or another process has them.
         """
-        nodes = self.nodes(model, at, quantity, ghosts=True)
+        nodes = self.nodes(mesh, at, quantity, ghosts=True)
         matched = len(places) == 0 or len(nodes) == len(places) == 1
         found = nodes[: len(places)]
         if not matched and len(nodes):
-            distances, order = cKDTree(self.places(model, nodes, quantity)).query(places)
-            matched = len(set(order)) == len(places) and distances.max() <= SAME_PLACE * model.size
+            distances, order = cKDTree(self.places(mesh, nodes, quantity)).query(places)
+            matched = len(set(order)) == len(places) and distances.max() <= SAME_PLACE * mesh.size
             found = nodes[order]
-        comm = model.mesh.comm
+        comm = mesh.domain.comm
         if comm.allreduce(not matched, op=MPI.LOR):
             others = f", or stand on different ones of the {comm.size} processes, which is not possible yet" * (
                 comm.size > 1)
@@ -173,12 +173,12 @@ class Fields:
                              "points, or edges whose nodes have the same places")
         return found
 
-    def _field(self, model: Model, quantity: str) -> AdditiveField:
-        return self._kinematics[model].block.fields[QUANTITIES.index(quantity)]
+    def _field(self, mesh: NamedMesh, quantity: str) -> AdditiveField:
+        return self._kinematics[mesh].block.fields[QUANTITIES.index(quantity)]
 
-    def trace(self, model: Model, nodes: np.ndarray, quantity: str = "displacement") -> Trace:
+    def trace(self, mesh: NamedMesh, nodes: np.ndarray, quantity: str = "displacement") -> Trace:
         """Values of displacement or rotation at nodes."""
-        return Trace.at_nodes(self.unknowns.fields.index(self._field(model, quantity)), nodes)
+        return Trace.at_nodes(self.unknowns.fields.index(self._field(mesh, quantity)), nodes)
 
     def own_trace(self, owner, name: str, nodes: np.ndarray) -> Trace:
         """Values of numbers that an owner has added."""
@@ -198,10 +198,10 @@ class NodalForces:
     def __init__(self, fields: Fields):
         self._fields, self.arrays = fields, [None] * len(fields.blocks)
 
-    def add(self, model: Model, at: str, component: str, value: float) -> None:
+    def add(self, mesh: NamedMesh, at: str, component: str, value: float) -> None:
         """Add a force or moment at each vertex of a named point."""
-        kinematics = self._fields.kinematics(model)
-        self._array(kinematics.block)[kinematics.point_dofs(model, at, component)] += value
+        kinematics = self._fields.kinematics(mesh)
+        self._array(kinematics.block)[kinematics.point_dofs(mesh, at, component)] += value
 
     def add_to_own(self, owner, name: str, value: float) -> None:
         """Add a force on a number that an owner has added."""

@@ -58,5 +58,5 @@ class History:
 
     @staticmethod
     def _key(number: int, field: AdditiveField) -> str:
-        """Name of a field in a snapshot; fields of several models have the same name but for the number."""
+        """Name of a field in a snapshot; fields of several meshes have the same name but for the number."""
         return f"{field.name} {number}"

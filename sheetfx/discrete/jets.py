@@ -54,9 +54,9 @@ def as_function_of_jet(expression, fields) -> tuple[object, object, list[FieldJe
     """
     expression = expand_derivatives(expression)
     values, gradients = _occurrences(expression)
-    mesh = ufl.domain.extract_unique_domain(expression)
-    jacobian, inverse = ufl.Jacobian(mesh), ufl.JacobianInverse(mesh)
-    dimension = topological_dimension(mesh)
+    domain = ufl.domain.extract_unique_domain(expression)
+    jacobian, inverse = ufl.Jacobian(domain), ufl.JacobianInverse(domain)
+    dimension = topological_dimension(domain)
     parts, entries = [], []
     for field in (f for f in fields if f in values or f in gradients):
         orders = (0,) * (field in values) + tuple(range(1, dimension + 1)) * (field in gradients)

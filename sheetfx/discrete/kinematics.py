@@ -1,4 +1,4 @@
-"""Displacement and rotation of the parts of a model as unknown fields."""
+"""Displacement and rotation of the parts of a mesh as unknown fields."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ import numpy as np
 from dolfinx import fem
 
 from .. import forms
-from ..mesh.reader import COMPONENTS, Model
+from ..mesh.reader import COMPONENTS, NamedMesh
 from .nodal_field import AdditiveField, QuaternionField
 from .unknowns import Block
 
 
 @dataclass(frozen=True)
 class Kinematics:
-    """Displacement and rotation of the parts of one model.
+    """Displacement and rotation of the parts of one mesh.
 
     Attributes
     ----------
@@ -40,17 +40,17 @@ class Kinematics:
         rotations = self.block.space.sub(1)
         return rotations if dimension == 2 else rotations.sub(index - dimension)
 
-    def displacement(self, model: Model, at: str) -> np.ndarray:
+    def displacement(self, mesh: NamedMesh, at: str) -> np.ndarray:
         """Displacement of a named point, the same on all processes."""
-        return self._value(self.u, model, at)
+        return self._value(self.u, mesh, at)
 
-    def point_dofs(self, model: Model, at: str, component: str) -> np.ndarray:
+    def point_dofs(self, mesh: NamedMesh, at: str, component: str) -> np.ndarray:
         """Dofs of a component at the vertices of a named point or edge that this process owns."""
-        dofs = fem.locate_dofs_topological(self.sub_space(component), 0, model.vertices(at))
+        dofs = fem.locate_dofs_topological(self.sub_space(component), 0, mesh.vertices(at))
         space = self.block.space
         return dofs[dofs < space.dofmap.index_map.size_local * space.dofmap.index_map_bs]
 
-    def turned(self, model: Model, at: str) -> float | np.ndarray:
+    def turned(self, mesh: NamedMesh, at: str) -> float | np.ndarray:
         """Rotation of a named point: in the plane an angle in radians, in space a unit quaternion.
 
         Raises
@@ -60,43 +60,43 @@ class Kinematics:
         """
         if self.spin is None:
             raise ValueError(f"rotation of {at!r}: bars have no rotations; ask for the displacement")
-        value = self._value(self.block.fields[1].value, model, at)
+        value = self._value(self.block.fields[1].value, mesh, at)
         return float(value[0]) if len(value) == 1 else value
 
     @staticmethod
-    def _value(function: fem.Function, model: Model, at: str) -> np.ndarray:
+    def _value(function: fem.Function, mesh: NamedMesh, at: str) -> np.ndarray:
         space = function.function_space
         size = space.dofmap.index_map_bs
-        nodes = fem.locate_dofs_topological(space, *model.at(at))
+        nodes = fem.locate_dofs_topological(space, *mesh.at(at))
         owned = nodes[nodes < space.dofmap.index_map.size_local]
-        found = model.mesh.comm.allgather(function.x.array.reshape(-1, size)[owned[:1]])
+        found = mesh.domain.comm.allgather(function.x.array.reshape(-1, size)[owned[:1]])
         return np.concatenate(found)[0]
 
 
-def kinematics_of(model: Model, displacement: tuple[str, int], rotation: tuple[str, int] | None) -> Kinematics:
-    """Spaces and fields of a model's parts: the angle in the plane, a quaternion in space.
+def kinematics_of(mesh: NamedMesh, displacement: tuple[str, int], rotation: tuple[str, int] | None) -> Kinematics:
+    """Spaces and fields of a mesh's parts: the angle in the plane, a quaternion in space.
 
     Parameters
     ----------
     displacement, rotation : family and degree of the spaces; rotation None: displacement alone
     """
-    mesh, dimension = model.mesh, model.dimension
-    cell = mesh.basix_cell()
+    domain, dimension = mesh.domain, mesh.dimension
+    cell = domain.basix_cell()
     vector = basix.ufl.element(displacement[0], cell, displacement[1], shape=(dimension,))
-    u = fem.Function(fem.functionspace(mesh, vector), name="displacement")
+    u = fem.Function(fem.functionspace(domain, vector), name="displacement")
     if rotation is None:
-        field = AdditiveField(u, np.arange(len(u.x.array)), model.size)
+        field = AdditiveField(u, np.arange(len(u.x.array)), mesh.size)
         return Kinematics(u, None, None, None, Block.of_space(u.function_space, field))
     turns = basix.ufl.element(rotation[0], cell, rotation[1], shape=() if dimension == 2 else (3,))
-    space = fem.functionspace(mesh, basix.ufl.mixed_element([vector, turns]))
-    move = AdditiveField(u, _matching(u.function_space, space.sub(0), dimension), model.size)
-    spin = fem.Function(fem.functionspace(mesh, turns), name="rotation")
+    space = fem.functionspace(domain, basix.ufl.mixed_element([vector, turns]))
+    move = AdditiveField(u, _matching(u.function_space, space.sub(0), dimension), mesh.size)
+    spin = fem.Function(fem.functionspace(domain, turns), name="rotation")
     spin_dofs = _matching(spin.function_space, space.sub(1), spin.function_space.dofmap.bs)
     if dimension == 2:
         turn = AdditiveField(spin, spin_dofs, 1.0)
         spatial = total = forms.rotation.PlanarRotation(spin)
     else:
-        q = fem.Function(fem.functionspace(mesh, (*rotation, (4,))), name="rotation")
+        q = fem.Function(fem.functionspace(domain, (*rotation, (4,))), name="rotation")
         order = _matching(q.function_space, spin.function_space)
         turn = QuaternionField(q, spin, spin_dofs.reshape(-1, 3)[order].ravel())
         spatial, total = forms.rotation.SpatialRotation(q, spin), forms.rotation.SpatialRotation(q)

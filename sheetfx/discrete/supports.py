@@ -36,10 +36,10 @@ def fixed_dofs(fields: Fields, block: Block) -> np.ndarray:
     Rotations of which one component is fixed are then followed by their Rodrigues vector.
     """
     dofs = [np.empty(0, dtype=np.int64), *fields.fixed.get(block, [])]
-    for model in fields.models:
-        kinematics = fields.kinematics(model)
+    for mesh in fields.meshes:
+        kinematics = fields.kinematics(mesh)
         if kinematics.block is block:
-            dofs += [_fixed_by(kinematics, s) for s in fields.scene.supports if s.model is model]
+            dofs += [_fixed_by(kinematics, s) for s in fields.scene.supports if s.mesh is mesh]
     found = np.unique(np.concatenate(dofs))
     for field in block.fields:
         if field.curved:
@@ -75,14 +75,14 @@ def _fixed_by(kinematics: Kinematics, support: Support) -> np.ndarray:
 
 def _components(kinematics: Kinematics, support: Support) -> list[list[int]]:
     """For displacement and rotation the numbers of the components that a support names."""
-    names, dimension = COMPONENTS[support.model.dimension], support.model.dimension
+    names, dimension = COMPONENTS[support.mesh.dimension], support.mesh.dimension
     groups = [names[:dimension], names[dimension:]][:len(kinematics.block.fields)]
     wanted = support.fixed.split()
     return [[i for i, name in enumerate(group) if name in wanted] for group in groups]
 
 
 def _nodes(field: AdditiveField, support: Support) -> np.ndarray:
-    return fem.locate_dofs_topological(field.value.function_space, *support.model.at(support.at))
+    return fem.locate_dofs_topological(field.value.function_space, *support.mesh.at(support.at))
 
 
 def _directions(field: AdditiveField, support: Support, nodes: np.ndarray) -> np.ndarray:

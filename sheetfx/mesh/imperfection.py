@@ -1,4 +1,4 @@
-"""Imperfect shapes: a model with moved nodes.
+"""Imperfect shapes: a mesh with moved nodes.
 
 Shapes are modes, functions of place, measured deviations or random fields, and sums of these.
 """
@@ -15,21 +15,22 @@ from scipy.interpolate import RBFInterpolator
 from .. import forms
 from ..checks import require_positive_number
 from ..compat import JIT, moved_mesh
-from .reader import Model
+from .reader import NamedMesh
 
 Shape = fem.Function | Callable[[np.ndarray], np.ndarray]
 
 FLAT = 1e-8
 
 
-def imperfect(model: Model, displacement: Shape | Sequence[Shape], amplitude: float | Sequence[float] = 1.0) -> Model:
-    """A model like another with all nodes moved by `amplitude` times a displacement.
+def imperfect(mesh: NamedMesh, displacement: Shape | Sequence[Shape],
+              amplitude: float | Sequence[float] = 1.0) -> NamedMesh:
+    """A mesh like another with all nodes moved by `amplitude` times a displacement.
 
-    The given model keeps its shape; edges, points and groups have the same names.
+    The given mesh keeps its shape; edges, points and groups have the same names.
 
     Parameters
     ----------
-    displacement : Function on the model's mesh (such as `mode_displacement` gives), or a function from
+    displacement : Function on the mesh (such as `mode_displacement` gives), or a function from
         coordinates, shape (n, 3), to displacements, shape (n, 3) or (n, 2) in the plane, or to deviations along the
         unit normal of a surface or plane curve, shape (n,); or a sequence of these
     amplitude : factor, a length where the largest displacement is 1; a sequence has a factor for each displacement
@@ -40,15 +41,15 @@ def imperfect(model: Model, displacement: Shape | Sequence[Shape], amplitude: fl
         If there is not one amplitude for each displacement, a displacement has another shape or is on another mesh, or
         there is no normal for deviations along it.
     """
-    old = model.mesh.geometry
+    old = mesh.domain.geometry
     shapes = displacement if isinstance(displacement, Sequence) else [displacement]
     amplitudes = np.atleast_1d(amplitude)
     if len(amplitudes) not in (1, len(shapes)):
         raise ValueError(f"imperfect: {len(amplitudes)} amplitudes for {len(shapes)} displacements; give one for each")
     x = old.x[:, :old.dim].copy()
     for shape, factor in zip(shapes, np.broadcast_to(amplitudes, len(shapes)), strict=True):
-        x += factor * _moved(model, shape)
-    return Model(moved_mesh(model.mesh, x), model.cells, model.edges, model.points)
+        x += factor * _moved(mesh, shape)
+    return NamedMesh(moved_mesh(mesh.domain, x), mesh.cells, mesh.edges, mesh.points)
 
 
 def measured(points: np.ndarray, offsets: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
@@ -113,30 +114,30 @@ def random_field(correlation_length: float, deviation: float = 1.0, seed: int = 
     return lambda x: deviation * np.sqrt(2 / waves) * np.cos(x @ vectors + phases).sum(axis=1)
 
 
-def _moved(model: Model, shape: Shape) -> np.ndarray:
+def _moved(mesh: NamedMesh, shape: Shape) -> np.ndarray:
     """Displacement of a shape at the nodes of the geometry of this process, shape (n, dimension)."""
     if isinstance(shape, fem.Function):
-        if shape.function_space.mesh is not model.mesh:
-            raise ValueError(f"imperfect: {shape.name!r} is a field on another mesh than the model's; give one on the "
-                             "model's mesh, or a function of place")
-        return _at_nodes(model, shape)
-    values, count = np.asarray(shape(model.mesh.geometry.x), dtype=float), len(model.mesh.geometry.x)
-    if values.shape not in ((count,), (count, model.dimension), (count, 3)):
+        if shape.function_space.mesh is not mesh.domain:
+            raise ValueError(f"imperfect: {shape.name!r} is a field on another mesh; give one on the mesh that is to "
+                             "be imperfect, or a function of place")
+        return _at_nodes(mesh, shape)
+    values, count = np.asarray(shape(mesh.domain.geometry.x), dtype=float), len(mesh.domain.geometry.x)
+    if values.shape not in ((count,), (count, mesh.dimension), (count, 3)):
         raise ValueError(f"imperfect: a displacement has shape {values.shape} at {count} nodes; give ({count}, "
-                         f"{model.dimension}), or ({count},) for deviations along the normal")
-    return values[:, :model.dimension] if values.ndim == 2 else values[:, None] * _normals(model)
+                         f"{mesh.dimension}), or ({count},) for deviations along the normal")
+    return values[:, :mesh.dimension] if values.ndim == 2 else values[:, None] * _normals(mesh)
 
 
-def _at_nodes(model: Model, field) -> np.ndarray:
+def _at_nodes(mesh: NamedMesh, field) -> np.ndarray:
     """Mean over the cells at each node of the geometry of a vector expression, shape (n, dimension)."""
-    mesh, geometry = model.mesh, model.mesh.geometry
-    element = mesh.ufl_domain().ufl_coordinate_element()
-    space = fem.functionspace(mesh, element)
+    domain, geometry = mesh.domain, mesh.domain.geometry
+    element = domain.ufl_domain().ufl_coordinate_element()
+    space = fem.functionspace(domain, element)
     expression = fem.Expression(field, element.basix_element.points, jit_options=JIT)
     total, count = fem.Function(space), fem.Function(space)
-    cells = model.group(None)
-    nodes, width = space.dofmap.list[cells], model.dimension
-    table = expression.eval(mesh, cells).reshape(*nodes.shape, width)
+    cells = mesh.group(None)
+    nodes, width = space.dofmap.list[cells], mesh.dimension
+    table = expression.eval(domain, cells).reshape(*nodes.shape, width)
     np.add.at(total.x.array.reshape(-1, width), nodes, table)
     np.add.at(count.x.array.reshape(-1, width), nodes, 1.0)
     for function in (total, count):
@@ -147,19 +148,19 @@ def _at_nodes(model: Model, field) -> np.ndarray:
     return values
 
 
-def _normals(model: Model) -> np.ndarray:
+def _normals(mesh: NamedMesh) -> np.ndarray:
     """Unit normals at the nodes of the geometry of this process, shape (n, dimension)."""
-    mesh = model.mesh
-    if mesh.topology.dim == 2:
-        normal = forms.shell.unit_normal(mesh)
-    elif model.dimension == 2:
-        normal = forms.beam.curve_frame(mesh).normal
+    domain = mesh.domain
+    if domain.topology.dim == 2:
+        normal = forms.shell.unit_normal(domain)
+    elif mesh.dimension == 2:
+        normal = forms.beam.curve_frame(domain).normal
     else:
         raise ValueError("imperfect: curves in space have no normal for deviations along it; "
                          "give displacements of shape (n, 3)")
-    normals = _at_nodes(model, normal)
+    normals = _at_nodes(mesh, normal)
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-    places = np.concatenate(mesh.comm.allgather(mesh.geometry.x[lengths[:, 0] < 0.1]))
+    places = np.concatenate(domain.comm.allgather(domain.geometry.x[lengths[:, 0] < 0.1]))
     if len(places):
         raise ValueError(f"imperfect: normals of the parts that meet at {places[0]} cancel; give displacements of "
                          "shape (n, 3) instead of deviations along the normal")

@@ -10,7 +10,7 @@ from ufl.algorithms.map_integrands import map_integrand_dags
 from ufl.corealg.multifunction import MultiFunction
 
 
-def as_constants(mesh, numbers):
+def as_constants(domain, numbers):
     """The same nest of sequences and dataclasses with entries of one vector constant for its numbers.
 
     Zeros stay numbers, so that forms do not contain what vanishes. Numbers become constants where they
@@ -18,7 +18,7 @@ def as_constants(mesh, numbers):
     """
     found: list[float] = []
     _map(numbers, lambda n: found.append(n) if n else None)
-    constant = Constant(mesh, np.array(found or [0.0]))
+    constant = Constant(domain, np.array(found or [0.0]))
     places = iter(range(len(found)))
     return _map(numbers, lambda n: constant[next(places)] if n else 0.0)
 
@@ -52,7 +52,7 @@ class _Lift(MultiFunction):
         return expression
 
 
-def lift_numbers(expression, mesh):
+def lift_numbers(expression, domain):
     """Replace the numbers in a form or expression by the entries of one vector constant on `mesh`."""
     values: dict[float, int] = {}
 
@@ -63,5 +63,5 @@ def lift_numbers(expression, mesh):
     expression = map_integrand_dags(_Lift(collect), expression)
     if not values:
         return expression
-    constant = Constant(mesh, np.array(list(values)))
+    constant = Constant(domain, np.array(list(values)))
     return map_integrand_dags(_Lift(lambda o, value: constant[values[value]]), expression)

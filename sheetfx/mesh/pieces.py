@@ -6,12 +6,12 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from .reader import Model
+from .reader import NamedMesh
 
 
-def pieces_without(model: Model, places: list[str]) -> list[str]:
-    """Names of groups and points on each connected piece of a model that has none of the named places."""
-    topology, comm = model.mesh.topology, model.mesh.comm
+def pieces_without(mesh: NamedMesh, places: list[str]) -> list[str]:
+    """Names of groups and points on each connected piece of a mesh that has none of the named places."""
+    topology, comm = mesh.domain.topology, mesh.domain.comm
     vertices, corners = topology.index_map(0), topology.connectivity(topology.dim, 0)
     cells = corners.array.reshape(corners.num_nodes, -1) if corners.num_nodes else np.empty((0, 2), dtype=np.int32)
     pairs = [vertices.local_to_global(np.repeat(cells[:, 0], cells.shape[1])), vertices.local_to_global(cells.ravel())]
@@ -24,12 +24,12 @@ def pieces_without(model: Model, places: list[str]) -> list[str]:
         return set().union(*comm.allgather(set(found.tolist())))
 
     def at(name: str) -> set[int]:
-        dimension, entities = model.at(name)
+        dimension, entities = mesh.at(name)
         topology.create_connectivity(dimension, 0)
         links = topology.connectivity(dimension, 0)
         return pieces_of(np.concatenate([links.links(e) for e in entities] or [np.empty(0)]))
 
-    names = {repr(n): pieces_of(cells[c].ravel()) for n, c in model.cells.items()}
-    names |= {repr(n): at(n) for n in (*model.edges, *model.points)}
+    names = {repr(n): pieces_of(cells[c].ravel()) for n, c in mesh.cells.items()}
+    names |= {repr(n): at(n) for n in (*mesh.edges, *mesh.points)}
     held = set().union(*map(at, places))
     return [", ".join(n for n, on in names.items() if piece in on) for piece in sorted(set(pieces.tolist()) - held)]

@@ -21,18 +21,18 @@ COMPONENTS = {2: ("x", "y", "rz"), 3: ("x", "y", "z", "rx", "ry", "rz")}  # of d
 
 
 @dataclass(eq=False)
-class Model:
+class NamedMesh:
     """A mesh and its named groups.
 
     Attributes
     ----------
-    mesh : dolfinx mesh
+    domain : DOLFINx mesh
     cells : name -> owned cells of this process
     edges : name -> facets of this process, for surfaces
     points : name -> vertices of this process (may be empty on some)
     """
 
-    mesh: Mesh
+    domain: Mesh
     cells: dict[str, np.ndarray]
     edges: dict[str, np.ndarray]
     points: dict[str, np.ndarray]
@@ -41,13 +41,13 @@ class Model:
 
     @property
     def dimension(self) -> int:
-        return self.mesh.geometry.dim
+        return self.domain.geometry.dim
 
     @property
     def size(self) -> float:
         """Diagonal of the box around the structure."""
-        x = self.mesh.geometry.x
-        comm = self.mesh.comm
+        x = self.domain.geometry.x
+        comm = self.domain.comm
         low, high = np.empty(3), np.empty(3)
         comm.Allreduce(x.min(axis=0, initial=np.inf), low, op=MPI.MIN)
         comm.Allreduce(x.max(axis=0, initial=-np.inf), high, op=MPI.MAX)
@@ -60,26 +60,26 @@ class Model:
 
     def measure_of(self, group: str | None) -> float:
         """Length of the curves, or area of the surfaces, of a group (default all)."""
-        one = fem.Constant(self.mesh, 1.0)
-        dx = ufl.dx(self.mesh) if group is None else self.integral({"quadrature_degree": 2 * self.degree}, group)
-        return self.mesh.comm.allreduce(fem.assemble_scalar(fem.form(one * dx)))
+        one = fem.Constant(self.domain, 1.0)
+        dx = ufl.dx(self.domain) if group is None else self.integral({"quadrature_degree": 2 * self.degree}, group)
+        return self.domain.comm.allreduce(fem.assemble_scalar(fem.form(one * dx)))
 
     @property
     def degree(self) -> int:
         """Of the geometry of its cells."""
-        return geometry_degree(self.mesh)
+        return geometry_degree(self.domain)
 
     def vertices(self, name: str) -> np.ndarray:
         """Vertices of a named point or edge on this process and its ghosts."""
         dimension, entities = self.at(name)
-        self.mesh.topology.create_connectivity(dimension, 0)
-        links = self.mesh.topology.connectivity(dimension, 0)
+        self.domain.topology.create_connectivity(dimension, 0)
+        links = self.domain.topology.connectivity(dimension, 0)
         return np.unique(np.concatenate([np.empty(0, dtype=np.int32), *(links.links(e) for e in entities)]))
 
     def count(self, name: str) -> int:
         """Number of vertices of a named point or edge, on all processes."""
-        owned = self.vertices(name) < self.mesh.topology.index_map(0).size_local
-        return self.mesh.comm.allreduce(int(owned.sum()))
+        owned = self.vertices(name) < self.domain.topology.index_map(0).size_local
+        return self.domain.comm.allreduce(int(owned.sum()))
 
     def integral(self, rule: dict, group: str | None = None):
         """Measure over the cells of a group (default all) with a quadrature rule.
@@ -90,26 +90,26 @@ class Model:
         key = (group, tuple(sorted(rule.items())))
         if key not in self._rules:
             if len(self._rules) == RULES:
-                raise ValueError(f"more than {RULES} pairs of cell group and quadrature rule in one model")
+                raise ValueError(f"more than {RULES} pairs of cell group and quadrature rule in one mesh")
             self._rules.append(key)
             cells = self.group(group)
             self._subdomains()[self._rules.index(key)] = (self._rules.index(key), cells)
-        return ufl.Measure("dx", domain=self.mesh, subdomain_data=self._subdomains(),
+        return ufl.Measure("dx", domain=self.domain, subdomain_data=self._subdomains(),
                            subdomain_id=self._rules.index(key), metadata=dict(rule))
 
     def _subdomains(self) -> list:
-        """The list that all measures of the model share."""
+        """The list that all measures of the mesh share."""
         return self._measures.setdefault("dx", [(i, np.empty(0, dtype=np.int32)) for i in range(RULES)])
 
     def edge_length(self, name: str) -> float:
         """Length of a named edge."""
-        one = fem.Constant(self.mesh, 1.0)
-        return self.mesh.comm.allreduce(fem.assemble_scalar(fem.form(one * self.facet_measure(name))))
+        one = fem.Constant(self.domain, 1.0)
+        return self.domain.comm.allreduce(fem.assemble_scalar(fem.form(one * self.facet_measure(name))))
 
     def group(self, name: str | None) -> np.ndarray:
         """Owned cells of a named group, or all owned cells."""
         if name is None:
-            return np.arange(self.mesh.topology.index_map(self.mesh.topology.dim).size_local, dtype=np.int32)
+            return np.arange(self.domain.topology.index_map(self.domain.topology.dim).size_local, dtype=np.int32)
         if name not in self.cells:
             raise ValueError(f"the mesh has no group of cells named {name!r}; it has {', '.join(self.cells)}")
         return self.cells[name]
@@ -128,18 +128,18 @@ class Model:
 
         Each facet is integrated from one side, that of a single cell on a single process.
         """
-        facets = self.points if self.mesh.topology.dim == 1 else self.edges
+        facets = self.points if self.domain.topology.dim == 1 else self.edges
         if name not in facets:
             raise ValueError(f"the mesh has no {'point' if facets is self.points else 'edge'} named {name!r}; it has "
                              f"{', '.join(facets)}")
         if "ds" not in self._measures:
             self._measures["ds"] = [(i, self._sides(v)) for i, v in enumerate(facets.values())]
-        return ufl.Measure("ds", domain=self.mesh, subdomain_data=self._measures["ds"],
+        return ufl.Measure("ds", domain=self.domain, subdomain_data=self._measures["ds"],
                            subdomain_id=list(facets).index(name))
 
     def _sides(self, facets: np.ndarray) -> np.ndarray:
         """Pairs (cell, local facet) for the facets that this process answers for."""
-        topology = self.mesh.topology
+        topology = self.domain.topology
         top = topology.dim
         topology.create_connectivity(top - 1, top)
         topology.create_connectivity(top, top - 1)
@@ -152,13 +152,13 @@ class Model:
             if cells:
                 pairs.append((min(cells), int(np.flatnonzero(to_facets.links(min(cells)) == facet)[0])))
                 claims.append(topology.index_map(top - 1).local_to_global(np.array([facet], dtype=np.int32))[0])
-        earlier = self.mesh.comm.allgather(claims)[: self.mesh.comm.rank]
+        earlier = self.domain.comm.allgather(claims)[: self.domain.comm.rank]
         taken = {c for rank in earlier for c in rank}
         return np.array([p for p, c in zip(pairs, claims, strict=True) if c not in taken], dtype=np.int32).ravel()
 
 
 def read(build: Callable[[], None], dimension: int, order: int = 1, place: Callable | None = None,
-         comm: MPI.Comm = MPI.COMM_WORLD) -> Model:
+         comm: MPI.Comm = MPI.COMM_WORLD) -> NamedMesh:
     """Mesh the geometry that `build` adds to the current gmsh model.
 
     Parameters
@@ -187,23 +187,23 @@ def read(build: Callable[[], None], dimension: int, order: int = 1, place: Calla
             nodes = _nodes_of_points(gmsh.model)
             groups = _group_by_entity(gmsh.model, top)
         groups, nodes = comm.bcast((groups, nodes), root=0)
-        mesh, cell_tags, edge_tags = model_to_mesh(
+        domain, cell_tags, edge_tags = model_to_mesh(
             gmsh.model, comm, dimension, keep_junctions_whole if comm.size > 1 else None)
     finally:
         gmsh.finalize()
-    top = mesh.topology.dim
+    top = domain.topology.dim
     for d in range(top):
-        mesh.topology.create_connectivity(d, top)
+        domain.topology.create_connectivity(d, top)
     if place is not None:
-        mesh.geometry.x[:] = place(mesh.geometry.x)
-    owned = mesh.topology.index_map(top).size_local
+        domain.geometry.x[:] = place(domain.geometry.x)
+    owned = domain.topology.index_map(top).size_local
     cells = {name: _find(cell_tags, tags) for name, tags in groups[top].items()}
     cells = {name: c[c < owned] for name, c in cells.items()}
     edges = {name: _find(edge_tags, tags) for name, tags in groups.get(1, {}).items()} if top == 2 else {}
-    vertices = _vertices_of_nodes(mesh)
+    vertices = _vertices_of_nodes(domain)
     points = {name: np.array([vertices[n] for n in tags if n in vertices], dtype=np.int32)
               for name, tags in nodes.items()}
-    return Model(mesh, cells, edges, points)
+    return NamedMesh(domain, cells, edges, points)
 
 
 def _nodes_of_points(model) -> dict[str, list[int]]:
@@ -212,14 +212,14 @@ def _nodes_of_points(model) -> dict[str, list[int]]:
             for _, tag in model.getPhysicalGroups(0)}
 
 
-def _vertices_of_nodes(mesh: Mesh) -> dict[int, int]:
+def _vertices_of_nodes(domain: Mesh) -> dict[int, int]:
     """Vertex of each node of the gmsh mesh that is one, on this process."""
-    top = mesh.topology.dim
-    corners = mesh.topology.connectivity(top, 0)
+    top = domain.topology.dim
+    corners = domain.topology.connectivity(top, 0)
     cells = corners.num_nodes
-    vertices = corners.array.reshape(cells, len(basix.topology(mesh.basix_cell())[0]))
-    nodes = mesh.geometry.dofmap[:cells, : vertices.shape[1]]
-    numbers = mesh.geometry.input_global_indices[nodes]
+    vertices = corners.array.reshape(cells, len(basix.topology(domain.basix_cell())[0]))
+    nodes = domain.geometry.dofmap[:cells, : vertices.shape[1]]
+    numbers = domain.geometry.input_global_indices[nodes]
     return dict(zip(numbers.ravel().tolist(), vertices.ravel().tolist(), strict=True))
 
 

@@ -7,10 +7,10 @@ from ..mesh.pieces import pieces_without
 
 def advice_on_supports(scene) -> str:
     """What to do about a structure that can move freely: names a piece without support where there is one."""
-    for model in scene.models:
-        held = [support.at for support in scene.supports if support.model is model]
-        held += [at for joint in scene.joints for other, at in joint.points if other is model]
-        loose = pieces_without(model, held)
+    for mesh in scene.meshes:
+        held = [support.at for support in scene.supports if support.mesh is mesh]
+        held += [at for joint in scene.joints for other, at in joint.points if other is mesh]
+        loose = pieces_without(mesh, held)
         if loose:
             return f"nothing supports the piece with {loose[0]}; add a support or join it to the rest"
     return "check that the supports hold all rigid motions of every part"

@@ -8,18 +8,18 @@ from dataclasses import dataclass
 from .. import forms
 from ..mesh.numbers import as_constants
 from ..mesh.quadrature import gauss
-from ..mesh.reader import Model
+from ..mesh.reader import NamedMesh
 from .section import Elastic, Section
 from .work import Internal, Term
 
 
 @dataclass(frozen=True, eq=False)
 class Beam:
-    """Beams on the curves of a model.
+    """Beams on the curves of a mesh.
 
     Attributes
     ----------
-    model : mesh with named groups
+    mesh : NamedMesh
     section, material : constants of the section law
     strains : function (u, rotation, frame) -> generalised strains
     law : function (strains, stiffness) -> stress resultants
@@ -30,7 +30,7 @@ class Beam:
     shear_rigidity : factor on the shear stiffness
     """
 
-    model: Model
+    mesh: NamedMesh
     section: Section
     material: Elastic
     strains: Callable = forms.beam.simo_reissner
@@ -50,15 +50,15 @@ class Beam:
         return ("P", self.degree), ("P", self.degree)
 
     def frame(self):
-        return forms.beam.curve_frame(self.model.mesh, self.up)
+        return forms.beam.curve_frame(self.mesh.domain, self.up)
 
     def measure(self):
         """Integral along the beams, for loads."""
-        return self.model.integral({"quadrature_degree": 2 * self.degree - 1}, self.group)
+        return self.mesh.integral({"quadrature_degree": 2 * self.degree - 1}, self.group)
 
     def internal(self, u, rotation) -> Internal:
         """Internal virtual work."""
-        stiffness = self.section.stiffness(self.material, self.model.dimension, self.shear_rigidity)
+        stiffness = self.section.stiffness(self.material, self.mesh.dimension, self.shear_rigidity)
         return _internal(self, u, rotation, stiffness)
 
     def resultants(self, u, rotation):
@@ -72,14 +72,14 @@ class Bar:
 
     Attributes
     ----------
-    model : mesh of straight cells with named groups
+    mesh : NamedMesh of straight cells
     section, material : give the axial stiffness
     strains : function (u, rotation, frame) -> vector of one strain; bars have no rotation, it is None
     law : function (strains, stiffness) -> vector of the axial force
     group : physical group of the bars; None: all
     """
 
-    model: Model
+    mesh: NamedMesh
     section: Section
     material: Elastic
     strains: Callable = forms.bar.engineering
@@ -89,16 +89,16 @@ class Bar:
     spaces = ("P", 1), None
 
     def __post_init__(self):
-        if self.model.degree != 1:
-            raise ValueError(f"Bar: the mesh has curved cells of degree {self.model.degree}; "
+        if self.mesh.degree != 1:
+            raise ValueError(f"Bar: the mesh has curved cells of degree {self.mesh.degree}; "
                              "bars are straight, read it with order 1")
 
     def frame(self):
-        return forms.bar.bar_frame(self.model.mesh)
+        return forms.bar.bar_frame(self.mesh.domain)
 
     def measure(self):
         """Integral along the bars, for loads."""
-        return self.model.integral({"quadrature_degree": 2 * self.degree - 1}, self.group)
+        return self.mesh.integral({"quadrature_degree": 2 * self.degree - 1}, self.group)
 
     def internal(self, u, rotation) -> Internal:
         """Internal virtual work."""
@@ -115,8 +115,8 @@ def _resultants(internal: Internal):
 
 
 def _internal(part: Beam | Bar, u, rotation, stiffness) -> Internal:
-    mesh = part.model.mesh
-    stiffness = as_constants(mesh, stiffness)
+    domain = part.mesh.domain
+    stiffness = as_constants(domain, stiffness)
     term = Term(strains=part.strains(u, rotation, part.frame()), law=lambda strains: part.law(strains, stiffness),
-                rule=gauss(mesh.basix_cell(), part.degree))
-    return Internal([term], mesh, part.model.group(part.group))
+                rule=gauss(domain.basix_cell(), part.degree))
+    return Internal([term], domain, part.mesh.group(part.group))

@@ -10,7 +10,7 @@ import ufl
 
 from .. import forms
 from ..checks import require_components, require_known_component
-from ..mesh.reader import COMPONENTS, Model
+from ..mesh.reader import COMPONENTS, NamedMesh
 from .beam import Bar, Beam
 from .shell import Shell
 from .work import Acting
@@ -23,30 +23,30 @@ class Joint(Acting):
     """
 
     @property
-    def points(self) -> Sequence[tuple[Model, str]]:
-        """Named points that it connects; models that no joint connects are told when the scene is made."""
+    def points(self) -> Sequence[tuple[NamedMesh, str]]:
+        """Named points that it connects; meshes that no joint connects are told when the scene is made."""
         return ()
 
 
 @dataclass(frozen=True)
 class End:
-    """A named point of a model."""
+    """A named point of a mesh."""
 
-    model: Model
+    mesh: NamedMesh
     at: str
 
     def nodes(self, fields) -> np.ndarray:
         """Its nodes that this process owns."""
-        return fields.nodes(self.model, self.at)
+        return fields.nodes(self.mesh, self.at)
 
     def traces(self, fields, places: np.ndarray) -> list:
         """Displacement and, where there is one, rotation at its nodes, in the order of given places."""
-        quantities = ["displacement"] if fields.spin(self.model) is None else ["displacement", "rotation"]
+        quantities = ["displacement"] if fields.spin(self.mesh) is None else ["displacement", "rotation"]
         return [self.trace(fields, places, q) for q in quantities]
 
     def trace(self, fields, places: np.ndarray, quantity: str):
         """One quantity at its nodes, in the order of given places."""
-        return fields.trace(self.model, fields.matching(self.model, self.at, places, quantity), quantity)
+        return fields.trace(self.mesh, fields.matching(self.mesh, self.at, places, quantity), quantity)
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,39 +55,39 @@ class Spring(Joint):
 
     Attributes
     ----------
-    model, at : the point; at each node of an edge there is a spring
+    mesh, at : the point; at each node of an edge there is a spring
     component : x, y or z, or rx, ry or rz for a spring against rotation (in space against that component of the
         rotation vector of the second point from the first, on axes that turn with the first)
     stiffness : force per length, or moment per radian
-    to : model and name of the other point; None: the ground
+    to : mesh and name of the other point; None: the ground
     law : function from extension and stiffness to the force, both UFL scalars; None: their product
     """
 
-    model: Model
+    mesh: NamedMesh
     at: str
     component: str
     stiffness: float
-    to: tuple[Model, str] | None = None
+    to: tuple[NamedMesh, str] | None = None
     law: Callable = forms.interface.linear_spring
 
     def __post_init__(self):
-        known = COMPONENTS[self.model.dimension]
+        known = COMPONENTS[self.mesh.dimension]
         require_known_component(f"Spring at {self.at!r}", self.component, known)
         for end in self._ends:
-            end.model.at(end.at)
+            end.mesh.at(end.at)
 
     @property
     def _ends(self) -> list[End]:
-        return [End(self.model, self.at), *([End(*self.to)] if self.to else [])]
+        return [End(self.mesh, self.at), *([End(*self.to)] if self.to else [])]
 
     @property
-    def points(self) -> Sequence[tuple[Model, str]]:
-        return [(end.model, end.at) for end in self._ends]
+    def points(self) -> Sequence[tuple[NamedMesh, str]]:
+        return [(end.mesh, end.at) for end in self._ends]
 
     def contributions(self, fields):
-        index, dimension = COMPONENTS[self.model.dimension].index(self.component), self.model.dimension
+        index, dimension = COMPONENTS[self.mesh.dimension].index(self.component), self.mesh.dimension
         quantity = "displacement" if index < dimension else "rotation"
-        places = fields.places(self.model, self._ends[0].nodes(fields))
+        places = fields.places(self.mesh, self._ends[0].nodes(fields))
         traces = [end.trace(fields, places, quantity) for end in self._ends]
 
         def extension(values, data, factor):
@@ -114,10 +114,10 @@ class Foundation(Joint):
     law: Callable = forms.interface.linear_spring
 
     def __post_init__(self):
-        require_components("Foundation: stiffness", self.stiffness, self.part.model.dimension)
+        require_components("Foundation: stiffness", self.stiffness, self.part.mesh.dimension)
 
     def work(self, fields):
-        u = fields.displacement(self.part.model)
+        u = fields.displacement(self.part.mesh)
         along = [(component, k) for component, k in enumerate(self.stiffness) if k]
         return sum(self.law(u[i], k) * fields.vary(u[i]) for i, k in along) * self.part.measure()
 
@@ -131,44 +131,44 @@ class Tie(Joint):
 
     Attributes
     ----------
-    model, at : the first point
-    to : model and name of the second point
+    mesh, at : the first point
+    to : mesh and name of the second point
     components : any of x y z rx ry rz, separated by spaces
     """
 
-    model: Model
+    mesh: NamedMesh
     at: str
-    to: tuple[Model, str]
+    to: tuple[NamedMesh, str]
     components: str
 
     def __post_init__(self):
-        self.model.at(self.at)
+        self.mesh.at(self.at)
         self.to[0].at(self.to[1])
-        if self.to == (self.model, self.at):
+        if self.to == (self.mesh, self.at):
             raise ValueError(f"Tie at {self.at!r}: ties the point to itself; name another point in `to`")
-        if self.to[0].dimension != self.model.dimension:
-            raise ValueError(f"Tie at {self.at!r}: joins a model in {self.model.dimension} with one in "
+        if self.to[0].dimension != self.mesh.dimension:
+            raise ValueError(f"Tie at {self.at!r}: joins a mesh in {self.mesh.dimension} with one in "
                              f"{self.to[0].dimension} dimensions; read both with the same")
         for name in self.components.split():
-            require_known_component(f"Tie at {self.at!r}", name, COMPONENTS[self.model.dimension])
+            require_known_component(f"Tie at {self.at!r}", name, COMPONENTS[self.mesh.dimension])
 
     @property
-    def points(self) -> Sequence[tuple[Model, str]]:
-        return [(self.model, self.at), self.to]
+    def points(self) -> Sequence[tuple[NamedMesh, str]]:
+        return [(self.mesh, self.at), self.to]
 
     def unknowns(self, fields) -> None:
-        count = len(End(self.model, self.at).nodes(fields)) * len(self.components.split())
-        fields.add_numbers(self, self.model, "tie", count)
+        count = len(End(self.mesh, self.at).nodes(fields)) * len(self.components.split())
+        fields.add_numbers(self, self.mesh, "tie", count)
 
     def contributions(self, fields):
-        first, second = End(self.model, self.at), End(*self.to)
-        places = fields.places(first.model, first.nodes(fields))
-        other = fields.places(second.model, fields.matching(second.model, second.at, places))
+        first, second = End(self.mesh, self.at), End(*self.to)
+        places = fields.places(first.mesh, first.nodes(fields))
+        other = fields.places(second.mesh, fields.matching(second.mesh, second.at, places))
         arms, sides = other - places, [first.traces(fields, places), second.traces(fields, other)]
         names, count = self.components.split(), len(places)
         self._check(sides, arms)
         multipliers = [fields.own_trace(self, "tie", np.arange(count) * len(names) + i) for i in range(len(names))]
-        chosen = [COMPONENTS[self.model.dimension].index(name) for name in names]
+        chosen = [COMPONENTS[self.mesh.dimension].index(name) for name in names]
         split = len(sides[0])
 
         def strains(values, data, factor):
@@ -182,19 +182,19 @@ class Tie(Joint):
         turning = any(name.startswith("r") for name in self.components.split())
         if turning and min(map(len, sides)) < 2:
             raise ValueError(f"Tie at {self.at!r}: ties rotations, but bars have none; tie displacements only")
-        if len(sides[0]) < 2 and np.abs(arms).max(initial=0.0) > 1e-9 * self.model.size:
+        if len(sides[0]) < 2 and np.abs(arms).max(initial=0.0) > 1e-9 * self.mesh.size:
             raise ValueError(f"Tie at {self.at!r}: the points are {np.abs(arms).max():.4g} apart, but the first one is "
                              "on bars, which cannot turn an arm; give the part with rotations first")
 
 
-def hinge(model: Model, at: str, to: tuple[Model, str]) -> Tie:
+def hinge(mesh: NamedMesh, at: str, to: tuple[NamedMesh, str]) -> Tie:
     """Two points that move together and turn freely."""
-    return Tie(model, at, to, " ".join(COMPONENTS[model.dimension][:model.dimension]))
+    return Tie(mesh, at, to, " ".join(COMPONENTS[mesh.dimension][:mesh.dimension]))
 
 
-def weld(model: Model, at: str, to: tuple[Model, str]) -> Tie:
+def weld(mesh: NamedMesh, at: str, to: tuple[NamedMesh, str]) -> Tie:
     """Two points that move and turn together; where they stand apart, a rigid link turns with the first."""
-    return Tie(model, at, to, " ".join(COMPONENTS[model.dimension]))
+    return Tie(mesh, at, to, " ".join(COMPONENTS[mesh.dimension]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,27 +203,27 @@ class Uniform(Joint):
 
     Attributes
     ----------
-    model, at : the edge
+    mesh, at : the edge
     component : x, y or z
     """
 
-    model: Model
+    mesh: NamedMesh
     at: str
     component: str
 
     def __post_init__(self):
-        self.model.at(self.at)
+        self.mesh.at(self.at)
         require_known_component(f"Uniform at {self.at!r}", self.component,
-                                COMPONENTS[self.model.dimension][:self.model.dimension])
+                                COMPONENTS[self.mesh.dimension][:self.mesh.dimension])
 
     def unknowns(self, fields) -> None:
-        fields.add_number(self, self.model, "motion", self.model.size)
-        fields.add_numbers(self, self.model, "tie", len(fields.nodes(self.model, self.at)))
+        fields.add_number(self, self.mesh, "motion", self.mesh.size)
+        fields.add_numbers(self, self.mesh, "tie", len(fields.nodes(self.mesh, self.at)))
 
     def contributions(self, fields):
-        nodes, index = fields.nodes(self.model, self.at), COMPONENTS[self.model.dimension].index(self.component)
+        nodes, index = fields.nodes(self.mesh, self.at), COMPONENTS[self.mesh.dimension].index(self.component)
         first = np.zeros(len(nodes), dtype=np.int64)
-        traces = [fields.trace(self.model, nodes), fields.own_trace(self, "motion", first),
+        traces = [fields.trace(self.mesh, nodes), fields.own_trace(self, "motion", first),
                   fields.own_trace(self, "tie", np.arange(len(nodes)))]
 
         def strains(values, data, factor):

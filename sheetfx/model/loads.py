@@ -13,7 +13,7 @@ from .. import forms
 from ..checks import require_components, require_known_component
 from ..compat import JIT
 from ..mesh.numbers import lift_numbers
-from ..mesh.reader import COMPONENTS, Model
+from ..mesh.reader import COMPONENTS, NamedMesh
 from .beam import Bar, Beam
 from .obstacles import RigidCylinder, RigidPlane
 from .shell import Shell
@@ -41,20 +41,20 @@ class Load(Acting):
 class PointForce(Load):
     """Force of fixed direction at each vertex of a named point, for a load factor of 1."""
 
-    model: Model
+    mesh: NamedMesh
     at: str
     force: tuple[float, ...]
 
     def __post_init__(self):
-        self.model.at(self.at)
-        require_components(f"PointForce at {self.at!r}: force", self.force, self.model.dimension)
+        self.mesh.at(self.at)
+        require_components(f"PointForce at {self.at!r}: force", self.force, self.mesh.dimension)
 
     def at_points(self, forces) -> None:
-        for component, value in zip(COMPONENTS[self.model.dimension], self.force, strict=False):
-            forces.add(self.model, self.at, component, value)
+        for component, value in zip(COMPONENTS[self.mesh.dimension], self.force, strict=False):
+            forces.add(self.mesh, self.at, component, value)
 
     def total(self, fields) -> float:
-        return float(np.linalg.norm(self.force)) * self.model.count(self.at)
+        return float(np.linalg.norm(self.force)) * self.mesh.count(self.at)
 
 
 @dataclass(frozen=True)
@@ -64,36 +64,36 @@ class Moment(Load):
     One number in the plane, three in space.
     """
 
-    model: Model
+    mesh: NamedMesh
     at: str
     moment: float | tuple[float, float, float]
 
     def __post_init__(self):
-        require_components(f"Moment at {self.at!r}: moment", np.ravel(self.moment), 2 * self.model.dimension - 3)
+        require_components(f"Moment at {self.at!r}: moment", np.ravel(self.moment), 2 * self.mesh.dimension - 3)
 
     @property
     def conservative(self) -> bool:  # type: ignore[override]
         """In space the work of a fixed moment depends on the way of turning (Ziegler 1968)."""
-        return self.model.dimension == 2
+        return self.mesh.dimension == 2
 
     @property
     def _pointed(self) -> bool:
-        return self.at in self.model.points
+        return self.at in self.mesh.points
 
     def at_points(self, forces) -> None:
         if self._pointed:
-            for component, value in zip(COMPONENTS[self.model.dimension][self.model.dimension:],
+            for component, value in zip(COMPONENTS[self.mesh.dimension][self.mesh.dimension:],
                                         np.atleast_1d(self.moment), strict=True):
-                forces.add(self.model, self.at, component, value)
+                forces.add(self.mesh, self.at, component, value)
 
     def work(self, fields):
         if self._pointed:
             return None
         moment = fields.factor * forms.vector(self.moment)
-        return forms.load.spin_moment(moment, fields.vary(fields.spin(self.model))) * self.model.facet_measure(self.at)
+        return forms.load.spin_moment(moment, fields.vary(fields.spin(self.mesh))) * self.mesh.facet_measure(self.at)
 
     def total(self, fields) -> float:
-        extent = self.model.count(self.at) if self._pointed else self.model.edge_length(self.at)
+        extent = self.mesh.count(self.at) if self._pointed else self.mesh.edge_length(self.at)
         return float(np.linalg.norm(self.moment)) * extent
 
 
@@ -113,7 +113,7 @@ class LineForce(Load):
 
     def __post_init__(self):
         if not callable(self.force):
-            require_components("LineForce: force", self.force, self.beam.model.dimension)
+            require_components("LineForce: force", self.force, self.beam.mesh.dimension)
         if self.follower and isinstance(self.beam, Bar):
             raise ValueError("LineForce: follower is True, but bars have no cross-section that turns; make it False")
 
@@ -124,44 +124,44 @@ class LineForce(Load):
     @property
     def _components(self) -> Sequence:
         """Numbers, or UFL expressions of the place."""
-        return self.force(ufl.SpatialCoordinate(self.beam.model.mesh)) if callable(self.force) else self.force
+        return self.force(ufl.SpatialCoordinate(self.beam.mesh.domain)) if callable(self.force) else self.force
 
     def work(self, fields):
-        model = self.beam.model
-        force, u = [fields.factor * c for c in self._components], fields.displacement(model)
+        mesh = self.beam.mesh
+        force, u = [fields.factor * c for c in self._components], fields.displacement(mesh)
         if self.follower:
-            density = forms.load.follower_force(force, self.beam.frame(), fields.rotation(model), u, fields.vary)
+            density = forms.load.follower_force(force, self.beam.frame(), fields.rotation(mesh), u, fields.vary)
         else:
             density = forms.load.dead_force(forms.vector(force), u, fields.vary)
         return density * self.beam.measure()
 
     def total(self, fields) -> float:
-        mesh, force = self.beam.model.mesh, self._components
+        domain, force = self.beam.mesh.domain, self._components
         if callable(self.force):
             size = ufl.sqrt(ufl.dot(forms.vector(force), forms.vector(force)))
         else:
-            size = fem.Constant(mesh, float(np.linalg.norm(force)))
-        work = fem.form(lift_numbers(size * self.beam.measure(), mesh), jit_options=JIT)
-        return mesh.comm.allreduce(fem.assemble_scalar(work))
+            size = fem.Constant(domain, float(np.linalg.norm(force)))
+        work = fem.form(lift_numbers(size * self.beam.measure(), domain), jit_options=JIT)
+        return domain.comm.allreduce(fem.assemble_scalar(work))
 
 
 @dataclass(frozen=True)
 class EdgeForce(Load):
     """Force of fixed direction per reference length of a named edge of shells."""
 
-    model: Model
+    mesh: NamedMesh
     at: str
     force: tuple[float, float, float]
 
     def __post_init__(self):
-        require_components(f"EdgeForce at {self.at!r}: force", self.force, self.model.dimension)
+        require_components(f"EdgeForce at {self.at!r}: force", self.force, self.mesh.dimension)
 
     def work(self, fields):
-        force, u = fields.factor * forms.vector(self.force), fields.displacement(self.model)
-        return forms.load.dead_force(force, u, fields.vary) * self.model.facet_measure(self.at)
+        force, u = fields.factor * forms.vector(self.force), fields.displacement(self.mesh)
+        return forms.load.dead_force(force, u, fields.vary) * self.mesh.facet_measure(self.at)
 
     def total(self, fields) -> float:
-        return float(np.linalg.norm(self.force)) * self.model.edge_length(self.at)
+        return float(np.linalg.norm(self.force)) * self.mesh.edge_length(self.at)
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,14 +172,14 @@ class SurfaceForce(Load):
     force: tuple[float, float, float]
 
     def __post_init__(self):
-        require_components("SurfaceForce: force", self.force, self.shell.model.dimension)
+        require_components("SurfaceForce: force", self.force, self.shell.mesh.dimension)
 
     def work(self, fields):
-        force, u = fields.factor * forms.vector(self.force), fields.displacement(self.shell.model)
+        force, u = fields.factor * forms.vector(self.force), fields.displacement(self.shell.mesh)
         return forms.load.dead_force(force, u, fields.vary) * self.shell.measure()
 
     def total(self, fields) -> float:
-        return float(np.linalg.norm(self.force)) * self.shell.model.measure_of(self.shell.group)
+        return float(np.linalg.norm(self.force)) * self.shell.mesh.measure_of(self.shell.group)
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,7 +191,7 @@ class Pressure(Load):
     conservative = False
 
     def work(self, fields):
-        frame, u = self.shell.frame(), fields.displacement(self.shell.model)
+        frame, u = self.shell.frame(), fields.displacement(self.shell.mesh)
         return forms.load.pressure(fields.factor * self.pressure, u, frame, fields.vary) * self.shell.measure()
 
     def total(self, fields) -> float:
@@ -219,30 +219,30 @@ class PrescribedDisplacement(Load):
     Nodes of the edge where a support fixes the component stay there.
     """
 
-    model: Model
+    mesh: NamedMesh
     at: str
     component: str
     distance: float
 
     def __post_init__(self):
-        self.model.at(self.at)
+        self.mesh.at(self.at)
         require_known_component(f"PrescribedDisplacement of {self.at!r}", self.component,
-                                COMPONENTS[self.model.dimension][:self.model.dimension])
+                                COMPONENTS[self.mesh.dimension][:self.mesh.dimension])
 
     def unknowns(self, fields) -> None:
         held = [s.at for s in fields.scene.supports
-                if s.model is self.model and s.axes is None and self.component in s.fixed.split()]
-        fields.add_multiplier(self, self.model, "reaction", self.at, held)
+                if s.mesh is self.mesh and s.axes is None and self.component in s.fixed.split()]
+        fields.add_multiplier(self, self.mesh, "reaction", self.at, held)
 
     def work(self, fields):
         """The reaction r holds the displacement at its value: the variation of r (factor distance - u)."""
-        index = COMPONENTS[self.model.dimension].index(self.component)
-        error = fields.factor * self.distance - fields.displacement(self.model)[index]
-        return fields.vary(fields.own(self, "reaction") * error) * self.model.facet_measure(self.at)
+        index = COMPONENTS[self.mesh.dimension].index(self.component)
+        error = fields.factor * self.distance - fields.displacement(self.mesh)[index]
+        return fields.vary(fields.own(self, "reaction") * error) * self.mesh.facet_measure(self.at)
 
     def total(self, fields) -> Callable[[], float]:
-        reaction = fields.own(self, "reaction") * self.model.facet_measure(self.at)
-        form, comm = fem.form(-reaction, jit_options=JIT), self.model.mesh.comm
+        reaction = fields.own(self, "reaction") * self.mesh.facet_measure(self.at)
+        form, comm = fem.form(-reaction, jit_options=JIT), self.mesh.domain.comm
         return lambda: comm.allreduce(fem.assemble_scalar(form))
 
 
@@ -254,32 +254,32 @@ class PrescribedRotation(Load):
     prescribed, and the point turns about the axis as the load factor grows.
     """
 
-    model: Model
+    mesh: NamedMesh
     at: str
     rotation: float | tuple[float, float, float]
 
     def __post_init__(self):
-        self.model.at(self.at)
+        self.mesh.at(self.at)
         require_components(f"PrescribedRotation at {self.at!r}: rotation", np.ravel(self.rotation),
-                           2 * self.model.dimension - 3)
+                           2 * self.mesh.dimension - 3)
 
     def unknowns(self, fields) -> None:
-        count = len(fields.nodes(self.model, self.at, "rotation"))
-        fields.add_numbers(self, self.model, "moment", count * len(np.ravel(self.rotation)))
+        count = len(fields.nodes(self.mesh, self.at, "rotation"))
+        fields.add_numbers(self, self.mesh, "moment", count * len(np.ravel(self.rotation)))
 
     def contributions(self, fields):
-        nodes, width = fields.nodes(self.model, self.at, "rotation"), len(np.ravel(self.rotation))
+        nodes, width = fields.nodes(self.mesh, self.at, "rotation"), len(np.ravel(self.rotation))
         moments = [fields.own_trace(self, "moment", np.arange(len(nodes)) * width + i) for i in range(width)]
 
         def strains(values, data, factor):
             turn = forms.interface.turn_from_prescribed(values[0], factor, np.ravel(self.rotation))
             return forms.interface.with_multipliers(turn, values[1:])
 
-        traces = [fields.trace(self.model, nodes, "rotation"), *moments]
+        traces = [fields.trace(self.mesh, nodes, "rotation"), *moments]
         yield fields.point_work(traces, strains, forms.interface.tied, stage=fields.stage)
 
     def total(self, fields) -> Callable[[], float]:
         """The moment along the rotation."""
-        field, comm = fields.own_field(self, "moment"), self.model.mesh.comm
+        field, comm = fields.own_field(self, "moment"), self.mesh.domain.comm
         axis = np.ravel(self.rotation) / (np.linalg.norm(self.rotation) or 1.0)
         return lambda: -comm.allreduce(float((field.value.array.reshape(-1, len(axis)) @ axis).sum()))

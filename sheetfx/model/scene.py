@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..mesh.reader import Model
+from ..mesh.reader import NamedMesh
 from .beam import Bar, Beam
 from .contact import Contact
 from .joints import Joint
@@ -81,8 +81,8 @@ class Scene:
         if not self.supports and not self.joints:
             raise ValueError("Scene: the structure has no support and can move freely; add a support")
         self._check_prescribed()
-        for model in self.models:
-            self._check_spaces([part for part in self.parts if part.model is model])
+        for mesh in self.meshes:
+            self._check_spaces([part for part in self.parts if part.mesh is mesh])
         self._tell_unjoined()
 
     @property
@@ -95,13 +95,13 @@ class Scene:
         return [load for stage in self.all_stages for load in stage.loads]
 
     @property
-    def models(self) -> list[Model]:
-        """The models of the parts, each once, in order."""
-        return list(dict.fromkeys(part.model for part in self.parts))
+    def meshes(self) -> list[NamedMesh]:
+        """The meshes of the parts, each once, in order."""
+        return list(dict.fromkeys(part.mesh for part in self.parts))
 
     def _check_prescribed(self) -> None:
         """Refuse loads that prescribe one displacement twice."""
-        moved = [(load.model, load.at, load.component) for load in self.all_loads
+        moved = [(load.mesh, load.at, load.component) for load in self.all_loads
                  if isinstance(load, PrescribedDisplacement)]
         for i, (_, at, component) in enumerate(moved):
             if moved[i] in moved[:i]:
@@ -109,45 +109,45 @@ class Scene:
                                  "one of the two")
 
     def _tell_unjoined(self) -> None:
-        """Warn of models that neither joints nor an obstacle connect: they are solved side by side."""
-        models = self.models
-        groups = {model: {model} for model in models}
+        """Warn of meshes that neither joints nor an obstacle connect: they are solved side by side."""
+        meshes = self.meshes
+        groups = {mesh: {mesh} for mesh in meshes}
         touching: dict = {}
         for contact in self.contacts:
-            touching.setdefault(contact.obstacle, []).append(contact.beam.model)
-        for joined in [*([model for model, _ in joint.points] for joint in self.joints), *touching.values()]:
-            union = set().union(*(groups.get(model, set()) for model in joined))
+            touching.setdefault(contact.obstacle, []).append(contact.beam.mesh)
+        for joined in [*([mesh for mesh, _ in joint.points] for joint in self.joints), *touching.values()]:
+            union = set().union(*(groups.get(mesh, set()) for mesh in joined))
             groups |= dict.fromkeys(union, union)
-        apart = [model for model in models if model not in groups[models[0]]]
+        apart = [mesh for mesh in meshes if mesh not in groups[meshes[0]]]
         if apart:
-            here, there = (next(p for p in self.parts if p.model is model) for model in (models[0], apart[0]))
+            here, there = (next(p for p in self.parts if p.mesh is mesh) for mesh in (meshes[0], apart[0]))
             warnings.warn(f"Scene: nothing joins the {_named(here)} and the {_named(there)}; they are solved side by "
-                          "side. Join them (weld, hinge, Spring), mesh them in one model, or trace each in a scene of "
+                          "side. Join them (weld, hinge, Spring), mesh them in one mesh, or trace each in a scene of "
                           "its own", stacklevel=4)
 
     def _check_spaces(self, parts) -> None:
-        """Refuse parts of one model that cannot share its unknowns, and rotations where there are none."""
-        model, spaces = parts[0].model, parts[0].spaces
+        """Refuse parts of one mesh that cannot share its unknowns, and rotations where there are none."""
+        mesh, spaces = parts[0].mesh, parts[0].spaces
         for part in parts[1:]:
             if part.spaces != spaces:
-                raise ValueError(f"Scene: {type(parts[0]).__name__} and {type(part).__name__} of one model have "
-                                 f"unknowns {spaces} and {part.spaces}; give them the same, or each its own model")
+                raise ValueError(f"Scene: {type(parts[0]).__name__} and {type(part).__name__} of one mesh have "
+                                 f"unknowns {spaces} and {part.spaces}; give them the same, or each its own mesh")
         if spaces[1] is not None:
             return
         for support in self.supports:
             turns = [c for c in support.fixed.split() if c.startswith("r")]
-            if support.model is model and turns:
+            if support.mesh is mesh and turns:
                 raise ValueError(f"Support at {support.at!r}: fixes {' '.join(turns)}, but bars have no rotations; "
                                  "fix displacements only, for example with pin")
         for load in self.all_loads:
-            if isinstance(load, Moment) and load.model is model:
+            if isinstance(load, Moment) and load.mesh is mesh:
                 raise ValueError(f"Moment at {load.at!r}: bars have no rotations; give them forces")
         component = self.monitor.component or ""
-        if self.monitor.on is model and component.startswith("r"):
+        if self.monitor.on is mesh and component.startswith("r"):
             raise ValueError(f"Monitor at {self.monitor.at!r}: component is {component}, but bars have no rotations; "
                              "choose a displacement")
 
 
 def _named(part: Beam | Bar | Shell) -> str:
-    """A part by its kind and what its model is made of."""
-    return f"{type(part).__name__} on {part.group or ', '.join(part.model.cells)}"
+    """A part by its kind and what its mesh is made of."""
+    return f"{type(part).__name__} on {part.group or ', '.join(part.mesh.cells)}"

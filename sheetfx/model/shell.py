@@ -14,7 +14,7 @@ from .. import forms
 from ..compat import JIT, geometry_degree, interpolation_points
 from ..mesh.numbers import as_constants
 from ..mesh.quadrature import Rule, gauss, simplex
-from ..mesh.reader import Model
+from ..mesh.reader import NamedMesh
 from .section import Elastic, GivenPlate, Plate
 from .work import Internal, Term
 
@@ -87,11 +87,11 @@ def named_form(name: str) -> ShellForm:
 
 @dataclass(frozen=True, eq=False)
 class Shell:
-    """Shells on the surfaces of a model.
+    """Shells on the surfaces of a mesh.
 
     Attributes
     ----------
-    model : mesh with named groups
+    mesh : NamedMesh
     section, material : constants of the section law
     form : name of a form in FORMS, or a ShellForm
     strains : function (u, rotation, frame) -> ShellStrains
@@ -101,7 +101,7 @@ class Shell:
     offset : distance of the mid-surface from the meshed surface, along its normal
     """
 
-    model: Model
+    mesh: NamedMesh
     section: Plate | GivenPlate
     material: Elastic | None = None
     form: str | ShellForm = "naghdi-q2"
@@ -114,7 +114,7 @@ class Shell:
         if self.material is None and isinstance(self.section, Plate):
             raise ValueError(f"Shell: material is None, but {self.section} needs one; give an Elastic, or the "
                              "stiffness by a GivenPlate")
-        cell = self.model.mesh.basix_cell()
+        cell = self.mesh.domain.basix_cell()
         if self.discrete.cell != cell:
             raise ValueError(f"Shell: form {self.form!r} needs a mesh of {self.discrete.cell.name} cells, "
                              f"this one has {cell.name} cells")
@@ -130,16 +130,16 @@ class Shell:
 
     def frame(self) -> forms.shell.SurfaceFrame:
         """Reference frame with normals interpolated at the nodes of each cell."""
-        return surface_frame(self.model.mesh)
+        return surface_frame(self.mesh.domain)
 
     def measure(self):
         """Integral over the shells, for loads."""
-        return self.model.integral({"quadrature_degree": 2 * self.discrete.displacement[1]}, self.group)
+        return self.mesh.integral({"quadrature_degree": 2 * self.discrete.displacement[1]}, self.group)
 
     def _strains_and_law(self, u, rotation, frame):
         """All nine strains, the section law, and the thickness as a constant."""
         stiffness, thickness, offset = as_constants(
-            self.model.mesh, (self.section.stiffness(self.material), self.section.thickness, self.offset))
+            self.mesh.domain, (self.section.stiffness(self.material), self.section.thickness, self.offset))
         measure = self.strains or (lambda u, rotation, frame: forms.shell.naghdi(u, rotation, frame, offset))
         return measure(u, rotation, frame).vector, lambda e: self.law(e, stiffness), thickness
 
@@ -150,10 +150,10 @@ class Shell:
 
     def internal(self, u, rotation) -> Internal:
         """Internal virtual work: each energy, and their coupling where there is one, with its rule."""
-        form, mesh, frame = self.discrete, self.model.mesh, self.frame()
+        form, domain, frame = self.discrete, self.mesh.domain, self.frame()
         strains, law, thickness = self._strains_and_law(u, rotation, frame)
         stretch, shear = form.shares(frame, thickness)
-        coupled = is_coupled(law, mesh)
+        coupled = is_coupled(law, domain)
 
         def full(e):
             return (stretch * _restricted(law, MEMBRANE)(e) + shear * _restricted(law, SHEAR_AND_DRILLING)(e)
@@ -168,24 +168,24 @@ class Shell:
         everything = range(9)
         low_places = everything if coupled else [*MEMBRANE, *SHEAR_AND_DRILLING]
         return Internal([_term(strains, low, low_places, form.low), _term(strains, full, everything, form.full)],
-                        mesh, self.model.group(self.group))
+                        domain, self.mesh.group(self.group))
 
 
-def surface_frame(mesh) -> forms.shell.SurfaceFrame:
+def surface_frame(domain) -> forms.shell.SurfaceFrame:
     """Frame of a surface with its normals interpolated at the nodes of each cell."""
-    degree = geometry_degree(mesh)
-    if mesh.basix_cell() == TRIANGLE and degree == 1:
-        return forms.shell.surface_frame(mesh)
-    family = "DG" if mesh.basix_cell() == TRIANGLE else "DQ"
-    director = fem.Function(fem.functionspace(mesh, (family, degree, (3,))))
+    degree = geometry_degree(domain)
+    if domain.basix_cell() == TRIANGLE and degree == 1:
+        return forms.shell.surface_frame(domain)
+    family = "DG" if domain.basix_cell() == TRIANGLE else "DQ"
+    director = fem.Function(fem.functionspace(domain, (family, degree, (3,))))
     points = interpolation_points(director.function_space)
-    director.interpolate(fem.Expression(forms.shell.unit_normal(mesh), points, jit_options=JIT))
-    return forms.shell.surface_frame(mesh, director)
+    director.interpolate(fem.Expression(forms.shell.unit_normal(domain), points, jit_options=JIT))
+    return forms.shell.surface_frame(domain, director)
 
 
-def is_coupled(law, mesh) -> bool:
+def is_coupled(law, domain) -> bool:
     """Whether a section law gives forces of one of the GROUPS to strains of another."""
-    strains = [ufl.Constant(mesh.ufl_domain()) for _ in range(9)]
+    strains = [ufl.Constant(domain.ufl_domain()) for _ in range(9)]
     resultants = ufl.algorithms.expand_derivatives(law(ufl.as_vector(strains)))
     components = _Components()
     for group in GROUPS:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..mesh.reader import COMPONENTS, Model
+from ..mesh.reader import COMPONENTS, NamedMesh
 
 
 @dataclass(frozen=True)
@@ -20,18 +20,18 @@ class Support:
         (n, 3), to directions, shape (n, 3 directions, 3 components); None: those of space
     """
 
-    model: Model
+    mesh: NamedMesh
     at: str
     fixed: str
     axes: Sequence[Sequence[float]] | Callable | None = None
 
     def __post_init__(self):
-        known = COMPONENTS[self.model.dimension]
-        self.model.at(self.at)
+        known = COMPONENTS[self.mesh.dimension]
+        self.mesh.at(self.at)
         for name in self.fixed.split():
             if name not in known:
                 raise ValueError(f"Support at {self.at!r}: no component {name!r}; choose from {' '.join(known)}")
-        if self.axes is not None and self.model.dimension != 3:
+        if self.axes is not None and self.mesh.dimension != 3:
             raise ValueError(f"Support at {self.at!r}: axes are for structures in space")
 
     def directions(self, places: np.ndarray) -> np.ndarray:
@@ -43,17 +43,17 @@ class Support:
         return axes
 
 
-def clamp(model: Model, at: str) -> Support:
+def clamp(mesh: NamedMesh, at: str) -> Support:
     """All displacements and rotations fixed."""
-    return Support(model, at, " ".join(COMPONENTS[model.dimension]))
+    return Support(mesh, at, " ".join(COMPONENTS[mesh.dimension]))
 
 
-def pin(model: Model, at: str) -> Support:
+def pin(mesh: NamedMesh, at: str) -> Support:
     """All displacements fixed."""
-    return Support(model, at, " ".join(c for c in COMPONENTS[model.dimension] if not c.startswith("r")))
+    return Support(mesh, at, " ".join(c for c in COMPONENTS[mesh.dimension] if not c.startswith("r")))
 
 
-def symmetry(model: Model, at: str, normal: str | Sequence[float] = "x") -> Support:
+def symmetry(mesh: NamedMesh, at: str, normal: str | Sequence[float] = "x") -> Support:
     """Structure cut by a plane: no displacement along its normal, rotation about the normal only.
 
     Parameters
@@ -61,11 +61,11 @@ def symmetry(model: Model, at: str, normal: str | Sequence[float] = "x") -> Supp
     normal : x, y or z, or a vector of any direction
     """
     if not isinstance(normal, str):
-        return Support(model, at, "x ry rz", _axes_from(normal))
+        return Support(mesh, at, "x ry rz", _axes_from(normal))
     if normal not in ("x", "y", "z"):
         raise ValueError(f"symmetry at {at!r}: normal is {normal!r}; it must be x, y or z")
-    turns = [f"r{c}" for c in "xyz" if c != normal and f"r{c}" in COMPONENTS[model.dimension]]
-    return Support(model, at, " ".join([normal, *turns]))
+    turns = [f"r{c}" for c in "xyz" if c != normal and f"r{c}" in COMPONENTS[mesh.dimension]]
+    return Support(mesh, at, " ".join([normal, *turns]))
 
 
 def _axes_from(first: Sequence[float]) -> np.ndarray:

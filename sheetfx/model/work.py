@@ -38,15 +38,15 @@ class Internal:
     """
 
     terms: Sequence[Term]
-    mesh: Mesh
+    domain: Mesh
     cells: np.ndarray
 
 
 class Acting:
     """What acts on a structure: a joint or a load; what it does not define it leaves as here.
 
-    `fields` is what virtual work is written in (`discrete.fields.Fields`): `fields.displacement(model)`,
-    `fields.rotation(model)`, `fields.factor` (the load factor) and `fields.vary(expression)`.
+    `fields` is what virtual work is written in (`discrete.fields.Fields`): `fields.displacement(mesh)`,
+    `fields.rotation(mesh)`, `fields.factor` (the load factor) and `fields.vary(expression)`.
 
     Attributes
     ----------

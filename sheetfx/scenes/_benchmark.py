@@ -13,7 +13,7 @@ from typer import Option
 from .. import meshes
 from ..case import Case
 from ..continuation.control import LoadControl, StepRule
-from ..mesh.reader import Model, read
+from ..mesh.reader import NamedMesh, read
 from ..model.scene import Monitor, Scene
 from ..model.shell import FORMS, TRIANGLE, Shell, named_form
 from ..model.supports import Support
@@ -59,7 +59,7 @@ class Published:
     rows: Sequence[tuple[float, ...]]
 
 
-def surface(form: str, cells: tuple[int, int], place: Callable, points: dict[str, tuple[float, float]]) -> Model:
+def surface(form: str, cells: tuple[int, int], place: Callable, points: dict[str, tuple[float, float]]) -> NamedMesh:
     """Unit square in cells that fit a form, placed in space.
 
     Parameters
@@ -81,7 +81,7 @@ def surface(form: str, cells: tuple[int, int], place: Callable, points: dict[str
 
 
 def cylinder(form: str, cells: tuple[int, int], radius: float, length: float, angle: float,
-             points: dict[str, tuple[float, float]]) -> Model:
+             points: dict[str, tuple[float, float]]) -> NamedMesh:
     """Part of a cylinder about the x axis: edges west and east at x = 0 and `length`, south at its top, z = radius.
 
     Parameters
@@ -122,7 +122,7 @@ def benchmark(
     if published and steps:
         pictures.append(lambda record, folder: published_points(record, folder, readings, published))
     return Case(
-        scene=Scene([shell], supports, loads, Monitor(shell.model, first.at, first.component, first.sign),
+        scene=Scene([shell], supports, loads, Monitor(shell.mesh, first.at, first.component, first.sign),
                     symmetry_factor=symmetry_factor),
         control=control or LoadControl(step=1 / max(steps, 1), target=min(steps, 1), fixed=True),
         until=until or Until(), quantities=quantities or (lambda record: at_load(record, readings)),
@@ -132,22 +132,22 @@ def benchmark(
 def read_off(record: Record, readings: dict[str, Reading], number: int) -> dict[str, float]:
     """Values of readings in a state."""
     record.show(record.states[number])
-    model = record.case.scene.parts[0].model
-    kinematics = record.path.discretisation.kinematics(model)
-    return {name: r.sign * float(kinematics.displacement(model, r.at)["xyz".index(r.component)])
+    mesh = record.case.scene.parts[0].mesh
+    kinematics = record.path.discretisation.kinematics(mesh)
+    return {name: r.sign * float(kinematics.displacement(mesh, r.at)["xyz".index(r.component)])
             for name, r in readings.items()}
 
 
 def slopes(record: Record, readings: dict[str, Reading], number: int) -> dict[str, float]:
     """Readings by a unit of the load factor in a state, with the tangent of that state."""
-    model, response = record.case.scene.parts[0].model, record.states[number].response
-    return {name: r.sign * model.mesh.comm.allreduce(float(response[_owned(record, model, r)].sum()))
+    mesh, response = record.case.scene.parts[0].mesh, record.states[number].response
+    return {name: r.sign * mesh.domain.comm.allreduce(float(response[_owned(record, mesh, r)].sum()))
             for name, r in readings.items()}
 
 
-def _owned(record: Record, model: Model, reading: Reading) -> np.ndarray:
+def _owned(record: Record, mesh: NamedMesh, reading: Reading) -> np.ndarray:
     """Places of a reading in this process's part of the solver's vector."""
-    return record.path.discretisation.kinematics(model).point_dofs(model, reading.at, reading.component)
+    return record.path.discretisation.kinematics(mesh).point_dofs(mesh, reading.at, reading.component)
 
 
 def at_load(record: Record, readings: dict[str, Reading], factor: float = 1.0) -> dict[str, float]:

@@ -12,7 +12,7 @@ from typer import Option
 from .. import meshes
 from ..case import Case
 from ..continuation.control import ArcLength
-from ..mesh.reader import Model, read
+from ..mesh.reader import NamedMesh, read
 from ..model.beam import Beam
 from ..model.contact import Contact
 from ..model.loads import ObstacleForce, PointForce
@@ -51,17 +51,17 @@ def case(
     The thesis gives neither half angle nor supports; those of the classical clamped shallow arch
     are taken (same section, modulus and radius; half angle 7.338 degrees).
     """
-    model = arch_model(half_angle, elements, degree, full, imperfection)
-    beam = Beam(model, Rectangle(WIDTH, thickness), Elastic(MODULUS), degree=degree)
+    mesh = arch_model(half_angle, elements, degree, full, imperfection)
+    beam = Beam(mesh, Rectangle(WIDTH, thickness), Elastic(MODULUS), degree=degree)
     symmetry_factor = 1 if full else 2
     contacts, pictures = [], [path_curve, shapes, paraview]
     if no_punch:
-        loads = [PointForce(model, "crown", (0.0, -1.0 / symmetry_factor))]
+        loads = [PointForce(mesh, "crown", (0.0, -1.0 / symmetry_factor))]
     else:
         if not ratio > 0:
             raise ValueError(f"arch: ratio is {ratio}; it must be positive (for no punch use --no-punch)")
         radius = ratio * RADIUS
-        top = crown_height(model)
+        top = crown_height(mesh)
         punch = RigidCylinder(radius, (0.0, top + radius), travel=(0.0, -1.0))
         contacts = [Contact(beam, punch, contact, friction, layer=layer, enforcement=enforcement)]
         loads = [ObstacleForce(punch, 1.0 / symmetry_factor)]
@@ -69,14 +69,14 @@ def case(
     return Case(
         scene=Scene(
             parts=[beam], contacts=contacts, loads=loads, symmetry_factor=symmetry_factor,
-            supports=[clamp(model, "end"), clamp(model, "start") if full else symmetry(model, "crown")],
-            monitor=Monitor(model, "crown", "y", -1.0)),
+            supports=[clamp(mesh, "end"), clamp(mesh, "start") if full else symmetry(mesh, "crown")],
+            monitor=Monitor(mesh, "crown", "y", -1.0)),
         control=ArcLength(step=step, largest=4.0), until=Until(deflection=to),
         quantities=lambda record: quantities(record, thickness), pictures=pictures,
         axes=("deflection of the crown (mm)", "load on the whole arch (N)"))
 
 
-def arch_model(half_angle: float, elements: int, degree: int, full: bool, imperfection: float = 0.0) -> Model:
+def arch_model(half_angle: float, elements: int, degree: int, full: bool, imperfection: float = 0.0) -> NamedMesh:
     """Mesh of the arch, or of its half from the crown, with the points start, crown and end."""
     if not 0 < half_angle <= 180:
         raise ValueError(f"arch: half angle is {half_angle} degrees; it must lie between 0 and 180")
@@ -86,22 +86,22 @@ def arch_model(half_angle: float, elements: int, degree: int, full: bool, imperf
         raise ValueError("arch: an antisymmetric imperfection needs the whole arch; add --full")
     angle = radians(half_angle)
     start, count = (-angle, 2 * elements) if full else (0.0, elements)
-    model = read(lambda: meshes.arc(RADIUS, start, angle, count, {"crown": 0.0}), 2, min(degree, 2))
+    mesh = read(lambda: meshes.arc(RADIUS, start, angle, count, {"crown": 0.0}), 2, min(degree, 2))
     if imperfection:
-        x = model.mesh.geometry.x
+        x = mesh.domain.geometry.x
         polar = np.arctan2(x[:, 0], x[:, 1])
         x[:, :2] += imperfection * np.sin(pi * polar / angle)[:, None] * x[:, :2] / RADIUS
-    return model
+    return mesh
 
 
-def crown_height(model: Model) -> float:
-    """Height of the model's highest point (of the crown where the arch is perfect)."""
-    return model.mesh.comm.allreduce(float(model.mesh.geometry.x[:, 1].max()), op=MPI.MAX)
+def crown_height(mesh: NamedMesh) -> float:
+    """Height of the mesh's highest point (of the crown where the arch is perfect)."""
+    return mesh.domain.comm.allreduce(float(mesh.domain.geometry.x[:, 1].max()), op=MPI.MAX)
 
 
-def rise(model: Model) -> float:
-    """Height of the model's highest point above its lowest."""
-    return crown_height(model) - model.mesh.comm.allreduce(float(model.mesh.geometry.x[:, 1].min()), op=MPI.MIN)
+def rise(mesh: NamedMesh) -> float:
+    """Height of the mesh's highest point above its lowest."""
+    return crown_height(mesh) - mesh.domain.comm.allreduce(float(mesh.domain.geometry.x[:, 1].min()), op=MPI.MIN)
 
 
 def quantities(record: Record, thickness: float) -> dict[str, float]:
@@ -131,8 +131,8 @@ def limit_without_contact(record: Record) -> float | None:
     The search ends when the crown has come down by twice the rise: the arch then hangs upside down.
     """
     scene = record.case.scene
-    model = scene.parts[0].model
-    bare = Scene(scene.parts, scene.supports, [PointForce(model, "crown", (0.0, -1.0 / scene.symmetry_factor))],
+    mesh = scene.parts[0].mesh
+    bare = Scene(scene.parts, scene.supports, [PointForce(mesh, "crown", (0.0, -1.0 / scene.symmetry_factor))],
                  scene.monitor, symmetry_factor=scene.symmetry_factor)
-    path = Path(bare, until=Until(deflection=2 * rise(model)))
+    path = Path(bare, until=Until(deflection=2 * rise(mesh)))
     return next((p.load for state in path for p in state.critical if p.kind == "limit"), None)

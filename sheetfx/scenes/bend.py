@@ -51,13 +51,13 @@ def case(
     for name, value in (("elements", elements), ("steps", steps)):
         if value < 1:
             raise ValueError(f"bend: {name} is {value}; at least 1 is needed")
-    model = read(lambda: meshes.arc(RADIUS, -pi / 2, -pi / 4, elements), 3, min(degree, 2))
+    mesh = read(lambda: meshes.arc(RADIUS, -pi / 2, -pi / 4, elements), 3, min(degree, 2))
     section = (PolarSection if polar else Rectangle)(1.0, 1.0)
-    beam = Beam(model, section, Elastic(1e7, 0.0), degree=degree, up=(0.0, 0.0, 1.0))
+    beam = Beam(mesh, section, Elastic(1e7, 0.0), degree=degree, up=(0.0, 0.0, 1.0))
     return Case(
         scene=Scene(
-            parts=[beam], supports=[clamp(model, "start")], loads=[PointForce(model, "end", (0.0, 0.0, force))],
-            monitor=Monitor(model, "end", "z")),
+            parts=[beam], supports=[clamp(mesh, "start")], loads=[PointForce(mesh, "end", (0.0, 0.0, force))],
+            monitor=Monitor(mesh, "end", "z")),
         control=LoadControl(step=1 / steps, fixed=True), quantities=quantities,
         pictures=[path_curve, shapes, paraview],
         axes=("displacement of the tip out of the plane", "force"), mixed_points=not plain_tangent)

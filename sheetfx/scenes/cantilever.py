@@ -33,8 +33,8 @@ def case(
     steps: Steps = 2,
 ) -> Case:
     """Cantilever strip bent by an end shear of fixed direction, with one cell across its width."""
-    model = surface(form, (cells, 1), lambda s, t: (LENGTH * s, WIDTH * t, 0 * s), {"tip": (1, 0)})
+    mesh = surface(form, (cells, 1), lambda s, t: (LENGTH * s, WIDTH * t, 0 * s), {"tip": (1, 0)})
     return benchmark(
-        Shell(model, Plate(thickness), Elastic(1.2e6, 0.0), form=form), [clamp(model, "west")],
-        [EdgeForce(model, "east", (0.0, 0.0, load / WIDTH))], READINGS, ("deflection of the tip", "end shear"),
+        Shell(mesh, Plate(thickness), Elastic(1.2e6, 0.0), form=form), [clamp(mesh, "west")],
+        [EdgeForce(mesh, "east", (0.0, 0.0, load / WIDTH))], READINGS, ("deflection of the tip", "end shear"),
         steps=steps, published=PUBLISHED)

@@ -44,14 +44,14 @@ def case(
     if ends not in ENDS:
         raise ValueError(f"column: ends is {ends!r}; it must be one of {', '.join(ENDS)}")
     nodes = {"base": (0.0, 0.0), "top": (LENGTH, 0.0)}
-    model = read(lambda: meshes.frame(nodes, {"column": ("base", "top", elements)}), 2)
+    mesh = read(lambda: meshes.frame(nodes, {"column": ("base", "top", elements)}), 2)
     section = Rectangle(1.0, depth)
-    beam = Beam(model, section, Elastic(12 * LENGTH**2 / (pi**2 * depth**3)), degree=degree)
+    beam = Beam(mesh, section, Elastic(12 * LENGTH**2 / (pi**2 * depth**3)), degree=degree)
     return Case(
         scene=Scene(
             parts=[beam],
-            supports=[Support(model, at, fixed) for at, fixed in zip(nodes, ENDS[ends], strict=True) if fixed],
-            loads=[PointForce(model, "top", (-1.0, 0.0))], monitor=Monitor(model, "top", "x", -1.0)),
+            supports=[Support(mesh, at, fixed) for at, fixed in zip(nodes, ENDS[ends], strict=True) if fixed],
+            loads=[PointForce(mesh, "top", (-1.0, 0.0))], monitor=Monitor(mesh, "top", "x", -1.0)),
         control=LoadControl(step=step, target=to), quantities=quantities,
         pictures=[path_curve, shapes, paraview], axes=("shortening over the length", "load over Euler's"))
 

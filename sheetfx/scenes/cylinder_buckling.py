@@ -46,16 +46,16 @@ def case(
     def place(x, y):
         return RADIUS * np.cos(pi / 2 * x), RADIUS * np.sin(pi / 2 * x), length * y
 
-    model = surface(form, cells, place, {})
-    shell = Shell(model, Plate(thickness), MATERIAL, form=form)
-    free = [symmetry(model, "west", "y"), symmetry(model, "east", "x"), Support(model, "south-west", "z")]
-    held = [*free, *(Support(model, end, "x y rz") for end in ("south", "north"))]
+    mesh = surface(form, cells, place, {})
+    shell = Shell(mesh, Plate(thickness), MATERIAL, form=form)
+    free = [symmetry(mesh, "west", "y"), symmetry(mesh, "east", "x"), Support(mesh, "south-west", "z")]
+    held = [*free, *(Support(mesh, end, "x y rz") for end in ("south", "north"))]
     force = classical(thickness)
     return Case(
         scene=Scene(
             [shell], free,
-            [EdgeForce(model, "south", (0.0, 0.0, force)), EdgeForce(model, "north", (0.0, 0.0, -force))],
-            Monitor(model, "north-west", "z", -1.0), symmetry_factor=4),
+            [EdgeForce(mesh, "south", (0.0, 0.0, force)), EdgeForce(mesh, "north", (0.0, 0.0, -force))],
+            Monitor(mesh, "north-west", "z", -1.0), symmetry_factor=4),
         until=Until(steps=0),
         buckling=lambda path, state: buckling(path, state, count, supports=held, tolerance=5e-3),
         quantities=lambda record: quantities(record, thickness, length),

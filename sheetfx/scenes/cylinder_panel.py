@@ -46,15 +46,15 @@ def case(
     def place(x, y):
         return RADIUS * np.cos(quarter * x), RADIUS * np.sin(quarter * x), length * y
 
-    model = surface(form, cells, place, {"corner": (0, 1)})
+    mesh = surface(form, cells, place, {"corner": (0, 1)})
     force = 1 / (RADIUS * quarter)
     modulus = force * RADIUS * sqrt(3 * (1 - POISSON**2)) / thickness**2
-    shell = Shell(model, Plate(thickness), Elastic(modulus, POISSON), form=form)
+    shell = Shell(mesh, Plate(thickness), Elastic(modulus, POISSON), form=form)
     return Case(
         scene=Scene(
             [shell],
-            [symmetry(model, "west", "y"), symmetry(model, "east", "x"),
-             symmetry(model, "south", "z"), Support(model, "north", "x y rz")],
-            [EdgeForce(model, "north", (0.0, 0.0, -force))], Monitor(model, "corner", "z", -1.0)),
+            [symmetry(mesh, "west", "y"), symmetry(mesh, "east", "x"),
+             symmetry(mesh, "south", "z"), Support(mesh, "north", "x y rz")],
+            [EdgeForce(mesh, "north", (0.0, 0.0, -force))], Monitor(mesh, "corner", "z", -1.0)),
         control=ArcLength(step=step), until=Until(load=to), quantities=quantities,
         pictures=[path_curve, shapes, paraview], axes=("shortening over the radius", "load over the classical one"))

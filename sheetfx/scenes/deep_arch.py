@@ -52,16 +52,16 @@ def case(
     if not 0 < opening < 360:
         raise ValueError(f"deep-arch: opening is {opening} degrees; it must lie between 0 and 360")
     half, symmetry_factor = radians(opening / 2), 2 if hinged else 1
-    model = read(lambda: meshes.arc(RADIUS, 0.0 if hinged else -half, half, elements, {"crown": 0.0}), 2,
+    mesh = read(lambda: meshes.arc(RADIUS, 0.0 if hinged else -half, half, elements, {"crown": 0.0}), 2,
                  min(degree, 2))
     section, material = Rectangle(1.0, depth), Elastic(MODULUS)
     unit = section.stiffness(material, 2)[2] / RADIUS**2
-    beam = Beam(model, section, material, degree=degree, shear_rigidity=1e3)
+    beam = Beam(mesh, section, material, degree=degree, shear_rigidity=1e3)
     return Case(
         scene=Scene(
-            parts=[beam], supports=[symmetry(model, "crown") if hinged else clamp(model, "start"), pin(model, "end")],
-            loads=[PointForce(model, "crown", (0.0, -unit / symmetry_factor))], symmetry_factor=symmetry_factor,
-            monitor=Monitor(model, "crown", "y", -1.0)),
+            parts=[beam], supports=[symmetry(mesh, "crown") if hinged else clamp(mesh, "start"), pin(mesh, "end")],
+            loads=[PointForce(mesh, "crown", (0.0, -unit / symmetry_factor))], symmetry_factor=symmetry_factor,
+            monitor=Monitor(mesh, "crown", "y", -1.0)),
         control=ArcLength(step=step), until=Until(load=200 * unit) if hinged else Until(deflection=to),
         quantities=lambda record: quantities(record, unit),
         pictures=[path_curve, shapes, paraview],

@@ -9,7 +9,7 @@ from typer import Option
 
 from ..case import Case
 from ..continuation.control import ArcLength
-from ..mesh.reader import Model
+from ..mesh.reader import NamedMesh
 from ..model.loads import PointForce
 from ..model.section import Elastic, Plate
 from ..model.shell import Shell
@@ -31,14 +31,14 @@ REFERENCE = {"w_A": 84.14, "u_B": 35.77}
 CHART = members({"naghdi-q2": (16, 24, 32), "naghdi-q3": (8, 12, 16), "naghdi-p2cr": (24, 32, 48)})
 
 
-def eighth(form: str, cells: int, radius: float) -> tuple[Model, list[Support]]:
+def eighth(form: str, cells: int, radius: float) -> tuple[NamedMesh, list[Support]]:
     """An eighth of a cylinder twice as long as its radius, with A under the force and B at the side.
 
     The diaphragms hold the ends in their planes and leave their rotations free.
     """
-    model = cylinder(form, (cells, cells), radius, radius, pi / 2, {"A": (0, 0), "B": (0, 1)})
-    return model, [symmetry(model, "west", "x"), symmetry(model, "south", "y"), symmetry(model, "north", "z"),
-                   Support(model, "east", "y z")]
+    mesh = cylinder(form, (cells, cells), radius, radius, pi / 2, {"A": (0, 0), "B": (0, 1)})
+    return mesh, [symmetry(mesh, "west", "x"), symmetry(mesh, "south", "y"), symmetry(mesh, "north", "z"),
+                   Support(mesh, "east", "y z")]
 
 
 def case(
@@ -52,8 +52,8 @@ def case(
 
     w_A is inwards under a force, u_B outwards at the side.
     """
-    model, supports = eighth(form, cells, 100.0)
+    mesh, supports = eighth(form, cells, 100.0)
     return benchmark(
-        Shell(model, Plate(thickness), Elastic(3e4, 0.3), form=form), supports,
-        [PointForce(model, "A", (0.0, 0.0, -load / 4))], READINGS, ("deflection of A", "sum of both forces"),
+        Shell(mesh, Plate(thickness), Elastic(3e4, 0.3), form=form), supports,
+        [PointForce(mesh, "A", (0.0, 0.0, -load / 4))], READINGS, ("deflection of A", "sum of both forces"),
         symmetry_factor=8, control=ArcLength(step=step), until=Until(load=2 * load), published=PUBLISHED)

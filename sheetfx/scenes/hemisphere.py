@@ -44,11 +44,11 @@ def case(
         return RADIUS * np.cos(height) * np.cos(azimuth), RADIUS * np.cos(height) * np.sin(azimuth), \
             RADIUS * np.sin(height)
 
-    model = surface(form, (cells, cells), place, {"A": (0, 0), "B": (1, 0)})
+    mesh = surface(form, (cells, cells), place, {"A": (0, 0), "B": (1, 0)})
     return benchmark(
-        Shell(model, Plate(thickness), Elastic(6.825e7, 0.3), form=form),
-        [symmetry(model, "west", "y"), symmetry(model, "east", "x"), Support(model, "A", "z")],
-        [PointForce(model, "A", (load / 2, 0.0, 0.0)), PointForce(model, "B", (0.0, -load / 2, 0.0))],
+        Shell(mesh, Plate(thickness), Elastic(6.825e7, 0.3), form=form),
+        [symmetry(mesh, "west", "y"), symmetry(mesh, "east", "x"), Support(mesh, "A", "z")],
+        [PointForce(mesh, "A", (load / 2, 0.0, 0.0)), PointForce(mesh, "B", (0.0, -load / 2, 0.0))],
         READINGS, ("deflection of A", "each force"), steps=steps, published=PUBLISHED,
         quantities=lambda record: at_load(record, READINGS) | {
             "linear_u_A": 2 / load * slopes(record, READINGS, 0)["u_A"]})

@@ -45,12 +45,12 @@ def case(
         "short": ("corner", "load", elements // 5),
         "long": ("load", "end", elements - elements // 5),
     }
-    model = read(lambda: meshes.frame(nodes, members), 2)
-    beam = Beam(model, SECTION, MATERIAL, degree=degree, shear_rigidity=1e3)
+    mesh = read(lambda: meshes.frame(nodes, members), 2)
+    beam = Beam(mesh, SECTION, MATERIAL, degree=degree, shear_rigidity=1e3)
     return Case(
         scene=Scene(
-            parts=[beam], supports=[pin(model, "base"), pin(model, "end")],
-            loads=[PointForce(model, "load", (0.0, -1.0))], monitor=Monitor(model, "load", "y", -1.0)),
+            parts=[beam], supports=[pin(mesh, "base"), pin(mesh, "end")],
+            loads=[PointForce(mesh, "load", (0.0, -1.0))], monitor=Monitor(mesh, "load", "y", -1.0)),
         control=ArcLength(step=step), until=Until(deflection=to), quantities=quantities,
         pictures=[path_curve, falls_curve, shapes, paraview],
         axes=("deflection under the load", "load"))

@@ -29,9 +29,9 @@ def case(
     steps: LinearSteps = 1,
 ) -> Case:
     """Pinched cylinder: the linear deflection under a force. One eighth is modelled."""
-    model, supports = eighth(form, cells, 300.0)
+    mesh, supports = eighth(form, cells, 300.0)
     return benchmark(
-        Shell(model, Plate(thickness, shear_factor), Elastic(3e6, 0.3), form=form), supports,
-        [PointForce(model, "A", (0.0, 0.0, -load / 4))], READINGS,
+        Shell(mesh, Plate(thickness, shear_factor), Elastic(3e6, 0.3), form=form), supports,
+        [PointForce(mesh, "A", (0.0, 0.0, -load / 4))], READINGS,
         ("deflection under a force", "sum of both forces"), steps=steps, symmetry_factor=8,
         quantities=lambda record: slopes(record, READINGS, 0))

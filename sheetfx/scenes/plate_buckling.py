@@ -51,18 +51,18 @@ def case(
         raise ValueError(f"plate-buckling: edges is {edges!r}; it must be one of {', '.join(EDGES)}")
     if not aspect > 0 or not slenderness > 0:
         raise ValueError("plate-buckling: aspect and slenderness must be positive")
-    model = surface(form, (max(1, round(cells * aspect)), cells), lambda x, y: (aspect * WIDTH * x, WIDTH * y, 0.0), {})
+    mesh = surface(form, (max(1, round(cells * aspect)), cells), lambda x, y: (aspect * WIDTH * x, WIDTH * y, 0.0), {})
     thickness = WIDTH / slenderness
-    shell = Shell(model, Plate(thickness), Elastic(MODULUS, poisson), form=form)
+    shell = Shell(mesh, Plate(thickness), Elastic(MODULUS, poisson), form=form)
     loaded, south, north = EDGES[edges]
     kinds = {"west": loaded, "east": loaded, "south": south, "north": north}
-    supports = [Support(model, edge, _fixed(kind, edge)) for edge, kind in kinds.items() if kind != FREE]
+    supports = [Support(mesh, edge, _fixed(kind, edge)) for edge, kind in kinds.items() if kind != FREE]
     euler = pi**2 * MODULUS * thickness**3 / 12 / (1 - poisson**2) / WIDTH**2
     return Case(
         scene=Scene(
-            [shell], [*supports, Support(model, "south-west", "x y"), Support(model, "south-east", "y")],
-            [EdgeForce(model, "west", (euler, 0.0, 0.0)), EdgeForce(model, "east", (-euler, 0.0, 0.0))],
-            Monitor(model, "south-east", "x", -1.0)),
+            [shell], [*supports, Support(mesh, "south-west", "x y"), Support(mesh, "south-east", "y")],
+            [EdgeForce(mesh, "west", (euler, 0.0, 0.0)), EdgeForce(mesh, "east", (-euler, 0.0, 0.0))],
+            Monitor(mesh, "south-east", "x", -1.0)),
         until=Until(steps=0), buckling=lambda path, state: buckling(path, state, count),
         quantities=lambda record: quantities(record, edges, aspect, poisson),
         pictures=[draw_modes, mode_files], axes=("shortening (mm)", "load on both edges (N)"))

@@ -40,9 +40,9 @@ def case(
 
     w_A is outwards under a force, u_B and u_C are inwards at the side, at half length and at the ends.
     """
-    model = cylinder(form, (cells, cells), RADIUS, LENGTH / 2, pi / 2, {"A": (0, 0), "B": (0, 1), "C": (1, 1)})
+    mesh = cylinder(form, (cells, cells), RADIUS, LENGTH / 2, pi / 2, {"A": (0, 0), "B": (0, 1), "C": (1, 1)})
     return benchmark(
-        Shell(model, Plate(thickness), Elastic(10.5e6, 0.3125), form=form),
-        [symmetry(model, "west", "x"), symmetry(model, "south", "y"), symmetry(model, "north", "z")],
-        [PointForce(model, "A", (0.0, 0.0, load / 4))], READINGS, ("deflection of A", "sum of both forces"),
+        Shell(mesh, Plate(thickness), Elastic(10.5e6, 0.3125), form=form),
+        [symmetry(mesh, "west", "x"), symmetry(mesh, "south", "y"), symmetry(mesh, "north", "z")],
+        [PointForce(mesh, "A", (0.0, 0.0, load / 4))], READINGS, ("deflection of A", "sum of both forces"),
         steps=steps, symmetry_factor=8, published=PUBLISHED)

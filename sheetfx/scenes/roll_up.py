@@ -10,7 +10,7 @@ from typer import Option
 from .. import meshes
 from ..case import Case
 from ..continuation.control import LoadControl
-from ..mesh.reader import Model, read
+from ..mesh.reader import NamedMesh, read
 from ..model.beam import Beam
 from ..model.loads import Moment
 from ..model.scene import Monitor, Scene
@@ -41,33 +41,33 @@ def case(
             raise ValueError(f"roll-up: {name} is {value}; at least 1 is needed")
     moment = 2 * pi * turns * SECTION.stiffness(MATERIAL, 2)[2] / LENGTH
     part, supports, load = _shell(form, elements, moment) if form else _beam(degree, elements, moment, spatial)
-    model = part.model
+    mesh = part.mesh
     return Case(
         scene=Scene(
-            parts=[part], supports=supports, loads=[load], monitor=Monitor(model, "tip", "x", -1.0)),
+            parts=[part], supports=supports, loads=[load], monitor=Monitor(mesh, "tip", "x", -1.0)),
         control=LoadControl(step=1 / (turns * steps), fixed=True),
-        quantities=lambda record: quantities(record, model), pictures=[path_curve, shapes, paraview],
+        quantities=lambda record: quantities(record, mesh), pictures=[path_curve, shapes, paraview],
         axes=("displacement of the tip", "moment"))
 
 
 def _beam(degree: int, elements: int, moment: float, spatial: bool) -> tuple[Beam, list[Support], Moment]:
     """Beam, its clamp and its end moment about z."""
     nodes = {"base": (0, 0), "tip": (LENGTH, 0)}
-    model = read(lambda: meshes.frame(nodes, {"cantilever": ("base", "tip", elements)}), 3 if spatial else 2)
-    beam = Beam(model, SECTION, MATERIAL, degree=degree, up=(0.0, 1.0, 0.0))
-    return beam, [clamp(model, "base")], Moment(model, "tip", (0.0, 0.0, moment) if spatial else moment)
+    mesh = read(lambda: meshes.frame(nodes, {"cantilever": ("base", "tip", elements)}), 3 if spatial else 2)
+    beam = Beam(mesh, SECTION, MATERIAL, degree=degree, up=(0.0, 1.0, 0.0))
+    return beam, [clamp(mesh, "base")], Moment(mesh, "tip", (0.0, 0.0, moment) if spatial else moment)
 
 
 def _shell(form: str, elements: int, moment: float) -> tuple[Shell, list[Support], Moment]:
     """Strip of shell that stays in its plane of symmetry, with its end moment about z."""
     width = SECTION.width
-    model = surface(form, (elements, 1), lambda s, t: (LENGTH * s, 0 * s, width * t), {"tip": (1, 0)})
-    shell = Shell(model, Plate(SECTION.depth), MATERIAL, form=form)
-    supports = [clamp(model, "west"), symmetry(model, "south", "z")]
-    return shell, supports, Moment(model, "east", (0.0, 0.0, moment / width))
+    mesh = surface(form, (elements, 1), lambda s, t: (LENGTH * s, 0 * s, width * t), {"tip": (1, 0)})
+    shell = Shell(mesh, Plate(SECTION.depth), MATERIAL, form=form)
+    supports = [clamp(mesh, "west"), symmetry(mesh, "south", "z")]
+    return shell, supports, Moment(mesh, "east", (0.0, 0.0, moment / width))
 
 
-def quantities(record: Record, model: Model) -> dict[str, float]:
+def quantities(record: Record, mesh: NamedMesh) -> dict[str, float]:
     """Place of the tip at the end, its error over the length, and its angle in the plane.
 
     The exact tip is LENGTH (sin a, 1 - cos a) / a when the tip has turned by the angle a, since a
@@ -76,11 +76,11 @@ def quantities(record: Record, model: Model) -> dict[str, float]:
     last = record.states[-1]
     angle = last.load * LENGTH / SECTION.stiffness(MATERIAL, 2)[2]
     record.show(last)
-    kinematics = record.path.discretisation.kinematics(model)
-    tip = kinematics.displacement(model, "tip")
+    kinematics = record.path.discretisation.kinematics(mesh)
+    tip = kinematics.displacement(mesh, "tip")
     x, y = float(LENGTH + tip[0]), float(tip[1])
     error = hypot(x - LENGTH * sin(angle) / angle, y - LENGTH * (1 - cos(angle)) / angle) / LENGTH
     values = {"tip_x": x, "tip_y": y, "tip_error": error}
-    if model.dimension == 2:
-        values["tip_angle"] = kinematics.turned(model, "tip")
+    if mesh.dimension == 2:
+        values["tip_angle"] = kinematics.turned(mesh, "tip")
     return values

@@ -53,10 +53,10 @@ def case(
     step: FirstArc = 0.02,
 ) -> Case:
     """Hinged roof: limit points of the force on the whole roof, of which a quarter is modelled."""
-    model = cylinder(form, (cells, cells), RADIUS, LENGTH / 2, HALF_ANGLE, {"crown": (0, 0)})
+    mesh = cylinder(form, (cells, cells), RADIUS, LENGTH / 2, HALF_ANGLE, {"crown": (0, 0)})
     return benchmark(
-        Shell(model, Plate(thickness), Elastic(3102.75, 0.3), form=form),
-        [symmetry(model, "west", "x"), symmetry(model, "south", "y"), Support(model, "north", "x y z")],
-        [PointForce(model, "crown", (0.0, 0.0, -0.25))], READINGS, ("deflection of the crown (mm)", "force (N)"),
+        Shell(mesh, Plate(thickness), Elastic(3102.75, 0.3), form=form),
+        [symmetry(mesh, "west", "x"), symmetry(mesh, "south", "y"), Support(mesh, "north", "x y z")],
+        [PointForce(mesh, "crown", (0.0, 0.0, -0.25))], READINGS, ("deflection of the crown (mm)", "force (N)"),
         symmetry_factor=4, control=ArcLength(step=step), until=Until(deflection=to), published=PUBLISHED.get(thickness),
         quantities=quantities)

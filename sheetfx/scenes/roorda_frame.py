@@ -41,15 +41,15 @@ def case(
     require_positive_number("roorda-frame", depth=depth, elements=elements, to=to, step=step)
     nodes = {"base": (0.0, 0.0), "corner": (0.0, LENGTH), "end": (LENGTH, LENGTH), "foot": (LENGTH, 0.0)}
     members = {"column": ("base", "corner", elements), "beam": ("corner", "end", elements), "strut": ("foot", "end", 1)}
-    model = read(lambda: meshes.frame(nodes, members), 2)
+    mesh = read(lambda: meshes.frame(nodes, members), 2)
     material = Elastic(12 * LENGTH**2 / (pi**2 * depth**3))
     sections = {name: Rectangle(1.0, depth) for name in members} | {"strut": Rectangle(1e3, 1e-3 * depth)}
     return Case(
         scene=Scene(
-            parts=[Beam(model, s, material, group=name, degree=1) for name, s in sections.items()],
-            supports=[pin(model, "base"), pin(model, "foot"), Support(model, "end", "x")],
-            loads=[PointForce(model, at, (0.0, -1.0)) for at in ("corner", "end")],
-            monitor=Monitor(model, "corner", "rz")),
+            parts=[Beam(mesh, s, material, group=name, degree=1) for name, s in sections.items()],
+            supports=[pin(mesh, "base"), pin(mesh, "foot"), Support(mesh, "end", "x")],
+            loads=[PointForce(mesh, at, (0.0, -1.0)) for at in ("corner", "end")],
+            monitor=Monitor(mesh, "corner", "rz")),
         control=LoadControl(step=step, target=to), quantities=quantities,
         pictures=[path_curve, shapes, paraview],
         axes=("rotation of the corner", "load on corner and strut over Euler's"))

@@ -31,10 +31,10 @@ def case(
     steps: LinearSteps = 1,
 ) -> Case:
     """Scordelis-Lo roof: the linear deflection at the middle of a free edge. A quarter is modelled."""
-    model = cylinder(form, (cells, cells), RADIUS, LENGTH / 2, HALF_ANGLE, {"middle": (0, 1)})
-    shell = Shell(model, Plate(thickness, shear_factor), Elastic(4.32e8, 0.0), form=form)
+    mesh = cylinder(form, (cells, cells), RADIUS, LENGTH / 2, HALF_ANGLE, {"middle": (0, 1)})
+    shell = Shell(mesh, Plate(thickness, shear_factor), Elastic(4.32e8, 0.0), form=form)
     return benchmark(
-        shell, [symmetry(model, "west", "x"), symmetry(model, "south", "y"), Support(model, "east", "y z")],
+        shell, [symmetry(mesh, "west", "x"), symmetry(mesh, "south", "y"), Support(mesh, "east", "y z")],
         [SurfaceForce(shell, (0.0, 0.0, -load))], READINGS,
         ("deflection of the free edge", "weight"), steps=steps, symmetry_factor=4,
         quantities=lambda record: slopes(record, READINGS, 0))

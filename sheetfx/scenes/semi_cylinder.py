@@ -39,9 +39,9 @@ def case(
 
     Its straight edges cannot move vertically or turn about the axis, as if the cylinder were whole and pinched twice.
     """
-    model = cylinder(form, (cells, cells), RADIUS, LENGTH, pi / 2, {"A": (1, 0)})
+    mesh = cylinder(form, (cells, cells), RADIUS, LENGTH, pi / 2, {"A": (1, 0)})
     return benchmark(
-        Shell(model, Plate(thickness), Elastic(2068.5, 0.3), form=form),
-        [clamp(model, "west"), symmetry(model, "south", "y"), symmetry(model, "north", "z")],
-        [PointForce(model, "A", (0.0, 0.0, -load / 2))], READINGS, ("deflection under the force", "force"),
+        Shell(mesh, Plate(thickness), Elastic(2068.5, 0.3), form=form),
+        [clamp(mesh, "west"), symmetry(mesh, "south", "y"), symmetry(mesh, "north", "z")],
+        [PointForce(mesh, "A", (0.0, 0.0, -load / 2))], READINGS, ("deflection under the force", "force"),
         symmetry_factor=2, control=ArcLength(step=step), until=Until(load=load), published=PUBLISHED)

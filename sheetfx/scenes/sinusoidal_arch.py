@@ -54,14 +54,14 @@ def case(
     half = elements // 2
     nodes = {"left": (0.0, 0.0), "crown": (SPAN / 2, 0.0), "right": (SPAN, 0.0)}
     members = {"one": ("left", "crown", half), "other": ("crown", "right", half)}
-    model = read(lambda: meshes.frame(nodes, members), 2, min(degree, 2), place)
+    mesh = read(lambda: meshes.frame(nodes, members), 2, min(degree, 2), place)
     bending = SPAN**3 / (4 * pi**3 * gyration)
-    beam = Beam(model, Rectangle(1.0, depth), Elastic(12 * bending / depth**3), degree=degree)
+    beam = Beam(mesh, Rectangle(1.0, depth), Elastic(12 * bending / depth**3), degree=degree)
     load = LineForce(beam, lambda x: (0.0, -pi / (2 * SPAN) * ufl.sin(pi * x[0] / SPAN)))
     return Case(
         scene=Scene(
-            parts=[beam], supports=[pin(model, "left"), pin(model, "right")], loads=[load],
-            monitor=Monitor(model, "crown", "y", -1.0)),
+            parts=[beam], supports=[pin(mesh, "left"), pin(mesh, "right")], loads=[load],
+            monitor=Monitor(mesh, "crown", "y", -1.0)),
         control=ArcLength(step=step * rise / SPAN), until=Until(deflection=2.2 * rise), quantities=quantities,
         pictures=[path_curve, shapes, paraview],
         axes=("deflection of the crown", "load / 4 i EI (pi / span)^3"))

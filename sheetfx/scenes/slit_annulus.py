@@ -46,8 +46,8 @@ def case(
         radius, angle = INNER + (OUTER - INNER) * t, 2 * pi * s
         return radius * np.cos(angle), radius * np.sin(angle), 0 * s
 
-    model = surface(form, (cells, across or max(2, cells // 5)), place, {"A": (0, 0), "B": (0, 1)})
+    mesh = surface(form, (cells, across or max(2, cells // 5)), place, {"A": (0, 0), "B": (0, 1)})
     return benchmark(
-        Shell(model, Plate(thickness), Elastic(21e6, 0.0), form=form), [clamp(model, "east")],
-        [EdgeForce(model, "west", (0.0, 0.0, load))], READINGS, ("deflection of A", "force on the slit"),
+        Shell(mesh, Plate(thickness), Elastic(21e6, 0.0), form=form), [clamp(mesh, "east")],
+        [EdgeForce(mesh, "west", (0.0, 0.0, load))], READINGS, ("deflection of A", "force on the slit"),
         steps=steps, published=PUBLISHED)

@@ -40,15 +40,15 @@ def case(
     """Star dome: limit points, simple and double bifurcations of the path that keeps all symmetries."""
     require_positive_number("star-dome", to=to)
     nodes, members = dome()
-    model = read(lambda: meshes.frame(nodes, {name: (*ends, 1) for name, ends in members.items()}), 3)
-    loads = [PointForce(model, "apex", (0.0, 0.0, -1.0))]
+    mesh = read(lambda: meshes.frame(nodes, {name: (*ends, 1) for name, ends in members.items()}), 3)
+    loads = [PointForce(mesh, "apex", (0.0, 0.0, -1.0))]
     if ring:
-        loads += [PointForce(model, f"inner{i}", (0.0, 0.0, -ring)) for i in range(6)]
+        loads += [PointForce(mesh, f"inner{i}", (0.0, 0.0, -ring)) for i in range(6)]
     return Case(
         scene=Scene(
-            parts=[Bar(model, Rectangle(1.0, 1.0), Elastic(1.0))],
-            supports=[pin(model, f"outer{i}") for i in range(6)], loads=loads,
-            monitor=Monitor(model, "apex", "z", -1.0)),
+            parts=[Bar(mesh, Rectangle(1.0, 1.0), Elastic(1.0))],
+            supports=[pin(mesh, f"outer{i}") for i in range(6)], loads=loads,
+            monitor=Monitor(mesh, "apex", "z", -1.0)),
         control=ArcLength(step=step), until=Until(deflection=to), quantities=quantities,
         pictures=[path_curve, shapes, paraview], axes=("deflection of the apex", "total load / EA"))
 

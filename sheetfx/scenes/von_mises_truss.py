@@ -34,10 +34,10 @@ def case(
     """Two bars: bifurcations and limit points in turn, while the apex is pressed down to its mirror image."""
     require_positive_number("von-mises-truss", rise=rise)
     nodes = {"left": (-1.0, 0.0), "apex": (0.0, rise), "right": (1.0, 0.0)}
-    model = read(lambda: meshes.frame(nodes, {"one": ("left", "apex", 1), "other": ("apex", "right", 1)}), 2)
+    mesh = read(lambda: meshes.frame(nodes, {"one": ("left", "apex", 1), "other": ("apex", "right", 1)}), 2)
     return Case(
         scene=Scene(
-            parts=[Bar(model, Rectangle(1.0, 1.0), Elastic(1.0))], supports=[pin(model, "left"), pin(model, "right")],
-            loads=[PointForce(model, "apex", (0.0, -1.0))], monitor=Monitor(model, "apex", "y", -1.0)),
+            parts=[Bar(mesh, Rectangle(1.0, 1.0), Elastic(1.0))], supports=[pin(mesh, "left"), pin(mesh, "right")],
+            loads=[PointForce(mesh, "apex", (0.0, -1.0))], monitor=Monitor(mesh, "apex", "y", -1.0)),
         control=ArcLength(step=step), until=Until(deflection=2.2 * rise), quantities=quantities,
         pictures=[path_curve, shapes, paraview], axes=("deflection of the apex over half the span", "load / EA"))

@@ -13,7 +13,7 @@ from mpi4py import MPI
 from ..compat import JIT
 from ..continuation.state import CriticalPoint, State
 from ..discrete.contact import ContactFields, ContactState
-from ..mesh.reader import Model
+from ..mesh.reader import NamedMesh
 from ..record import Record
 
 POINTS_PER_CELL = 5
@@ -21,7 +21,7 @@ ROUNDING = 1e-6  # of a displacement that is zero, over the largest increment of
 
 
 def communicator(record: Record) -> MPI.Comm:
-    return record.case.scene.parts[0].model.mesh.comm
+    return record.case.scene.parts[0].mesh.domain.comm
 
 
 def unit_of(axis: str) -> str:
@@ -64,30 +64,30 @@ def most_telling(points: list[CriticalPoint], most: int) -> list[CriticalPoint]:
 
 
 class Curves:
-    """The curves of all models, several points to each cell so that curved cells look curved.
+    """The curves of all meshes, several points to each cell so that curved cells look curved.
 
     Parameters
     ----------
-    displacements : for each model a displacement to use instead of the current one
+    displacements : for each mesh a displacement to use instead of the current one
     """
 
-    def __init__(self, record: Record, displacements: Mapping[Model, fem.Function] | None = None):
+    def __init__(self, record: Record, displacements: Mapping[NamedMesh, fem.Function] | None = None):
         points = np.linspace(0, 1, POINTS_PER_CELL)[:, None]
         discretisation = record.path.discretisation
         self._comm = communicator(record)
         self._parts = []
-        for model in (m for m in record.case.scene.models if m.mesh.topology.dim == 1):
-            x = ufl.SpatialCoordinate(model.mesh)
-            u = displacements[model] if displacements else discretisation.kinematics(model).u
+        for mesh in (m for m in record.case.scene.meshes if m.mesh.topology.dim == 1):
+            x = ufl.SpatialCoordinate(mesh.domain)
+            u = displacements[mesh] if displacements else discretisation.kinematics(mesh).u
             both = [*x, *(x + u)]
-            self._parts.append((model, fem.Expression(ufl.as_vector(both), points, jit_options=JIT)))
+            self._parts.append((mesh, fem.Expression(ufl.as_vector(both), points, jit_options=JIT)))
 
     def evaluate(self) -> tuple[np.ndarray, np.ndarray] | None:
         """Undeformed and current places, each (cells, points, 3), on process 0; None elsewhere."""
         rows = [np.zeros((0, POINTS_PER_CELL, 2, 3))]
-        for model, expression in self._parts:
-            d = model.dimension
-            table = expression.eval(model.mesh, model.group(None)).reshape(-1, POINTS_PER_CELL, 2, d)
+        for mesh, expression in self._parts:
+            d = mesh.dimension
+            table = expression.eval(mesh.domain, mesh.group(None)).reshape(-1, POINTS_PER_CELL, 2, d)
             rows.append(np.pad(table, [(0, 0), (0, 0), (0, 0), (0, 3 - d)]))
         gathered = self._comm.gather(np.concatenate(rows))
         if gathered is None:
@@ -118,7 +118,7 @@ def _point_numbers(contact: ContactFields) -> np.ndarray:
     """Global number of each contact point of this process, in the order of its evaluation."""
     beam = contact.contact.beam
     dofmap = contact.multiplier.function_space.dofmap
-    return dofmap.index_map.local_to_global(dofmap.list[beam.model.group(beam.group)].ravel())
+    return dofmap.index_map.local_to_global(dofmap.list[beam.mesh.group(beam.group)].ravel())
 
 
 def _merge(parts: list[dict], numbers: np.ndarray) -> ContactState:

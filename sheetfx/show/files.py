@@ -11,7 +11,7 @@ from dolfinx.io import VTKFile
 
 from ..compat import JIT, interpolation_points
 from ..discrete.kinematics import Kinematics
-from ..mesh.reader import Model
+from ..mesh.reader import NamedMesh
 from ..record import Record
 from .evaluate import last_state_kept
 
@@ -20,39 +20,39 @@ def paraview(record: Record, folder: Folder) -> None:
     """Write path.pvd: displacement and, but for bars, rotation of all states, with the step as time.
 
     Both have three components: a planar rotation is an angle about z, a spatial one the rotation
-    vector (radians, below a full turn), averaged where cells disagree. A scene of several models gets
+    vector (radians, below a full turn), averaged where cells disagree. A scene of several meshes gets
     path.pvd, path1.pvd and so on.
     """
     with last_state_kept(record):
-        for i, model in enumerate(record.case.scene.models):
-            _write(record, model, Folder(folder) / "paraview" / f"path{i or ''}.pvd")
+        for i, mesh in enumerate(record.case.scene.meshes):
+            _write(record, mesh, Folder(folder) / "paraview" / f"path{i or ''}.pvd")
 
 
-def _write(record: Record, model: Model, file: Folder) -> None:
-    kinematics = record.path.discretisation.kinematics(model)
+def _write(record: Record, mesh: NamedMesh, file: Folder) -> None:
+    kinematics = record.path.discretisation.kinematics(mesh)
     degree = min(kinematics.u.function_space.element.basix_element.degree, 2)
-    space = fem.functionspace(model.mesh, ("P", degree, (3,)))
+    space = fem.functionspace(mesh.domain, ("P", degree, (3,)))
     values = {"displacement": _padded(kinematics.u)}
     if kinematics.rotation is not None:
-        values["rotation"] = _rotation_vector(model, kinematics)
+        values["rotation"] = _rotation_vector(mesh, kinematics)
     points = interpolation_points(space)
     expressions = [fem.Expression(v, points, jit_options=JIT) for v in values.values()]
     share = fem.Function(space)
-    _add(share, np.ones((*space.dofmap.list[model.group(None)].shape, 3)), model)
+    _add(share, np.ones((*space.dofmap.list[mesh.group(None)].shape, 3)), mesh)
     functions = [fem.Function(space, name=name) for name in values]
-    with VTKFile(model.mesh.comm, file, "w") as stream:
+    with VTKFile(mesh.domain.comm, file, "w") as stream:
         for state in record.states:
             record.show(state)
             for function, expression in zip(functions, expressions, strict=True):
                 function.x.array[:] = 0
-                _add(function, expression.eval(model.mesh, model.group(None)), model)
+                _add(function, expression.eval(mesh.domain, mesh.group(None)), mesh)
                 function.x.array[:] /= share.x.array
             stream.write_function(functions, float(state.step))
 
 
-def _add(function: fem.Function, values: np.ndarray, model: Model) -> None:
+def _add(function: fem.Function, values: np.ndarray, mesh: NamedMesh) -> None:
     """Add values at the nodes of each cell, so that fields with jumps can be averaged."""
-    nodes = function.function_space.dofmap.list[model.group(None)].ravel()
+    nodes = function.function_space.dofmap.list[mesh.group(None)].ravel()
     np.add.at(function.x.array.reshape(-1, 3), nodes, values.reshape(-1, 3))
     function.x.scatter_reverse(la.InsertMode.add)
     function.x.scatter_forward()
@@ -62,9 +62,9 @@ def _padded(u):
     return ufl.as_vector([*u, *([0.0] * (3 - len(u)))])
 
 
-def _rotation_vector(model: Model, kinematics: Kinematics):
+def _rotation_vector(mesh: NamedMesh, kinematics: Kinematics):
     """Angle times axis, as a UFL vector of three components."""
-    if model.dimension == 2:
+    if mesh.dimension == 2:
         return ufl.as_vector([0.0, 0.0, kinematics.spin])
     q = kinematics.rotation.quaternion
     vector = ufl.as_vector([q[1], q[2], q[3]])

@@ -38,19 +38,19 @@ def draw_modes(record: Record, folder: Folder, name: str = "modes.png") -> None:
 def mode_files(record: Record, folder: Folder) -> None:
     """Write buckling.csv, and paraview/modes.pvd with the number of the mode as time.
 
-    A scene of several models gets modes.pvd, modes1.pvd and so on.
+    A scene of several meshes gets modes.pvd, modes1.pvd and so on.
     """
     if communicator(record).rank == 0:
         with (Folder(folder) / "buckling.csv").open("w", newline="") as stream:
             writer = csv.writer(stream)
             writer.writerow(COLUMNS_OF_TABLE)
             writer.writerows([getattr(load, c) for c in COLUMNS_OF_TABLE] for load in record.buckling())
-    for i, model in enumerate(record.case.scene.models):
-        degree = min(record.path.discretisation.kinematics(model).u.function_space.element.basix_element.degree, 2)
-        function = fem.Function(fem.functionspace(model.mesh, ("P", degree, (model.dimension,))), name="mode")
-        with VTKFile(model.mesh.comm, Folder(folder) / "paraview" / f"modes{i or ''}.pvd", "w") as stream:
+    for i, mesh in enumerate(record.case.scene.meshes):
+        degree = min(record.path.discretisation.kinematics(mesh).u.function_space.element.basix_element.degree, 2)
+        function = fem.Function(fem.functionspace(mesh.domain, ("P", degree, (mesh.dimension,))), name="mode")
+        with VTKFile(mesh.domain.comm, Folder(folder) / "paraview" / f"modes{i or ''}.pvd", "w") as stream:
             for number, load in enumerate(record.buckling()):
-                function.interpolate(mode_displacement(record.path, model, load))
+                function.interpolate(mode_displacement(record.path, mesh, load))
                 stream.write_function(function, float(number))
 
 
@@ -76,7 +76,7 @@ class _Shape:
 
 def _shape(record: Record, load: BucklingLoad) -> _Shape | None:
     """A mode on process 0, None elsewhere."""
-    displacements = {model: mode_displacement(record.path, model, load) for model in record.case.scene.models}
+    displacements = {mesh: mode_displacement(record.path, mesh, load) for mesh in record.case.scene.meshes}
     group = f", cluster of {load.multiplicity}" if load.multiplicity > 1 else ""
     found, curves = surfaces(record, displacements), Curves(record, displacements).evaluate()
     return None if found is None else _Shape(f"load factor {load.factor:.5g}{group}", found, curves)
@@ -105,9 +105,9 @@ def _draw(shapes: list[_Shape], file: Folder) -> None:
 
 
 def _add_surface(plotter, surface: Surface, size: float) -> None:
-    mesh = surface.mesh(surface.undeformed).compute_normals(cell_normals=False, split_vertices=False)
-    values = np.einsum("ni,ni->n", mesh["displacement"], mesh["Normals"])
-    mesh.points = mesh.points + size * mesh["displacement"]
+    domain = surface.mesh(surface.undeformed).compute_normals(cell_normals=False, split_vertices=False)
+    values = np.einsum("ni,ni->n", domain["displacement"], domain["Normals"])
+    domain.points = domain.points + size * domain["displacement"]
     limit = float(np.abs(values).max()) or 1.0
-    plotter.add_mesh(mesh, scalars=values, cmap="coolwarm", clim=(-limit, limit), show_scalar_bar=False,
+    plotter.add_mesh(domain, scalars=values, cmap="coolwarm", clim=(-limit, limit), show_scalar_bar=False,
                      ambient=0.25, diffuse=0.75, smooth_shading=True)

@@ -68,7 +68,7 @@ def shapes(record: Record, folder: Folder, name: str = "shape.png") -> None:
     if communicator(record).rank > 0:
         return
     friction = any(c.friction for c in record.case.scene.contacts)
-    spatial = record.case.scene.parts[0].model.dimension == 3
+    spatial = record.case.scene.parts[0].mesh.dimension == 3
     sheet = Sheet(SIZE, spatial, unit_of(record.case.axes[0]), record.case.scene.symmetry_factor,
                   entries=3 if record.case.scene.contacts else int(spatial))
     sheet.line("undeformed", UNDEFORMED, undeformed, width=2.5)

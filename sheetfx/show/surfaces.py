@@ -10,7 +10,7 @@ import ufl
 from dolfinx import fem
 
 from ..compat import JIT
-from ..mesh.reader import Model
+from ..mesh.reader import NamedMesh
 from ..model.shell import TRIANGLE
 from ..record import Record
 from .evaluate import communicator
@@ -34,14 +34,14 @@ class Surface:
     faces: np.ndarray
     borders: np.ndarray
 
-    def mesh(self, places: np.ndarray):
+    def domain(self, places: np.ndarray):
         """A pyvista mesh of places of this surface, common places of cells merged, with the displacement."""
         import pyvista
 
         triangles = np.column_stack([np.full(len(self.faces), 3), self.faces]).ravel()
-        mesh = pyvista.PolyData(places, triangles)
-        mesh["displacement"] = self.current - self.undeformed
-        return mesh.clean(tolerance=1e-7)
+        domain = pyvista.PolyData(places, triangles)
+        domain["displacement"] = self.current - self.undeformed
+        return domain.clean(tolerance=1e-7)
 
     def edges(self, places: np.ndarray):
         """A pyvista mesh of the borders of cells."""
@@ -51,20 +51,20 @@ class Surface:
         return pyvista.PolyData(places, lines=lines)
 
 
-def surfaces(record: Record, displacements: Mapping[Model, object] | None = None) -> list[Surface] | None:
-    """The surfaces of all models with the current fields, on process 0; None elsewhere.
+def surfaces(record: Record, displacements: Mapping[NamedMesh, object] | None = None) -> list[Surface] | None:
+    """The surfaces of all meshes with the current fields, on process 0; None elsewhere.
 
     Parameters
     ----------
-    displacements : for each model a displacement to use instead of the current one (Function or UFL vector)
+    displacements : for each mesh a displacement to use instead of the current one (Function or UFL vector)
     """
     comm, found = communicator(record), []
-    for model in _surface_models(record):
-        u = displacements[model] if displacements else record.path.discretisation.kinematics(model).u
-        points, faces, border = _lattice(model.mesh.basix_cell() == TRIANGLE)
-        x = ufl.SpatialCoordinate(model.mesh)
+    for mesh in _surface_models(record):
+        u = displacements[mesh] if displacements else record.path.discretisation.kinematics(mesh).u
+        points, faces, border = _lattice(mesh.domain.basix_cell() == TRIANGLE)
+        x = ufl.SpatialCoordinate(mesh.domain)
         expression = fem.Expression(ufl.as_vector([*x, *(x + u)]), points, jit_options=JIT)
-        gathered = comm.gather(expression.eval(model.mesh, model.group(None)).reshape(-1, len(points), 2, 3))
+        gathered = comm.gather(expression.eval(mesh.domain, mesh.group(None)).reshape(-1, len(points), 2, 3))
         if gathered is not None:
             table = np.concatenate(gathered)
             first = len(points) * np.arange(len(table))[:, None]
@@ -77,8 +77,8 @@ def has_surfaces(record: Record) -> bool:
     return bool(_surface_models(record))
 
 
-def _surface_models(record: Record) -> list[Model]:
-    return [m for m in record.case.scene.models if m.mesh.topology.dim == 2]
+def _surface_models(record: Record) -> list[NamedMesh]:
+    return [m for m in record.case.scene.meshes if m.mesh.topology.dim == 2]
 
 
 def _lattice(triangle: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

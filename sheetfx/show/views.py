@@ -38,7 +38,7 @@ class View:
 
 def view(record: Record, title: str) -> View | None:
     """What is shown of the current fields, on process 0; None elsewhere."""
-    beams = any(part.model.mesh.topology.dim == 1 for part in record.case.scene.parts)
+    beams = any(part.mesh.domain.topology.dim == 1 for part in record.case.scene.parts)
     found, curves = surfaces(record), Curves(record).evaluate() if beams else None
     return None if found is None else View(title, found, None if curves is None else curves[1])
 

@@ -1,4 +1,4 @@
-"""Modes as displacements: of a model's parts, and scaled to a largest displacement of 1."""
+"""Modes as displacements: of a mesh's parts, and scaled to a largest displacement of 1."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from ..discrete.discretisation import Discretisation
-from ..mesh.reader import Model
+from ..mesh.reader import NamedMesh
 
 
-def mode_displacement(path, model: Model, mode) -> fem.Function:
-    """Displacement of a model's parts in a mode.
+def mode_displacement(path, mesh: NamedMesh, mode) -> fem.Function:
+    """Displacement of a mesh's parts in a mode.
 
     Parameters
     ----------
@@ -20,9 +20,9 @@ def mode_displacement(path, model: Model, mode) -> fem.Function:
     mode : BucklingLoad, Vibration or Branch
     """
     vector = path.discretisation.system.create_vector(mode.mode)
-    u = path.discretisation.kinematics(model).u
+    u = path.discretisation.kinematics(mesh).u
     displacement = fem.Function(u.function_space, name="displacement")
-    displacement.x.array[:] = _displacement(path.discretisation, model, vector)
+    displacement.x.array[:] = _displacement(path.discretisation, mesh, vector)
     return displacement
 
 
@@ -43,11 +43,11 @@ def largest_displacement(discretisation: Discretisation, mode: PETSc.Vec) -> flo
 
 
 def _tables(discretisation: Discretisation, mode: PETSc.Vec) -> list[np.ndarray]:
-    """Nodal displacements of all models, one node in each row."""
-    return [_displacement(discretisation, m, mode).reshape(-1, m.dimension) for m in discretisation.scene.models]
+    """Nodal displacements of all meshes, one node in each row."""
+    return [_displacement(discretisation, m, mode).reshape(-1, m.dimension) for m in discretisation.scene.meshes]
 
 
-def _displacement(discretisation: Discretisation, model: Model, step: PETSc.Vec) -> np.ndarray:
-    """Change of a model's displacement by a step."""
+def _displacement(discretisation: Discretisation, mesh: NamedMesh, step: PETSc.Vec) -> np.ndarray:
+    """Change of a mesh's displacement by a step."""
     values = [f.value for f in discretisation.unknowns.fields]
-    return discretisation.system.changes(step)[values.index(discretisation.kinematics(model).u)]
+    return discretisation.system.changes(step)[values.index(discretisation.kinematics(mesh).u)]

@@ -87,9 +87,9 @@ def inertia(discretisation: Discretisation, part):
 
 
 def _shell_inertia(discretisation: Discretisation, shell: Shell):
-    k, unknowns, mesh = discretisation.kinematics(shell.model), discretisation.unknowns, shell.model.mesh
-    mass, rotary, offset = as_constants(mesh, [*shell.section.inertia(shell.material), shell.offset])
-    normal = k.total_rotation.rotate(surface_frame(mesh).director)
+    k, unknowns, domain = discretisation.kinematics(shell.mesh), discretisation.unknowns, shell.mesh.domain
+    mass, rotary, offset = as_constants(domain, [*shell.section.inertia(shell.material), shell.offset])
+    normal = k.total_rotation.rotate(surface_frame(domain).director)
     spins = unknowns.linearise(k.spin), unknowns.vary(k.spin)
     translations = [change(k.u) + offset * ufl.cross(spin, normal)
                     for change, spin in zip((unknowns.linearise, unknowns.vary), spins, strict=True)]
@@ -99,10 +99,10 @@ def _shell_inertia(discretisation: Discretisation, shell: Shell):
 
 def _bar_inertia(discretisation: Discretisation, part):
     """Of a part on curves; those without a field of rotations have no rotary inertia."""
-    k, unknowns, model = discretisation.kinematics(part.model), discretisation.unknowns, part.model
-    mass, *rotary = as_constants(model.mesh, part.section.inertia(part.material, model.dimension))
+    k, unknowns, mesh = discretisation.kinematics(part.mesh), discretisation.unknowns, part.mesh
+    mass, *rotary = as_constants(mesh.domain, part.section.inertia(part.material, mesh.dimension))
     work = forms.inertia.translation(mass, unknowns.linearise(k.u), unknowns.vary(k.u))
     if k.spin is not None:
         work += forms.inertia.section(rotary, unknowns.linearise(k.spin), unknowns.vary(k.spin), k.total_rotation,
                                       part.frame())
-    return work * model.integral({"quadrature_degree": 2 * part.degree}, part.group)
+    return work * mesh.integral({"quadrature_degree": 2 * part.degree}, part.group)

@@ -118,7 +118,7 @@ def _slender_arch(depth: float) -> Trap:
 
 def _under_motion(case: Case, at: str) -> Case:
     """A case under a prescribed displacement downwards instead of its loads."""
-    return _with(case, loads=[PrescribedDisplacement(case.scene.models[0], at, "y", -1.0)])
+    return _with(case, loads=[PrescribedDisplacement(case.scene.meshes[0], at, "y", -1.0)])
 
 
 def _with(case: Case, **changes) -> Case:
@@ -128,14 +128,14 @@ def _with(case: Case, **changes) -> Case:
 
 def _held_twice() -> Case:
     case = lee_frame.case(elements=10)
-    model, supports = case.scene.models[0], case.scene.supports
-    return _with(case, supports=[*supports, *supports, Support(model, "base", "x")])
+    mesh, supports = case.scene.meshes[0], case.scene.supports
+    return _with(case, supports=[*supports, *supports, Support(mesh, "base", "x")])
 
 
 def _distorted_roof() -> Case:
     """The roof with its mesh moved within the surface, by up to a third of a cell."""
     case = roof.case(cells=4)
-    x = case.scene.models[0].mesh.geometry.x
+    x = case.scene.meshes[0].mesh.geometry.x
     s, t = x[:, 0] * 2 / roof.LENGTH, np.arctan2(x[:, 1], x[:, 2]) / roof.HALF_ANGLE
     shift = 0.08 * np.sin(2 * np.pi * s) * np.sin(2 * np.pi * t)
     angle = roof.HALF_ANGLE * (t - shift)

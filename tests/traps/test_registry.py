@@ -36,15 +36,15 @@ def test_steps_of_any_length_find_the_same_points(name, factor):
 
 
 def test_a_part_that_floats_freely_is_named():
-    """Of its own model, and as a loose piece of a model that is supported elsewhere."""
+    """Of its own mesh, and as a loose piece of a mesh that is supported elsewhere."""
     nodes = {"base": (0.0, 0.0), "tip": (1.0, 0.0), "here": (0.0, 1.0), "there": (1.0, 1.0)}
     members = {"cantilever": ("base", "tip", 2), "lost": ("here", "there", 2)}
     both = fx.read(lambda: fx.meshes.frame(nodes, members), 2)
     single = [fx.read(lambda n=n: fx.meshes.frame({k: nodes[k] for k in members[n][:2]}, {n: members[n]}), 2)
               for n in members]
-    for models in ([both], single):
-        beams = [fx.Beam(m, fx.Rectangle(0.1, 0.1), fx.Elastic(1e4)) for m in models]
-        scene = fx.Scene(beams, [fx.clamp(models[0], "base")], [fx.PointForce(models[0], "tip", (0.0, 1.0))],
-                         fx.Monitor(models[0], "tip", "y"))
+    for meshes in ([both], single):
+        beams = [fx.Beam(m, fx.Rectangle(0.1, 0.1), fx.Elastic(1e4)) for m in meshes]
+        scene = fx.Scene(beams, [fx.clamp(meshes[0], "base")], [fx.PointForce(meshes[0], "tip", (0.0, 1.0))],
+                         fx.Monitor(meshes[0], "tip", "y"))
         with pytest.raises(ValueError, match="nothing supports the piece with 'lost', 'here', 'there'; add a support"):
             fx.Path(scene)
