@@ -147,8 +147,8 @@ class Path:
         return state.stage + 1 < len(self._controls) and state.factor >= 1 - 1e-12
 
     def _next_stage(self, state: State) -> State:
-        self.tracer.control, self._earlier = self._controls[state.stage + 1], None
-        return self.tracer.enter(state.stage + 1)
+        self._earlier = None
+        return self.tracer.enter(state.stage + 1, self._controls[state.stage + 1])
 
     def _announce(self, state: State) -> State:
         self.clock.seconds["path"] = time.process_time() - self._started - self.clock.seconds["output"]

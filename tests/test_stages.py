@@ -171,3 +171,18 @@ print(first_limit(fx.trace(fx.Case(weighted_arch(True), fx.ArcLength(0.005), fx.
 def test_empty_stage_is_named():
     with pytest.raises(ValueError, match="Stage 'prestress': no load; give at least one"):
         fx.Stage([], "prestress")
+
+
+def test_each_stage_has_its_control():
+    """Displacement control of a point that is not the monitored one, and modified Newton, behind a stage of weight."""
+    scene = weighted_arch(True)
+    mesh = scene.parts[0].mesh
+    turn = fx.Monitor(mesh, "crown", "y", -1.0)
+    other = fx.Scene(scene.parts, scene.supports, scene.loads, fx.Monitor(mesh, "end", "y"), symmetry_factor=2,
+                     stages=scene.stages)
+    control = fx.DisplacementControl(0.5, monitor=turn, newton="modified", largest=1.0, iterations=100)
+    record = fx.trace(fx.Case(other, control, fx.Until(steps=8)))
+    _, dofs = record.path.discretisation.monitored(turn)
+    steps = [-s.increment[dofs].sum() for s in record.states if s.stage == 1][1:]
+    assert steps == pytest.approx([0.5] * len(steps), rel=1e-9) and len(steps) > 2
+    assert max(s.hardest for s in record.states) > 3

@@ -24,7 +24,7 @@ class Tracer:
 
     def __init__(self, discretisation: Discretisation, control: StepRule, prefix: str):
         self.discretisation, self.system, self.control = discretisation, discretisation.system, control
-        self.snes = create(self.system.comm, self.system, prefix, iterations=20 if control.newton == "full" else 100)
+        self.snes = create(self.system.comm, self.system, prefix, most_iterations(control))
         self.stepper = self.snes.getPythonContext()
         self.enforcement = Enforcement(self.system)
         self.x = self.system.create_vector()
@@ -32,7 +32,7 @@ class Tracer:
         monitor = discretisation.scene.monitor
         self._monitor = self._functional(monitor)
         self.tangent = LoadResponse(self._response, self.system.weights,
-                               self._functional(getattr(control, "monitor", None) or monitor))
+                                    self._controlled(control))
         self._reference: tuple[float, float] | None = None
         self.iterations = self._most = 0
         self._factored: tuple[State | None, int] = None, 0
@@ -52,6 +52,10 @@ class Tracer:
     def _functional(self, monitor: Monitor) -> PETSc.Vec:
         """Vector whose product with increments is a displacement."""
         return self.system.functional(*self.discretisation.monitored(monitor), monitor.sign)
+
+    def _controlled(self, control: StepRule) -> PETSc.Vec:
+        """Vector whose product with increments is the displacement that a control goes by."""
+        return self._functional(getattr(control, "monitor", None) or self.discretisation.scene.monitor)
 
     def monitored(self, increment: PETSc.Vec) -> float:
         """Change of the monitored displacement by an increment of the unknowns."""
@@ -99,8 +103,11 @@ class Tracer:
         self._mark_factored()
         return self.state
 
-    def enter(self, stage: int) -> State:
+    def enter(self, stage: int, control: StepRule) -> State:
         """Begin a load stage at the current state: its load factor varies from zero, that of the last one stays."""
+        if control.newton != self.control.newton:
+            self.snes.setTolerances(max_it=most_iterations(control))
+        self.control, self.tangent.functional = control, self._controlled(control)
         before, spent = self.state, self.total_factorisations
         self.system.factors.enter(stage, 0.0)
         self._reference, self._most = None, 0
@@ -245,6 +252,11 @@ class Tracer:
         """Inner product of increments of load factor and unknowns in the control's measure."""
         (a, left), (b, right) = one, other
         return self.system.comm.allreduce(float(left * self.system.weights.array @ right)) + self._load_weight() * a * b
+
+
+def most_iterations(control: StepRule) -> int:
+    """Iterations after which a step is cut."""
+    return 20 if control.newton == "full" else 100
 
 
 def tracer_of(path) -> Tracer:

@@ -122,7 +122,7 @@ class Scene:
         if apart:
             here, there = (next(p for p in self.parts if p.mesh is mesh) for mesh in (meshes[0], apart[0]))
             warnings.warn(f"Scene: nothing joins the {_named(here)} and the {_named(there)}; they are solved side by "
-                          "side. Join them (weld, hinge, Spring), mesh them in one mesh, or trace each in a scene of "
+                          "side. Join them (weld, hinge, Spring), mesh them together, or trace each in a scene of "
                           "its own", stacklevel=4)
 
     def _check_spaces(self, parts) -> None:

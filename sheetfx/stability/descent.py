@@ -5,7 +5,7 @@ A heavily damped structure follows the gradient flow W dx/dt = -R of its energy.
     (K + shift W) step = -R,
 
 is Newton's for a shift of zero, and a short way down the gradient for a large one. The shift is as small as the matrix
-is definite, which its factor's inertia tells, and as the energy falls the way its quadratic mesh says (Levenberg 1944;
+is definite, which its factor's inertia tells, and as the energy falls the way its quadratic model says (Levenberg 1944;
 Kelley and Keyes 1998). The energy itself need not be known: its change along a step is the integral of R along it,
 loads and contact layers included. Slender structures fall along curved valleys with steep walls: steps are bent back
 to their floors.
