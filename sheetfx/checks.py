@@ -1,5 +1,7 @@
 """Checks of input, with messages that name object, value and remedy."""
 
+from math import isfinite
+
 
 def require_positive(owner, *names: str) -> None:
     """Refuse attributes of `owner` that are neither None nor positive."""
@@ -7,6 +9,14 @@ def require_positive(owner, *names: str) -> None:
         value = getattr(owner, name)
         if value is not None and not value > 0:
             raise ValueError(f"{type(owner).__name__}: {name} is {value}; it must be positive")
+
+
+def require_finite(owner, *names: str) -> None:
+    """Refuse attributes of `owner` that are infinite or no numbers; None, and sequences of finite numbers, pass."""
+    for name in names:
+        value = getattr(owner, name)
+        if value is not None and not all(isfinite(v) for v in (value if isinstance(value, (tuple, list)) else [value])):
+            raise ValueError(f"{type(owner).__name__}: {name} is {value}; it must be finite")
 
 
 def require_choice(owner, name: str, known) -> None:

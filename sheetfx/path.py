@@ -11,6 +11,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from math import isclose
 from typing import Any
 
 from .checks import require_positive
@@ -32,9 +33,11 @@ class PathFailure(ArithmeticError):
     Attributes
     ----------
     record : Record of the path so far, where `trace` followed it
+    cause : why, in a few words
     """
 
     record: Any = None
+    cause = ""
 
 
 @dataclass(frozen=True)
@@ -110,11 +113,11 @@ class Path:
         self.discretisation = Discretisation(scene, mixed_points)
         self._started = time.process_time()
         self.tracer = Tracer(self.discretisation, self._controls[start[-1].stage if start else 0], prefix)
-        self.message = ""
+        self.message = self._refusal = ""
         self._listeners: list[Callable[[State], None]] = []
         self._earlier = start[-2] if len(start) > 1 else None
         if start:
-            self.tracer.back_to(start[-1])
+            self.tracer.back_to(self.control.facing(start[-1]))
 
     @property
     def control(self) -> StepRule:
@@ -160,7 +163,8 @@ class Path:
     def _end(self, state: State) -> str | None:
         if state.stage + 1 < len(self._controls):
             return self.until.stopped(state)
-        if isinstance(self.control, LoadControl) and state.factor >= self.control.target * (1 - 1e-12):
+        if isinstance(self.control, LoadControl) and isclose(state.factor, self.control.target, rel_tol=1e-12,
+                                                             abs_tol=1e-12):
             return f"load factor {self.control.target:g} reached"
         return self.until.reached(state)
 
@@ -172,7 +176,7 @@ class Path:
         while (taken := self._try(before, length, CROWDED if cuts < UNCROWDED else None)) is None:
             length, cuts = length / 2, cuts + 1
             if length < smallest:
-                raise PathFailure(self._complaint(before, length))
+                raise self._failure(before, length)
         after, points = taken
         growth = self.control.growth(after.hardest)
         after = replace(after, next_length=min(largest, length * growth), critical=points)
@@ -181,15 +185,17 @@ class Path:
 
     def _try(self, before: State, length: float, most: int | None) -> tuple[State, tuple[CriticalPoint, ...]] | None:
         """A step with its critical points; None and back to its start if it does not converge or leaves its branch."""
-        after = self.tracer.attempt(length)
+        after, self._refusal = self.tracer.attempt(length), ""
         if after is None:
             return None
         try:
-            if self.tracer.turn(before, after) <= self.control.turn:
+            turn = self.tracer.turn(before, after)
+            if turn <= self.control.turn:
                 points = locate(self.tracer, self._earlier, before, after, most)
                 return self._with_events(before, after, points)
-        except Jump:
-            pass
+            self._refusal = f"it turns off the path by {turn:.2g} radians, more than {self.control.turn:g}"
+        except Jump as jump:
+            self._refusal = str(jump)
         self.tracer.back_to(before)
         return None
 
@@ -204,11 +210,16 @@ class Path:
                 break
         return after, tuple(sorted(points, key=lambda p: (p.step, p.length)))
 
-    def _complaint(self, state: State, length: float) -> str:
-        history = self.tracer.stepper.history
-        return (
-            f"step {state.step + 1} from load {state.load:.6g}, deflection {state.deflection:.6g} does not converge "
-            f"even with a step of {length:.2g}: {self.tracer.reason()} after {len(history) - 1} iterations "
-            f"(relative residuals {', '.join(f'{h:.1e}' for h in history[-4:])}). "
+    def _failure(self, state: State, length: float) -> PathFailure:
+        history, shortest = self.tracer.stepper.history, f"even with a step of {length:.2g}"
+        cause, details = f"does not converge {shortest}", (
+            f"{self.tracer.reason()} after {len(history) - 1} iterations (relative residuals "
+            f"{', '.join(f'{h:.1e}' for h in history[-4:])})")
+        if self._refusal:
+            cause, details = f"is refused {shortest}", f"it converges, but {self._refusal}"
+        failure = PathFailure(
+            f"step {state.step + 1} from load {state.load:.6g}, deflection {state.deflection:.6g} {cause}: {details}. "
             f"All states up to step {state.step} are kept; try a smaller first step, another control or "
             "look at the structure at that state.")
+        failure.cause = cause
+        return failure

@@ -7,7 +7,7 @@ factor, the load correction that keeps the added equation true.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import copysign, pi, sqrt
 from typing import Any, ClassVar
 
@@ -78,10 +78,14 @@ class StepRule:
         """Sign of the predictor's load increment."""
         return 1.0
 
+    def facing(self, state: State) -> State:
+        """A state that a path starts from, with its tangent in the sense in which it goes on."""
+        return state
+
 
 @dataclass(frozen=True)
 class LoadControl(StepRule):
-    """Prescribed increments of the load factor up to `target`; fails at the first limit point.
+    """Prescribed increments of the load factor up or down to `target`; fails at the first limit point.
 
     `fixed` keeps all steps as long as the first, and takes them without looking for other paths in between.
     """
@@ -99,7 +103,13 @@ class LoadControl(StepRule):
         return 1.0 if self.fixed else super().growth(iterations)
 
     def clip(self, length, factor):
-        return min(length, self.target - factor)
+        return min(length, abs(self.target - factor))
+
+    def direction(self, state):
+        return copysign(1.0, self.target - state.factor)
+
+    def facing(self, state):
+        return replace(state, load_rate=copysign(state.load_rate, self.target - state.factor))
 
     def predict(self, length, sign, tangent):
         return sign * length

@@ -33,3 +33,13 @@ def pieces_without(mesh: NamedMesh, places: list[str]) -> list[str]:
     names |= {repr(n): at(n) for n in (*mesh.edges, *mesh.points)}
     held = set().union(*map(at, places))
     return [", ".join(n for n, on in names.items() if piece in on) for piece in sorted(set(pieces.tolist()) - held)]
+
+
+def straight_joints(mesh: NamedMesh) -> int:
+    """Number of nodes at which two straight cells and no others meet in one line, on all processes."""
+    met: dict[int, list[np.ndarray]] = {}
+    for nodes, along in zip(mesh.domain.geometry.dofmap[mesh.group(None), :2], mesh.chords(None), strict=True):
+        for node in nodes:
+            met.setdefault(int(node), []).append(along)
+    straight = [len(chords) == 2 and abs(chords[0] @ chords[1]) > 1 - 1e-9 for chords in met.values()]
+    return mesh.domain.comm.allreduce(sum(straight))

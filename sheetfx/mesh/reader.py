@@ -69,6 +69,12 @@ class NamedMesh:
         """Of the geometry of its cells."""
         return geometry_degree(self.domain)
 
+    def chords(self, group: str | None) -> np.ndarray:
+        """Unit vectors from the first to the second corner of the cells of a group of curves, shape (cells, 3)."""
+        ends = self.domain.geometry.x[self.domain.geometry.dofmap[self.group(group), :2]]
+        along = ends[:, 1] - ends[:, 0]
+        return along / np.linalg.norm(along, axis=1, keepdims=True)
+
     def vertices(self, name: str) -> np.ndarray:
         """Vertices of a named point or edge on this process and its ghosts."""
         dimension, entities = self.at(name)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from ..mesh.pieces import pieces_without
+from ..mesh.pieces import pieces_without, straight_joints
+from .beam import Bar
 
 
 def advice_on_supports(scene) -> str:
@@ -13,4 +14,8 @@ def advice_on_supports(scene) -> str:
         loose = pieces_without(mesh, held)
         if loose:
             return f"nothing supports the piece with {loose[0]}; add a support or join it to the rest"
+    for bars in (part for part in scene.parts if isinstance(part, Bar)):
+        if count := straight_joints(bars.mesh):
+            return (f"{count} nodes join two bars in line, which hinge there; mesh each bar with one cell, or make the "
+                    "bars beams")
     return "check that the supports hold all rigid motions of every part"

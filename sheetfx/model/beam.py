@@ -5,12 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+
 from .. import forms
 from ..mesh.numbers import as_constants
 from ..mesh.quadrature import gauss
 from ..mesh.reader import NamedMesh
 from .section import Elastic, Section
 from .work import Internal, Term
+
+PARALLEL = 1e-6  # sine of the angle between a beam and the direction of its depth
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +47,17 @@ class Beam:
     def __post_init__(self):
         if self.degree not in (1, 2):
             raise ValueError(f"Beam: degree is {self.degree}; it must be 1 or 2")
+        if self.mesh.dimension == 3:
+            self._check_up()
+
+    def _check_up(self) -> None:
+        """Refuse a direction of the depth that is parallel to a beam, or none."""
+        along = self.mesh.chords(self.group)
+        across = np.linalg.norm(np.cross(self.up, along), axis=1) / (np.linalg.norm(self.up) or 1.0)
+        parallel = self.mesh.domain.comm.allreduce(int((across < PARALLEL).sum()))
+        if parallel:
+            raise ValueError(f"Beam: up is {tuple(map(float, self.up))}, parallel to {parallel} cells of group "
+                             f"{self.group or 'all'!r}; give a direction across them, or a Beam for each group")
 
     @property
     def spaces(self) -> tuple[tuple[str, int], tuple[str, int]]:

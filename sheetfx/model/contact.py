@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ..checks import require_finite
 from .beam import Beam
 from .obstacles import RigidCylinder, RigidPlane
 
@@ -43,6 +44,7 @@ class Contact:
                                    ("side", self.side, (-1, 0, 1))):
             if value not in known:
                 raise ValueError(f"Contact: {name} is {value!r}; it must be one of {', '.join(map(str, known))}")
+        require_finite(self, "friction", "layer", "scale", "approach")
         for name in ("friction", "layer"):
             value = getattr(self, name)
             if value is not None and value < 0:

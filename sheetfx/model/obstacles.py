@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from .. import forms
-from ..checks import require_positive
+from ..checks import require_finite, require_positive
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,6 +24,7 @@ class RigidCylinder:
 
     def __post_init__(self):
         require_positive(self, "radius")
+        require_finite(self, "radius", "centre", "travel")
 
     def gap(self, x, shift):
         return forms.interface.cylinder_gap(x, self._centre(shift), self.radius)
@@ -44,6 +45,7 @@ class RigidPlane:
     travel: tuple[float, float] | None = None
 
     def __post_init__(self):
+        require_finite(self, "point", "normal", "travel")
         length = sum(c * c for c in self.normal) ** 0.5
         if abs(length - 1) > 1e-12:
             raise ValueError(f"RigidPlane: normal {self.normal} has length {length}; it must be a unit vector")

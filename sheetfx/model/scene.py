@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..mesh.reader import NamedMesh
+from ..checks import require_known_component
+from ..mesh.reader import COMPONENTS, NamedMesh
 from .beam import Bar, Beam
 from .contact import Contact
 from .joints import Joint
@@ -24,6 +25,14 @@ class Monitor:
     at: str | None = None
     component: str | None = None
     sign: float = 1.0
+
+    def __post_init__(self):
+        if isinstance(self.on, NamedMesh):
+            self.on.at(self.at or "")
+            require_known_component(f"Monitor at {self.at!r}", self.component or "", COMPONENTS[self.on.dimension])
+        elif getattr(self.on, "travel", None) is None:
+            raise ValueError(f"Monitor: {self.on!r} does not travel; name a point and a component of a mesh, or an "
+                             "obstacle with a travel")
 
 
 @dataclass(frozen=True, eq=False)

@@ -135,8 +135,7 @@ def _follow(path: Path, limit: float, judge: Judge) -> tuple[str, str]:
             if path.clock.seconds["path"] > limit:
                 return STALLED, f"is still at {place(state)} after {limit:g} s"
     except PathFailure as failure:
-        cause = str(failure).partition("does not converge")[2].partition(":")[0]
-        return STALLED, f"stops at {place(state)}, does not converge{cause}"
+        return STALLED, f"stops at {place(state)}, {failure.cause}"
     if path.message.endswith("steps taken"):
         return STALLED, f"is still at {place(state)} after {path.message.replace(' taken', '')}"
     return judge.conclude([point for point in points if within(path.until, point)])

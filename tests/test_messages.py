@@ -1,0 +1,70 @@
+"""Messages that name the object, the value and the remedy, where they used to mislead."""
+
+from __future__ import annotations
+
+from math import inf, nan
+
+import pytest
+from helpers import shallow_arch
+
+import sheetfx as fx
+
+SECTION, MATERIAL = fx.Rectangle(0.1, 0.1), fx.Elastic(1e4)
+
+
+def line(cells: int = 2, dimension: int = 3):
+    """A line along x from the point a to b."""
+    zeros = (0.0,) * (dimension - 1)
+    return fx.read(lambda: fx.meshes.frame({"a": (0.0, *zeros), "b": (1.0, *zeros)}, {"line": ("a", "b", cells)}),
+                   dimension)
+
+
+@pytest.mark.parametrize("up", [(1.0, 0.0, 0.0), (-2.0, 1e-9, 0.0), (0.0, 0.0, 0.0)])
+def test_beam_whose_depth_lies_along_it(up):
+    with pytest.raises(ValueError, match=r"Beam: up is .*parallel to 2 cells of group 'all'; give a direction across"):
+        fx.Beam(line(), SECTION, MATERIAL, up=up)
+
+
+def test_bar_of_two_cells():
+    nodes = {"a": (-1.0, 0.0), "b": (1.0, 0.0), "c": (0.0, 1.0)}
+    mesh = fx.read(lambda: fx.meshes.frame(nodes, {"one": ("a", "c", 1), "two": ("b", "c", 2)}), 2)
+    scene = fx.Scene([fx.Bar(mesh, SECTION, MATERIAL)], [fx.pin(mesh, "a"), fx.pin(mesh, "b")],
+                     [fx.PointForce(mesh, "c", (0.0, 1.0))], fx.Monitor(mesh, "c", "y"))
+    with pytest.raises(ValueError, match="1 nodes join two bars in line, which hinge there; mesh each bar with one cell"):
+        fx.Path(scene)
+
+
+@pytest.mark.parametrize(("make", "words"), [
+    (lambda m: fx.Monitor(m, "b", "u"), "Monitor at 'b': no component 'u'; choose from x y z rx ry rz"),
+    (lambda m: fx.Monitor(m, "c", "x"), "no point or edge named 'c'"),
+    (lambda m: fx.Monitor(fx.RigidCylinder(1.0, (0.0, 2.0))), "Monitor: .*does not travel"),
+    (lambda m: fx.RigidCylinder(inf, (0.0, 2.0)), "RigidCylinder: radius is inf; it must be finite"),
+    (lambda m: fx.RigidPlane((0.0, nan), (0.0, 1.0)), r"RigidPlane: point is \(0.0, nan\); it must be finite"),
+    (lambda m: fx.Contact(fx.Beam(m, SECTION, MATERIAL), fx.RigidCylinder(1.0, (0.0, 2.0)), layer=nan),
+     "Contact: layer is nan; it must be finite"),
+    (lambda m: fx.Contact(fx.Beam(m, SECTION, MATERIAL), fx.RigidCylinder(1.0, (0.0, 2.0)), scale=inf),
+     "Contact: scale is inf; it must be finite"),
+])
+def test_wrong_values_are_named(make, words):
+    with pytest.raises(ValueError, match=words):
+        make(line())
+
+
+def test_refused_step_says_what_refuses_it():
+    """Every step of a path that is allowed to turn by no more than a microradian."""
+    with pytest.raises(fx.PathFailure, match=r"is refused even with a step of .*: it converges, but it turns off the "
+                                             r"path by .* radians, more than 1e-09"):
+        fx.trace(fx.Case(shallow_arch(10), fx.ArcLength(0.01, turn=1e-9, smallest=0.1), fx.Until(deflection=2.0)))
+
+
+def test_load_control_unloads_too():
+    """From a loaded state to a smaller load, on the same path; to the present load there is no step to take."""
+    case = fx.Case(shallow_arch(10), fx.LoadControl(20.0, target=100.0))
+    loaded = fx.trace(case).states
+    back = fx.trace(fx.Case(case.scene, fx.LoadControl(20.0, target=0.0)), start=loaded)
+    assert back.path.message == "load factor 0 reached" and back.states[-1].load == pytest.approx(0.0, abs=1e-12)
+    assert back.states[-1].deflection == pytest.approx(0.0, abs=1e-9)
+    loads = [s.load for s in back.states[len(loaded):]]
+    assert len(loads) > 1 and loads == sorted(loads, reverse=True)
+    there = fx.trace(case, start=loaded)
+    assert len(there.states) == len(loaded) and there.path.message == "load factor 100 reached"
