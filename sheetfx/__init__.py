@@ -6,6 +6,11 @@ that the command line starts fast.
 
 from importlib import import_module as _import_module
 
+try:
+    import dolfinx_solver as _first  # noqa: F401  The wheel of DOLFINx 0.11 loads MPI before all other libraries.
+except ModuleNotFoundError:  # DOLFINx from another source
+    pass
+
 _ROOMS = {
     "mesh.reader": "NamedMesh read",
     "mesh.imperfection": "imperfect measured random_field",

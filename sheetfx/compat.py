@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import ctypes
+from inspect import signature
 
 import dolfinx.cpp.fem.petsc as cpp_petsc
 import dolfinx.fem.petsc as petsc_fem
 import dolfinx.mesh
 import numpy as np
 import ufl
+from dolfinx.common import IndexMap
 from dolfinx.graph import adjacencylist
 from petsc4py import PETSc
 
@@ -19,6 +21,10 @@ except ImportError:
 
 JIT = {"timeout": 600, "cffi_extra_compile_args": ["-O2"]}
 
+# Reason to stop at a residual that is not a number: DIVERGED_FNORM_NAN in PETSc 3.22, DIVERGED_FUNCTION_NANORINF later.
+_reasons = vars(PETSc.SNES.ConvergedReason)
+NOT_A_NUMBER = _reasons.get("DIVERGED_FNORM_NAN", _reasons.get("DIVERGED_FUNCTION_NANORINF"))
+
 
 def adjacency_list(rows):
     """DOLFINx's list of rows of numbers, as its partitioners give it."""
@@ -26,9 +32,21 @@ def adjacency_list(rows):
     return getattr(rows, "_cpp_object", rows)
 
 
+# Later versions take two for the largest number of cells that meet at a facet; at a junction there are more.
+_JUNCTIONS = {}
+if "max_facet_to_cell_links" in signature(dolfinx.mesh.create_mesh).parameters:
+    _JUNCTIONS["max_facet_to_cell_links"] = None
+
+
+def default_partition(comm, parts, cell_types, cells):
+    """DOLFINx's own partition of cells, with no ghosts."""
+    partitioner = dolfinx.mesh.create_cell_partitioner(dolfinx.mesh.GhostMode.none, *_JUNCTIONS.values())
+    return partitioner(comm, parts, cell_types, cells)
+
+
 def model_to_mesh(model, comm, dimension, partitioner):
-    """Mesh, cell tags and point (or facet) tags of the current gmsh model of process 0."""
-    result = _gmshio.model_to_mesh(model, comm, 0, gdim=dimension, partitioner=partitioner)
+    """Mesh, cell tags and point (or facet) tags of the current gmsh model of process 0: a tuple in DOLFINx 0.9."""
+    result = _gmshio.model_to_mesh(model, comm, 0, gdim=dimension, partitioner=partitioner, **_JUNCTIONS)
     if isinstance(result, tuple):
         return result[:3]
     return result.mesh, result.cell_tags, result.facet_tags
@@ -36,7 +54,18 @@ def model_to_mesh(model, comm, dimension, partitioner):
 
 def geometry_degree(mesh):
     """Degree of the geometry of a mesh's cells."""
-    return mesh.geometry.cmap.degree
+    return _coordinate_element(mesh.geometry).degree
+
+
+def _coordinate_element(geometry):
+    """Of a mesh with cells of one type, for which later versions have a list."""
+    return geometry.cmaps[0] if hasattr(geometry, "cmaps") else geometry.cmap
+
+
+def geometry_nodes(mesh):
+    """Numbers of the nodes of each cell of a mesh, of which later versions have a list by types of cells."""
+    geometry = mesh.geometry
+    return geometry.dofmaps[0] if hasattr(geometry, "dofmaps") else geometry.dofmap
 
 
 def topological_dimension(domain):
@@ -54,9 +83,18 @@ def interpolation_points(space):
 def moved_mesh(mesh, x):
     """A mesh of the same topology with its nodes at other places, shape (nodes of this process, dimension)."""
     old = mesh.geometry
-    geometry = type(old._cpp_object)(old.index_map(), old.dofmap, old.cmap._cpp_object, x, old.input_global_indices)
+    geometry = type(old._cpp_object)(old.index_map(), geometry_nodes(mesh), _coordinate_element(old)._cpp_object, x,
+                                     old.input_global_indices)
     copy = type(mesh._cpp_object)(mesh.comm, mesh.topology._cpp_object, geometry)
     return dolfinx.mesh.Mesh(copy, ufl.Mesh(mesh.ufl_domain().ufl_coordinate_element()))
+
+
+def index_map(comm, size, ghosts, owners):
+    """Distribution of so many entries of this process, and ghosts: later versions ask for a tag of their messages."""
+    try:
+        return IndexMap(comm, size, ghosts, owners)
+    except TypeError:
+        return IndexMap(comm, size, ghosts, owners, 0)
 
 
 def create_vector(maps):
@@ -99,14 +137,14 @@ def _check(code):
 
 
 def create_matrix(forms):
-    """Sparse matrix of a square array of forms."""
+    """Sparse matrix of a square array of forms: a function of its own in DOLFINx 0.9."""
     if hasattr(petsc_fem, "create_matrix_block"):
         return petsc_fem.create_matrix_block(forms)
-    return petsc_fem.create_matrix(forms, kind="mpi")
+    return petsc_fem.create_matrix(forms)
 
 
 def assemble_matrix(matrix, forms):
-    """Assemble a square array of forms."""
+    """Assemble a square array of forms: a function of its own in DOLFINx 0.9."""
     matrix.zeroEntries()
     if hasattr(petsc_fem, "assemble_matrix_block"):
         petsc_fem.assemble_matrix_block(matrix, forms)

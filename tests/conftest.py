@@ -1,5 +1,7 @@
 import pytest
 
+import sheetfx  # noqa: F401  before DOLFINx and PETSc, as the wheel of DOLFINx 0.11 needs
+
 
 def pytest_addoption(parser):
     parser.addoption("--slow", action="store_true", help="also run the long studies")

@@ -26,7 +26,7 @@ def cylinder(cells=(4, 3), order=2):
 
 def shift(mesh, *arguments):
     """Displacement of the nodes by `imperfect`, shape (n, 3)."""
-    return imperfect(mesh, *arguments).mesh.geometry.x - mesh.domain.geometry.x
+    return imperfect(mesh, *arguments).domain.geometry.x - mesh.domain.geometry.x
 
 
 def test_statistics_of_random_fields():
@@ -45,7 +45,7 @@ def test_the_same_field_on_any_mesh():
     """Nodes that two meshes share move by the same vector, but for the normals of the coarse one: 1e-5 of 0.017."""
     field = random_field(LENGTH, 0.01, 7)
     coarse, fine = arc(6), arc(12)
-    distance, partner = cKDTree(fine.mesh.geometry.x).query(coarse.mesh.geometry.x)
+    distance, partner = cKDTree(fine.domain.geometry.x).query(coarse.domain.geometry.x)
     shared = distance < 1e-6
     assert shared.sum() == 13
     assert shift(coarse, field)[shared] == pytest.approx(shift(fine, field)[partner[shared]], abs=1e-5)
@@ -55,7 +55,7 @@ def test_the_same_field_on_any_mesh():
                                            (cylinder((6, 6), 3), 1.0)])
 def test_deviations_along_the_normal(mesh, radius):
     """They change the radius of a circle and a cylinder; 1e-3: straight cells lean by half their angle at the ends."""
-    moved = imperfect(mesh, lambda x: np.full(len(x), 0.1)).mesh.geometry.x
+    moved = imperfect(mesh, lambda x: np.full(len(x), 0.1)).domain.geometry.x
     across = moved[:, :2] if mesh.dimension == 2 else moved[:, 1:]
     assert np.abs(np.linalg.norm(across, axis=1) - radius) == pytest.approx(0.1, rel=1e-3)
 
@@ -110,7 +110,7 @@ def test_the_same_shape_on_two_processes():
     (lambda: measured(np.eye(3)[:1], np.zeros(1)), "too few"),
     (lambda: imperfect(arc(), [lambda x: x], [1.0, 2.0]), "2 amplitudes for 1"),
     (lambda: imperfect(arc(3, 1), lambda x: x[:, :1]), r"shape \(4, 1\) at 4 nodes; give \(4, 2\), or \(4,\)"),
-    (lambda: imperfect(arc(), fem.Function(fem.functionspace(arc().mesh, ("P", 2, (2,))), name="bow")),
+    (lambda: imperfect(arc(), fem.Function(fem.functionspace(arc().domain, ("P", 2, (2,))), name="bow")),
      "'bow' is a field on another mesh"),
     (lambda: imperfect(read(lambda: meshes.frame({"a": (0, 0, 0), "b": (1, 0, 0)}, {"c": ("a", "b", 2)}), 3),
                        random_field(1.0)), "no normal"),

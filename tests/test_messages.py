@@ -30,7 +30,7 @@ def test_bar_of_two_cells():
     mesh = fx.read(lambda: fx.meshes.frame(nodes, {"one": ("a", "c", 1), "two": ("b", "c", 2)}), 2)
     scene = fx.Scene([fx.Bar(mesh, SECTION, MATERIAL)], [fx.pin(mesh, "a"), fx.pin(mesh, "b")],
                      [fx.PointForce(mesh, "c", (0.0, 1.0))], fx.Monitor(mesh, "c", "y"))
-    with pytest.raises(ValueError, match="1 nodes join two bars in line, which hinge there; mesh each bar with one cell"):
+    with pytest.raises(ValueError, match="1 nodes join two bars in line, which hinge there; mesh each bar with one"):
         fx.Path(scene)
 
 

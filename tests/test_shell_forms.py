@@ -393,7 +393,7 @@ LAWS = {
 @pytest.mark.parametrize("name", LAWS)
 def test_coupling_is_seen_in_the_law(name):
     law, coupled = LAWS[name]
-    domain = surface("naghdi-q2", (1, 1)).mesh
+    domain = surface("naghdi-q2", (1, 1)).domain
     stiffness = as_constants(domain, Plate(0.1).stiffness(Elastic(1.0, 0.3)))
     assert is_coupled(lambda strains: law(strains, stiffness), domain) == coupled
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from petsc4py import PETSc
 
+from ..compat import NOT_A_NUMBER
 from .control import LoadResponse, StepRule
 from .linear import DirectSolver
 
@@ -113,7 +114,7 @@ class PathStep:
                 self.rounding = max(self.rounding, norm)
                 return Reason.CONVERGED_SNORM_RELATIVE
             if norm != norm or norm > 1e12 * max(size, 1.0) or self.tangent.inner(x, x) > FARTHEST**2:
-                return Reason.DIVERGED_FNORM_NAN
+                return NOT_A_NUMBER
             if iteration == most:
                 return Reason.DIVERGED_MAX_IT
             try:

@@ -8,6 +8,7 @@ from dolfinx.common import IndexMap
 from dolfinx.fem import Constant
 from mpi4py import MPI
 
+from ..compat import index_map
 from .nodal_field import AdditiveField
 
 
@@ -84,4 +85,4 @@ class NumberField(AdditiveField):
 def shared_by_all(comm: MPI.Comm) -> IndexMap:
     """Distribution of one number that process 0 owns and all others have as a ghost."""
     ghosts = np.zeros(int(comm.rank > 0), dtype=np.int64)
-    return IndexMap(comm, int(comm.rank == 0), ghosts, ghosts.astype(np.int32))
+    return index_map(comm, int(comm.rank == 0), ghosts, ghosts.astype(np.int32))

@@ -14,7 +14,7 @@ from scipy.interpolate import RBFInterpolator
 
 from .. import forms
 from ..checks import require_positive_number
-from ..compat import JIT, moved_mesh
+from ..compat import JIT, geometry_nodes, moved_mesh
 from .reader import NamedMesh
 
 Shape = fem.Function | Callable[[np.ndarray], np.ndarray]
@@ -130,7 +130,7 @@ def _moved(mesh: NamedMesh, shape: Shape) -> np.ndarray:
 
 def _at_nodes(mesh: NamedMesh, field) -> np.ndarray:
     """Mean over the cells at each node of the geometry of a vector expression, shape (n, dimension)."""
-    domain, geometry = mesh.domain, mesh.domain.geometry
+    domain = mesh.domain
     element = domain.ufl_domain().ufl_coordinate_element()
     space = fem.functionspace(domain, element)
     expression = fem.Expression(field, element.basix_element.points, jit_options=JIT)
@@ -143,8 +143,8 @@ def _at_nodes(mesh: NamedMesh, field) -> np.ndarray:
     for function in (total, count):
         function.x.scatter_reverse(dolfinx.la.InsertMode.add)
         function.x.scatter_forward()
-    values = np.zeros((len(geometry.x), width))
-    values[geometry.dofmap] = (total.x.array / count.x.array).reshape(-1, width)[space.dofmap.list]
+    values = np.zeros((len(domain.geometry.x), width))
+    values[geometry_nodes(domain)] = (total.x.array / count.x.array).reshape(-1, width)[space.dofmap.list]
     return values
 
 

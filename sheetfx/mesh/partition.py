@@ -8,11 +8,10 @@ from __future__ import annotations
 
 import basix
 import numpy as np
-from dolfinx.mesh import GhostMode, create_cell_partitioner
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from ..compat import adjacency_list
+from ..compat import adjacency_list, default_partition
 
 
 def keep_junctions_whole(comm, parts: int, cell_types, cells):
@@ -20,7 +19,7 @@ def keep_junctions_whole(comm, parts: int, cell_types, cells):
 
     To be given to `dolfinx.mesh.create_mesh` as its partitioner; process 0 has all cells.
     """
-    chosen = create_cell_partitioner(GhostMode.none)(comm, parts, cell_types, cells)
+    chosen = default_partition(comm, parts, cell_types, cells)
     joined = _joined(getattr(basix.CellType, cell_types[0].name), cells[0])
     _, first = np.unique(joined, return_index=True)
     return adjacency_list(chosen.array[first[joined]].reshape(-1, 1))

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from ..compat import geometry_nodes
 from .reader import NamedMesh
 
 
@@ -38,7 +39,7 @@ def pieces_without(mesh: NamedMesh, places: list[str]) -> list[str]:
 def straight_joints(mesh: NamedMesh) -> int:
     """Number of nodes at which two straight cells and no others meet in one line, on all processes."""
     met: dict[int, list[np.ndarray]] = {}
-    for nodes, along in zip(mesh.domain.geometry.dofmap[mesh.group(None), :2], mesh.chords(None), strict=True):
+    for nodes, along in zip(geometry_nodes(mesh.domain)[mesh.group(None), :2], mesh.chords(None), strict=True):
         for node in nodes:
             met.setdefault(int(node), []).append(along)
     straight = [len(chords) == 2 and abs(chords[0] @ chords[1]) > 1 - 1e-9 for chords in met.values()]

@@ -12,7 +12,7 @@ from dolfinx import fem
 from dolfinx.mesh import Mesh
 from mpi4py import MPI
 
-from ..compat import geometry_degree, model_to_mesh
+from ..compat import geometry_degree, geometry_nodes, model_to_mesh
 from .partition import keep_junctions_whole
 
 RULES = 8
@@ -71,7 +71,7 @@ class NamedMesh:
 
     def chords(self, group: str | None) -> np.ndarray:
         """Unit vectors from the first to the second corner of the cells of a group of curves, shape (cells, 3)."""
-        ends = self.domain.geometry.x[self.domain.geometry.dofmap[self.group(group), :2]]
+        ends = self.domain.geometry.x[geometry_nodes(self.domain)[self.group(group), :2]]
         along = ends[:, 1] - ends[:, 0]
         return along / np.linalg.norm(along, axis=1, keepdims=True)
 
@@ -224,7 +224,7 @@ def _vertices_of_nodes(domain: Mesh) -> dict[int, int]:
     corners = domain.topology.connectivity(top, 0)
     cells = corners.num_nodes
     vertices = corners.array.reshape(cells, len(basix.topology(domain.basix_cell())[0]))
-    nodes = domain.geometry.dofmap[:cells, : vertices.shape[1]]
+    nodes = geometry_nodes(domain)[:cells, : vertices.shape[1]]
     numbers = domain.geometry.input_global_indices[nodes]
     return dict(zip(numbers.ravel().tolist(), vertices.ravel().tolist(), strict=True))
 

@@ -76,7 +76,7 @@ class Curves:
         discretisation = record.path.discretisation
         self._comm = communicator(record)
         self._parts = []
-        for mesh in (m for m in record.case.scene.meshes if m.mesh.topology.dim == 1):
+        for mesh in (m for m in record.case.scene.meshes if m.domain.topology.dim == 1):
             x = ufl.SpatialCoordinate(mesh.domain)
             u = displacements[mesh] if displacements else discretisation.kinematics(mesh).u
             both = [*x, *(x + u)]

@@ -105,9 +105,9 @@ def _draw(shapes: list[_Shape], file: Folder) -> None:
 
 
 def _add_surface(plotter, surface: Surface, size: float) -> None:
-    domain = surface.mesh(surface.undeformed).compute_normals(cell_normals=False, split_vertices=False)
-    values = np.einsum("ni,ni->n", domain["displacement"], domain["Normals"])
-    domain.points = domain.points + size * domain["displacement"]
+    mesh = surface.mesh(surface.undeformed).compute_normals(cell_normals=False, split_vertices=False)
+    values = np.einsum("ni,ni->n", mesh["displacement"], mesh["Normals"])
+    mesh.points = mesh.points + size * mesh["displacement"]
     limit = float(np.abs(values).max()) or 1.0
-    plotter.add_mesh(domain, scalars=values, cmap="coolwarm", clim=(-limit, limit), show_scalar_bar=False,
+    plotter.add_mesh(mesh, scalars=values, cmap="coolwarm", clim=(-limit, limit), show_scalar_bar=False,
                      ambient=0.25, diffuse=0.75, smooth_shading=True)

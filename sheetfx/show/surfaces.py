@@ -34,14 +34,14 @@ class Surface:
     faces: np.ndarray
     borders: np.ndarray
 
-    def domain(self, places: np.ndarray):
+    def mesh(self, places: np.ndarray):
         """A pyvista mesh of places of this surface, common places of cells merged, with the displacement."""
         import pyvista
 
         triangles = np.column_stack([np.full(len(self.faces), 3), self.faces]).ravel()
-        domain = pyvista.PolyData(places, triangles)
-        domain["displacement"] = self.current - self.undeformed
-        return domain.clean(tolerance=1e-7)
+        mesh = pyvista.PolyData(places, triangles)
+        mesh["displacement"] = self.current - self.undeformed
+        return mesh.clean(tolerance=1e-7)
 
     def edges(self, places: np.ndarray):
         """A pyvista mesh of the borders of cells."""
@@ -78,7 +78,7 @@ def has_surfaces(record: Record) -> bool:
 
 
 def _surface_models(record: Record) -> list[NamedMesh]:
-    return [m for m in record.case.scene.meshes if m.mesh.topology.dim == 2]
+    return [m for m in record.case.scene.meshes if m.domain.topology.dim == 2]
 
 
 def _lattice(triangle: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

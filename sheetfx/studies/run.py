@@ -6,7 +6,6 @@ import inspect
 from pathlib import Path
 from typing import Annotated
 
-import click
 import typer
 from typer.core import TyperGroup
 
@@ -25,7 +24,7 @@ class Scenes(TyperGroup):
         try:
             function = load_case(name)
         except ValueError as error:
-            raise click.UsageError(str(error)) from None
+            context.fail(str(error))
         single = typer.Typer(**PLAIN)
         single.command(name=Path(name).stem, help=inspect.getdoc(function))(_runner(name, function))
         return typer.main.get_command(single)

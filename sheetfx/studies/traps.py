@@ -135,7 +135,7 @@ def _held_twice() -> Case:
 def _distorted_roof() -> Case:
     """The roof with its mesh moved within the surface, by up to a third of a cell."""
     case = roof.case(cells=4)
-    x = case.scene.meshes[0].mesh.geometry.x
+    x = case.scene.meshes[0].domain.geometry.x
     s, t = x[:, 0] * 2 / roof.LENGTH, np.arctan2(x[:, 1], x[:, 2]) / roof.HALF_ANGLE
     shift = 0.08 * np.sin(2 * np.pi * s) * np.sin(2 * np.pi * t)
     angle = roof.HALF_ANGLE * (t - shift)
