@@ -101,8 +101,8 @@ class ElementWork(Contribution):
     def residual(self, forces: Forces) -> None:
         for chunk in self._chunks():
             for term in self._terms:
-                for place, vectors in term.vectors(chunk):
-                    _add_rows(forces.on(place), self._nodes[self.numbers.index(place)][chunk], vectors)
+                for number, vectors in term.vectors(chunk):
+                    _add_rows(forces.on(number), self._nodes[self.numbers.index(number)][chunk], vectors)
 
     def extrapolate_stress(self) -> None:
         for chunk in self._chunks():
@@ -117,10 +117,10 @@ class ElementWork(Contribution):
         for chunk in self._chunks():
             matrices: dict[tuple[int, int], np.ndarray] = {}
             for term in self._terms:
-                for place, vectors in term.add_matrices(chunk, matrices):
-                    number = self.numbers.index(place)
-                    if self._fields[number].curved:
-                        _add_rows(held.on(place), self._nodes[number][chunk], vectors)
+                for number, vectors in term.add_matrices(chunk, matrices):
+                    own = self.numbers.index(number)
+                    if self._fields[own].curved:
+                        _add_rows(held.on(number), self._nodes[own][chunk], vectors)
             for coupling in self.couplings:
                 a, b = coupling.rows, coupling.columns
                 if (a, b) in matrices:
@@ -179,15 +179,15 @@ class _TermWork:
         return table.reshape(len(table), len(self._rule.weights), -1)
 
     def _integrated(self, values):
-        """Place of each field and its element vectors (cells, components, nodes) from densities of the jet."""
-        for part, place, table in zip(self._parts, self.numbers, self._tables, strict=True):
+        """Number of each field and its element vectors (cells, components, nodes) from densities of the jet."""
+        for part, number, table in zip(self._parts, self.numbers, self._tables, strict=True):
             count = part.components * len(part.orders)
             density = values[:, :, part.start: part.start + count].reshape(
                 *values.shape[:2], part.components, len(part.orders))
-            yield place, np.tensordot(density, table * self._rule.weights[None, :, None], ((3, 1), (0, 1)))
+            yield number, np.tensordot(density, table * self._rule.weights[None, :, None], ((3, 1), (0, 1)))
 
     def vectors(self, chunk):
-        """Place of each field and its internal forces."""
+        """Number of each field and its internal forces."""
         return self._integrated(self._evaluate(self._force, chunk))
 
     def extrapolate_stress(self, chunk) -> None:
@@ -196,20 +196,20 @@ class _TermWork:
         self._stress.x.array.reshape(-1, width)[self._stress_rows[chunk].ravel()] = values.reshape(-1, width)
 
     def add_matrices(self, chunk, matrices: dict):
-        """Add element matrices (cells, pairs of components, n, m) by places of fields; return held forces."""
+        """Add element matrices (cells, pairs of components, n, m) by numbers of fields; return held forces."""
         values, start = self._evaluate(self._stiffness, chunk), 0
         couplings = zip(combinations_with_replacement(self.numbers, 2), self._entries, self._products, strict=True)
-        for place, entries, products in couplings:
+        for pair, entries, products in couplings:
             density = values[:, :, start: start + len(entries)]
             orders = products.shape[0] // values.shape[1]
             density = density.reshape(*values.shape[:2], -1, orders).transpose(0, 2, 1, 3)
             shape = (*density.shape[:2], *products.shape[1:])
             flat = np.ascontiguousarray(density).reshape(-1, products.shape[0])
             found = (flat @ products.reshape(products.shape[0], -1)).reshape(shape)
-            if place in matrices:
-                matrices[place] += found
+            if pair in matrices:
+                matrices[pair] += found
             else:
-                matrices[place] = found
+                matrices[pair] = found
             start += len(entries)
         return self._integrated(values[:, :, start:])
 

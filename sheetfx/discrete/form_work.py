@@ -86,12 +86,12 @@ class _Vectors:
         for number, share in shares.items():
             share = unknowns.at_rest(share)
             if number is not None and not share.empty():
-                place = next(n for n, block in enumerate(unknowns.blocks) if block.fields[0] is number)
-                self._parts.append((place, fem.form(share, jit_options=JIT), _add_scalar))
+                there = next(n for n, block in enumerate(unknowns.blocks) if block.fields[0] is number)
+                self._parts.append((there, fem.form(share, jit_options=JIT), _add_scalar))
 
     def add(self, arrays: Sequence[np.ndarray]) -> None:
-        for place, form, assemble in self._parts:
-            assemble(arrays[place], form)
+        for number, form, assemble in self._parts:
+            assemble(arrays[number], form)
 
 
 def _add_scalar(array: np.ndarray, form) -> None:

@@ -98,7 +98,7 @@ class Layout:
     @cached_property
     def free_numbers(self) -> list[np.ndarray]:
         """`field_numbers` with -1 where the increment is zero."""
-        return [self.free(place) for place in self.field_numbers]
+        return [self.free(numbers) for numbers in self.field_numbers]
 
     def starts(self) -> np.ndarray:
         """Global number of the first row of each block on each process, shape (processes, blocks)."""
@@ -110,10 +110,10 @@ class Layout:
         if not self.comm.allreduce(any(f.axes is not None for f in fields), op=MPI.LOR):
             return None
         rows, columns, values = [], [], []
-        for field, place in zip(fields, self.field_numbers, strict=True):
-            own = place[(place[:, 0] >= self.start) & (place[:, 0] < self.start + self.size)]
+        for field, numbers in zip(fields, self.field_numbers, strict=True):
+            own = numbers[(numbers[:, 0] >= self.start) & (numbers[:, 0] < self.start + self.size)]
             axes = np.broadcast_to(np.eye(field.width) if field.axes is None else field.axes,
-                                   (*place.shape, field.width))
+                                   (*numbers.shape, field.width))
             shape = (*own.shape, field.width)
             rows.append(np.broadcast_to(own[:, :, None], shape).ravel())
             columns.append(np.broadcast_to(own[:, None, :], shape).ravel())

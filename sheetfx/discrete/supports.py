@@ -48,20 +48,20 @@ def fixed_dofs(fields: Fields, block: Block) -> np.ndarray:
 
 
 def _fixed_by(kinematics: Kinematics, support: Support) -> np.ndarray:
-    """Places in the block of the nodal increments that a support fixes.
+    """Local dofs of the nodal increments that a support fixes.
 
     Raises
     ------
     ValueError
         Where a node has the axes of another support, which do not fix the same.
     """
-    places = [np.empty(0, dtype=np.int64)]
+    dofs = [np.empty(0, dtype=np.int64)]
     for field, components in zip(kinematics.block.fields, _components(kinematics, support), strict=True):
         if not components:
             continue
         nodes, table = _nodes(field, support), field.dofs.reshape(-1, field.width)
         if field.axes is None:
-            places.append(table[nodes][:, components].ravel())
+            dofs.append(table[nodes][:, components].ravel())
             continue
         fixed = _directions(field, support, nodes)[:, :, components]
         along = np.einsum("nki,nkj->nij", field.axes[nodes], fixed)
@@ -69,8 +69,8 @@ def _fixed_by(kinematics: Kinematics, support: Support) -> np.ndarray:
         if not np.all(chosen.sum(axis=1) == len(components)):
             raise ValueError(f"Support at {support.at!r}: its axes differ from those of another support there, and "
                              "those do not fix the same; give both the same axes")
-        places.append(table[nodes][chosen])
-    return np.unique(np.concatenate(places))
+        dofs.append(table[nodes][chosen])
+    return np.unique(np.concatenate(dofs))
 
 
 def _components(kinematics: Kinematics, support: Support) -> list[list[int]]:

@@ -36,8 +36,8 @@ class System:
     smooth, conservative : whether all contributions are
     history : History of fields and contributions
     size : number of free unknowns
-    fixed_rows : places of fixed unknowns in this process's part of a vector
-    multiplier_rows : places of free Lagrange multipliers in this process's part of a vector
+    fixed_rows : of fixed unknowns in this process's part of a vector
+    multiplier_rows : of free Lagrange multipliers in this process's part of a vector
     multipliers : number of Lagrange multipliers; each gives the tangent one negative pivot
     matrix : the tangent
     """
@@ -68,7 +68,7 @@ class System:
         return self.factors.now
 
     def _multipliers(self) -> np.ndarray:
-        """Places of free Lagrange multipliers in this process's part of a vector."""
+        """Rows of free Lagrange multipliers in this process's part of a vector."""
         marks, vector = self._layout.zeros(), self.create_vector()
         for f, array in self._layout.fields(marks):
             array[f.dofs] = f.multiplier
@@ -79,12 +79,12 @@ class System:
     def _create_matrix(self) -> None:
         """A matrix for the entries of all contributions, one behind the other, and of the nodes' rotations."""
         patterns = [c.pattern(self._layout) for c in self.contributions]
-        for place, field in zip(self._layout.free_numbers, self.unknowns.fields, strict=True):
+        for numbers, field in zip(self._layout.free_numbers, self.unknowns.fields, strict=True):
             if field.curved:
-                shape = (*place.shape, field.width)
-                patterns.append((np.broadcast_to(place[:, :, None], shape).ravel(),
-                                 np.broadcast_to(place[:, None, :], shape).ravel()))
-        rows, columns = (np.concatenate(numbers) for numbers in zip(*patterns, strict=True))
+                shape = (*numbers.shape, field.width)
+                patterns.append((np.broadcast_to(numbers[:, :, None], shape).ravel(),
+                                 np.broadcast_to(numbers[:, None, :], shape).ravel()))
+        rows, columns = (np.concatenate(parts) for parts in zip(*patterns, strict=True))
         self.matrix = compat.create_coo_matrix(self.comm, self._layout.size, rows, columns, self.matrix)
         if self.conservative:
             self.matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
