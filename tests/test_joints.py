@@ -305,3 +305,32 @@ def test_hinged_truss_of_two_models_snaps():
     fall = record.snap(unstable)
     assert fall.after.unstable_modes == 0 and fall.after.load == pytest.approx(unstable.load, rel=1e-9)
     assert fall.after.deflection > 0.4 and fall.energy_released > 0
+
+
+def triangles(form="naghdi-p2cr"):
+    mesh = fx.read(lambda: fx.meshes.rectangle((2, 2), triangles=True), 3)
+    return mesh, fx.Shell(mesh, fx.Plate(0.1), fx.Elastic(1e4, 0.3), form=form)
+
+
+@pytest.mark.parametrize(("joint", "load"), [
+    (lambda m: [fx.Spring(m, "north-east", "rx", 1.0)], lambda m: fx.PointForce(m, "north-east", (0.0, 0.0, 1.0))),
+    (lambda m: [], lambda m: fx.Moment(m, "north-east", (1.0, 0.0, 0.0))),
+    (lambda m: [], lambda m: fx.PrescribedRotation(m, "north-east", (0.1, 0.0, 0.0))),
+], ids=["spring", "moment", "prescribed rotation"])
+def test_rotations_that_are_not_there_are_named(joint, load):
+    """Rotations of this form live at the middles of edges: a moment at a corner would act on nothing."""
+    mesh, shell = triangles()
+    scene = fx.Scene([shell], [fx.clamp(mesh, "west")], [load(mesh)], fx.Monitor(mesh, "north-east", "z"),
+                     joints=joint(mesh))
+    with pytest.raises(ValueError, match="'north-east' has no node.*rotations at corners"):
+        fx.Path(scene)
+
+
+def test_uniform_edge_that_a_support_holds_is_named():
+    mesh = fx.read(lambda: fx.meshes.rectangle((2, 2)), 3)
+    shell = fx.Shell(mesh, fx.Plate(0.1), fx.Elastic(1e4, 0.3), form="naghdi-q2")
+    scene = fx.Scene([shell], [fx.clamp(mesh, "west"), fx.Support(mesh, "south", "x y")],
+                     [fx.PointForce(mesh, "north-east", (1.0, 0.0, 0.0))], fx.Monitor(mesh, "north-east", "x"),
+                     joints=[fx.Uniform(mesh, "east", "x")])
+    with pytest.raises(ValueError, match="Uniform at 'east': the support at 'south' holds component x"):
+        fx.Path(scene)

@@ -143,7 +143,7 @@ class Discretisation:
                 yield FormWork(self.unknowns, -work, factor=fields.factor, conservative=conservative, stage=number)
 
     def monitored(self, monitor: Monitor):
-        """The block of the monitored displacement, and its local dofs (of the process that owns it, empty elsewhere)."""
+        """The block of the monitored displacement, and its local dofs on the process that owns it."""
         if monitor.at is None:
             field = self.fields.own_field(monitor.on, "travel")
             block = next(b for b in self.unknowns.blocks if b.fields[0] is field)

@@ -141,9 +141,18 @@ class Fields:
         return self._own[owner, name]
 
     def nodes(self, mesh: NamedMesh, at: str, quantity: str = "displacement", ghosts: bool = False) -> np.ndarray:
-        """Local numbers of the nodes of a named point or edge that this process owns, or also knows of (`ghosts`)."""
+        """Local numbers of the nodes of a named point or edge that this process owns, or also knows of (`ghosts`).
+
+        Raises
+        ------
+        ValueError
+            If no process has one: rotations of some triangles live at the middles of edges only.
+        """
         space = self._field(mesh, quantity).value.function_space
         nodes = fem.locate_dofs_topological(space, *mesh.at(at))
+        if not mesh.domain.comm.allreduce(len(nodes)):
+            raise ValueError(f"{at!r} has no node of the {quantity}; choose an edge, or a form of shells with "
+                             "rotations at corners")
         return nodes if ghosts else nodes[nodes < space.dofmap.index_map.size_local]
 
     def places(self, mesh: NamedMesh, nodes: np.ndarray, quantity: str = "displacement") -> np.ndarray:
@@ -201,7 +210,11 @@ class NodalForces:
     def add(self, mesh: NamedMesh, at: str, component: str, value: float) -> None:
         """Add a force or moment at each vertex of a named point."""
         kinematics = self._fields.kinematics(mesh)
-        self._array(kinematics.block)[kinematics.point_dofs(mesh, at, component)] += value
+        dofs = kinematics.point_dofs(mesh, at, component)
+        if not mesh.domain.comm.allreduce(len(dofs)):
+            raise ValueError(f"{at!r} has no node with a component {component}, so that nothing can act there; choose "
+                             "an edge, or a form of shells with rotations at corners")
+        self._array(kinematics.block)[dofs] += value
 
     def add_to_own(self, owner, name: str, value: float) -> None:
         """Add a force on a number that an owner has added."""

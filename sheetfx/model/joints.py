@@ -222,6 +222,11 @@ class Uniform(Joint):
 
     def contributions(self, fields):
         nodes, index = fields.nodes(self.mesh, self.at), COMPONENTS[self.mesh.dimension].index(self.component)
+        for support in fields.scene.supports:
+            if support.mesh is self.mesh and support.axes is None and self.component in support.fixed.split() and (
+                    set(fields.nodes(self.mesh, support.at, ghosts=True)) & set(nodes)):
+                raise ValueError(f"Uniform at {self.at!r}: the support at {support.at!r} holds component "
+                                 f"{self.component} of a node of it; free one of the two")
         first = np.zeros(len(nodes), dtype=np.int64)
         traces = [fields.trace(self.mesh, nodes), fields.own_trace(self, "motion", first),
                   fields.own_trace(self, "tie", np.arange(len(nodes)))]
