@@ -115,7 +115,7 @@ def run(case: Case, name: str, parameters: dict, folder: Folder, resume: bool,
             "unknowns": record.path.unknowns, "steps": record.states[-1].step,
             "iterations": sum(s.iterations for s in record.states),
             "factorisations": sum(s.factorisations for s in record.states),
-            "critical_points": [vars(p) for p in record.critical_points],
+            "searched": record.path.searched, "critical_points": [vars(p) for p in record.critical_points],
             "quantities": quantities,
             "timings": {part: clock.seconds[part] for part in PARTS} | {"total": clock.total},
         }

@@ -22,7 +22,7 @@ from .continuation.state import CriticalPoint, State
 from .continuation.tracer import Tracer
 from .discrete.discretisation import Discretisation
 from .model.scene import Scene
-from .stability.critical import locate
+from .stability.critical import locate, searched
 
 CROWDED, UNCROWDED = 4, 8  # bifurcations for which a step is cut, and the number of cuts made on their account
 
@@ -127,6 +127,11 @@ class Path:
     @property
     def clock(self):
         return self.discretisation.clock
+
+    @property
+    def searched(self) -> list[str]:
+        """What the present stage is searched for and what not, so that silence about the rest means absence."""
+        return searched(self.tracer.system, self.control)
 
     @property
     def unknowns(self) -> int:

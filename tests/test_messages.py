@@ -68,3 +68,20 @@ def test_load_control_unloads_too():
     assert len(loads) > 1 and loads == sorted(loads, reverse=True)
     there = fx.trace(case, start=loaded)
     assert len(there.states) == len(loaded) and there.path.message == "load factor 100 reached"
+
+
+def test_a_run_says_what_it_has_searched_for():
+    """Dead loads, a load that follows, contact without and with friction, and prescribed steps."""
+    from helpers import ring_under_pressure
+
+    from sheetfx.scenes import arch
+
+    def said(scene, control=None):
+        return " ".join(fx.Path(scene, control).searched)
+
+    assert "inertia of the tangent" in said(shallow_arch(4)) and "steps that leave the smooth path are cut" in said(
+        shallow_arch(4))
+    assert "not seen: two in one step, double ones, flutter" in said(ring_under_pressure())
+    assert "ends of steps only" in said(arch.case(elements=40).scene)
+    assert "not looked for (contact with friction)" in said(arch.case(elements=40, friction=0.2).scene)
+    assert "steps are taken as they are" in said(shallow_arch(4), fx.LoadControl(fixed=True))

@@ -73,6 +73,8 @@ class Progress:
     def report(self, summary: dict) -> None:
         """Print the result of a run."""
         self.console.print(f"{summary['status']}: {summary['message']}", soft_wrap=True)
+        for sentence in summary["searched"]:
+            self.console.print(f"  {sentence}", soft_wrap=True, style="dim")
         table = Table(show_header=False, box=None)
         for key, value in summary["quantities"].items():
             table.add_row(key.replace("_", " "), f"{value:.6g}")

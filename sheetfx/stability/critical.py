@@ -60,6 +60,27 @@ def locate(tracer, earlier: State | None, before: State, after: State,
     return tuple(sorted(points, key=lambda p: (p.step, p.length)))
 
 
+def searched(system, control) -> list[str]:
+    """What a path of a system under a control is searched for, and what not, in sentences."""
+    if not system.smooth:
+        found = ["limit points: where the load turns from one step to the next (contact makes its rate waver)"]
+        found.append("bifurcations: unstable modes compared at the ends of steps only" if system.conservative else
+                     "bifurcations: not looked for (contact with friction)")
+    elif system.conservative:
+        found = ["limit points: by the rate of the load", "bifurcations: by the inertia of the tangent, also within "
+                 "steps that the tangents at their ends do not explain"]
+    else:
+        found = ["limit points: by the rate of the load", "bifurcations: by the sign of the determinant of the "
+                 "unsymmetric tangent; not seen: two in one step, double ones, flutter"]
+    if not control.guarded:
+        found.append("other paths: not looked for, steps are taken as they are")
+    elif not system.smooth:
+        found.append("other paths: a step that turns too far is cut; jumps within steps are not looked for")
+    else:
+        found.append("other paths: steps that leave the smooth path are cut")
+    return found
+
+
 def state_at(path, before: State, after: State, point: CriticalPoint) -> State:
     """The state of a critical point of the step from `before` to `after`, again; the tracer ends there.
 
