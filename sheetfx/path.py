@@ -21,7 +21,7 @@ from .continuation.segment import Jump
 from .continuation.state import CriticalPoint, State
 from .continuation.tracer import Tracer
 from .discrete.discretisation import Discretisation
-from .model.scene import Scene
+from .model.scene import Scene, Stage
 from .stability.critical import locate, searched
 
 CROWDED, UNCROWDED = 4, 8  # bifurcations for which a step is cut, and the number of cuts made on their account
@@ -107,7 +107,7 @@ class Path:
                  start: Sequence[State] = (), mixed_points: bool = True, prefix: str = "sheetfx_",
                  events: Sequence[Event] = ()):
         self.scene, self.until = scene, until or Until()
-        self._controls = [*(stage.control or LoadControl() for stage in scene.stages), control or ArcLength()]
+        self._controls = [*map(_preloading, scene.stages), control or ArcLength()]
         self._ending = self.until.ending
         self.events = [*events, *([self._ending] if self._ending else [])]
         self.discretisation = Discretisation(scene, mixed_points)
@@ -228,3 +228,12 @@ class Path:
             "look at the structure at that state.")
         failure.cause = cause
         return failure
+
+
+def _preloading(stage: Stage) -> LoadControl:
+    """The control of a stage before the last; its loads end at their full size exactly."""
+    control = stage.control or LoadControl()
+    if not isinstance(control, LoadControl) or control.target != 1.0:
+        raise ValueError(f"Stage {stage.name!r}: control is {control}; it must be a LoadControl with the target 1, "
+                         "which ends at the full loads")
+    return control

@@ -198,3 +198,9 @@ def test_fall_does_not_move_history_on():
     fall = record.snap(unstable)
     assert fall.iterations > 3
     assert fall.after.fields["accepted"] == unstable.fields["accepted"] + 1
+
+
+def test_histories_of_one_name_are_refused():
+    scene = sprung_cantilever([lambda mesh: Ground(mesh, "tip", 4.0), lambda mesh: Ground(mesh, "middle", 4.0)])
+    with pytest.raises(ValueError, match="Grounded: its history has the name 'accepted', which another one uses"):
+        fx.Path(scene)

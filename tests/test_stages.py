@@ -186,3 +186,12 @@ def test_each_stage_has_its_control():
     steps = [-s.increment[dofs].sum() for s in record.states if s.stage == 1][1:]
     assert steps == pytest.approx([0.5] * len(steps), rel=1e-9) and len(steps) > 2
     assert max(s.hardest for s in record.states) > 3
+
+
+def test_stage_that_would_not_end_at_its_full_loads_is_named():
+    scene = weighted_arch(True)
+    for control in (fx.ArcLength(0.01), fx.LoadControl(target=2.0)):
+        other = fx.Scene(scene.parts, scene.supports, scene.loads, scene.monitor, symmetry_factor=2,
+                         stages=[fx.Stage(scene.stages[0].loads, "self-weight", control)])
+        with pytest.raises(ValueError, match="Stage 'self-weight': control is .*; it must be a LoadControl with the"):
+            fx.Path(other)

@@ -43,10 +43,20 @@ class History:
             contribution.rewind()
 
     def snapshot(self) -> dict[str, np.ndarray]:
-        """All values at the last converged state on this process."""
+        """All values at the last converged state on this process.
+
+        Raises
+        ------
+        ValueError
+            If two contributions use one name.
+        """
         kept = {self._key(n, f): f.previous.x.array.copy() for n, f in enumerate(self._fields)}
         for contribution in self._contributions:
-            kept |= contribution.snapshot()
+            own = contribution.snapshot()
+            if twice := kept.keys() & own.keys():
+                raise ValueError(f"{type(contribution).__name__}: its history has the name {min(twice)!r}, which "
+                                 "another one uses; give each contribution's a name of its own")
+            kept |= own
         return kept
 
     def restore(self, snapshot: dict[str, np.ndarray]) -> None:
