@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,7 +14,6 @@ from .mesh.reader import NamedMesh
 from .path import Path
 
 if TYPE_CHECKING:
-    from .case import Case
     from .stability.branches import Branch
     from .stability.buckling import BucklingLoad
     from .stability.descent import FallStep
@@ -24,12 +23,12 @@ if TYPE_CHECKING:
 
 @dataclass
 class Record:
-    """A traced path: its case, its states and the discrete problem they belong to.
+    """A traced path: its case (`case.Case`), its states and the discrete problem they belong to.
 
     What is asked about stability leaves the path where it is. Modules that need SLEPc are imported when first asked.
     """
 
-    case: Case
+    case: Any
     path: Path
     states: list[State]
 
