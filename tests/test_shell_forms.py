@@ -336,7 +336,7 @@ def by_energy(strains, stiffness):
     return ufl.diff(ufl.dot(linear_shell(e, ECCENTRIC), e) / 2, e)
 
 
-@pytest.mark.parametrize("law", [by_matrices, by_energy])
+@pytest.mark.parametrize("law", [by_matrices, pytest.param(by_energy, marks=pytest.mark.slow)])
 def test_law_of_the_user_couples_membrane_and_bending(law):
     """On a Plate, which knows no coupling, as with the same matrices given; an uncoupled strip would stay flat."""
     for component in "xz":

@@ -57,8 +57,8 @@ class Discretisation:
         changes = [None if isinstance(f, NumberField) else fem.Function(f.value.function_space)
                    for f in self.unknowns.fields] if mixed_points else None
         with self.clock("compile"):
-            contributions = [*self._of_parts(changes), *self._of_contacts(), *self._of_joints(), *self._of_loads(),
-                             FixedIncrements()]
+            others = [*self._of_contacts(), *self._of_joints(), *self._of_loads(), FixedIncrements()]
+            contributions = [*self._of_parts(changes), *others]
         layout = Layout(scene.parts[0].mesh.domain.comm, fields.blocks, fixed)
         self.system = System(self.unknowns, contributions, layout, fields.factors, changes, self.clock)
         self._totals = [[load.total(fields.at_stage(n)) for load in stage.loads]
