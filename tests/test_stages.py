@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from math import pi
 
 import numpy as np
@@ -113,7 +114,7 @@ def test_stage_applied_at_once():
 
 
 def test_interrupted_stages_resume(tmp_path):
-    """In both stages, from files; also those of an earlier version, which have no stage and no load factor."""
+    """In both stages, from files."""
     case = fx.Case(weighted_arch(True), fx.ArcLength(0.01), fx.Until(deflection=8.0))
     whole = fx.trace(case).states
     border = next(s.step for s in whole if s.stage == 1)
@@ -124,6 +125,25 @@ def test_interrupted_stages_resume(tmp_path):
         again = fx.trace(case, start=read).states
         assert [s.load for s in again] == pytest.approx([s.load for s in whole], rel=1e-7, abs=1e-9)
         assert [s.stage for s in again] == [s.stage for s in whole]
+
+
+def test_states_of_an_earlier_version_are_read(tmp_path):
+    """They have no stage, the load factor among the numbers alone, and two attributes of other names."""
+    case = fx.Case(shallow_arch(10), fx.ArcLength(0.01), fx.Until(deflection=8.0))
+    whole = fx.trace(case).states
+    for state in whole[:3]:
+        file = tmp_path / f"{state.step}.npz"
+        state.save(file)
+        with np.load(file) as archive:
+            content = {name: archive[name] for name in archive.files if name != "field load"}
+        numbers = json.loads(str(content["numbers"]))
+        del numbers["stage"]
+        numbers |= {"unstable": numbers.pop("unstable_modes"), "determinant": numbers.pop("determinant_sign")}
+        np.savez(file, **content | {"numbers": json.dumps(numbers)})
+    read = [State.load_from(tmp_path / f"{n}.npz") for n in range(3)]
+    again = fx.trace(case, start=read).states
+    assert [s.load for s in again] == pytest.approx([s.load for s in whole], rel=1e-9)
+    assert [s.unstable_modes for s in read] == [s.unstable_modes for s in whole[:3]]
 
 
 def test_stage_is_on_file(tmp_path):
