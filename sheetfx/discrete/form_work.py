@@ -33,8 +33,6 @@ class FormWork(Contribution):
     def __init__(self, unknowns: Unknowns, work, *, factor=None, smooth: bool = True, conservative: bool = True,
                  stage: int | None = None):
         self.smooth, self.conservative, self.stage = smooth, conservative, stage
-        self._unknowns = unknowns
-        self._spatial = [n for n, block in enumerate(unknowns.blocks) if block.space is not None]
         shares = {number: unknowns.part(work, number) for number in [None, *_numbers_in(unknowns, work)]}
         self._forces = _Vectors(unknowns, shares)
         self._load = None
