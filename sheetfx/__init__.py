@@ -18,8 +18,9 @@ _ROOMS = {
     "model.contact": "Contact",
     "model.joints": "Foundation Joint Spring Tie Uniform hinge weld",
     "model.loads": "EdgeForce LineForce Load Moment "
-                   "ObstacleForce PointForce PrescribedDisplacement PrescribedRotation Pressure SurfaceForce",
+                   "ObstacleForce PointForce PrescribedDisplacement PrescribedRotation SurfaceForce",
     "model.obstacles": "RigidCylinder RigidPlane",
+    "model.pressure": "LinePressure Pressure",
     "model.scene": "Monitor Scene Stage",
     "model.section": "Elastic GivenPlate Plate Rectangle ShellStiffness Tube round_bar",
     "model.shell": "Shell ShellForm",

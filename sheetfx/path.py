@@ -175,7 +175,7 @@ class Path:
 
     def _step(self, before: State) -> State:
         """One converged step, shortened as often as needed, with the critical points inside it."""
-        length, smallest = before.next_length or self.control.first, self.control.smallest * self.control.first
+        length, smallest = before.next_length or self.tracer.first, self.control.smallest * self.tracer.first
         largest = self.control.largest * self.control.first
         length, cuts = self.control.clip(length, before.factor), 0
         while (taken := self._try(before, length, CROWDED if cuts < UNCROWDED else None)) is None:

@@ -57,6 +57,9 @@ class DirectSolver:
     def solve(self, right: PETSc.Vec, solution: PETSc.Vec) -> None:
         self.ksp.getPC().apply(right, solution)
 
+    def solve_transposed(self, right: PETSc.Vec, solution: PETSc.Vec) -> None:
+        self.ksp.getPC().applyTranspose(right, solution)
+
     def check(self, right: PETSc.Vec) -> None:
         """Solve for any loads and see whether the solution satisfies the equations.
 

@@ -8,7 +8,7 @@ from math import copysign
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
-from scipy.interpolate import CubicHermiteSpline
+from scipy.interpolate import CubicHermiteSpline, KroghInterpolator
 from scipy.optimize import brentq
 
 from .state import State
@@ -16,6 +16,8 @@ from .state import State
 TURNING = 0.4  # radians between chord and tangents of a piece of path, from which its middle is looked at
 UNEXPLAINED = 0.25  # of the load or the reactions by the steeper tangent, likewise
 NOISE = 1e-12  # of reactions, over what the stiffest unknown would take: structures that move without strain
+SAMPLES = 6  # states that are interpolated between
+IN_BALANCE = 1e-6  # residual over the load of an interpolated state
 STRAY = 0.3  # of the distance between its neighbours, by which a state may miss their interpolation
 
 
@@ -70,6 +72,28 @@ class Segment:
         except Missed:
             return False
         return True
+
+    def on_path(self, length: float) -> State:
+        """State at a length by interpolation between the nearest ones, without equilibrium being sought.
+
+        At a critical point rounding would decide where it is found. Where the interpolation is not in equilibrium, as
+        with contact, it is sought nevertheless; the tracer ends at the state.
+
+        Raises
+        ------
+        Jump, Missed
+        """
+        nearest = sorted(self.states, key=lambda s: abs(s - length))[:SAMPLES]
+        if self.wavering or len(nearest) < SAMPLES or length in self.states:
+            return self[length]
+        table = [np.append(x, load) for load, x in map(self._increments, nearest)]
+        found, tracer = KroghInterpolator(nearest, table)(length), self.tracer
+        tracer.back_to(self.before)
+        state = tracer.adopt(found[:-1], float(found[-1]), IN_BALANCE)
+        if state is None:
+            return self[length]
+        self.states[length] = state
+        return state
 
     def neighbours(self, length: float) -> tuple[float, float]:
         """Lengths of the nearest states on both sides."""
@@ -178,17 +202,6 @@ class Segment:
             found = self._spectra[length] = self.tracer.spectrum(count)
         return found
 
-    def eigenvalue(self, length: float, number: int | None, count: int) -> float:
-        """The eigenvalue of the tangent with so many below it, or an end of the `count` nearest to zero.
-
-        Where they are not counted (None), the one nearest to zero with the sign of the determinant.
-        """
-        values = self.spectrum(length, count)[0]
-        if number is None:
-            return self[length].determinant_sign * min(map(abs, values))
-        place = number - self[length].unstable_modes + sum(v < 0 for v in values)
-        return values[place] if 0 <= place < len(values) else copysign(max(map(abs, values)), place)
-
     def root(self, function: Callable[[float], float], left: float, right: float, exact: float) -> dict[float, float]:
         """Values of a function of the state, at lengths that close in on its root between two others.
 
@@ -204,7 +217,7 @@ class Segment:
             slope = max(slopes, default=0.0)
             state = self.states[length]
             size = max(abs(state.factor), abs(self.after.load_increment))
-            return 0.0 if slope and self._load_change(state, value / slope) < exact * size else value
+            return 0.0 if slope and self.load_change(state, value / slope) < exact * size else value
 
         try:
             brentq(stopped, left, right, xtol=1e-12 * self.after.length, rtol=1e-14)
@@ -212,7 +225,7 @@ class Segment:
             pass
         return dict(sorted(known.items(), key=lambda item: abs(item[1])))
 
-    def _load_change(self, state: State, length: float) -> float:
+    def load_change(self, state: State, length: float) -> float:
         """Change of the load factor within a small length, to the second order where the load is stationary."""
         rate = self.distance(0.0, self.after.length) / self.after.length * length
         bend = abs(self.after.load_rate - self.before.load_rate) / self.distance(0.0, self.after.length)

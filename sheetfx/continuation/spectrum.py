@@ -11,6 +11,7 @@ from slepc4py import SLEPc
 from .linear import DirectSolver
 
 PREFIX = "sheetfx_spectrum_"
+REAL = 1e-6  # imaginary part over the largest eigenvalue found, of a real one (double ones split by rounding)
 
 
 def nearest_to_zero(solver: DirectSolver, mass: PETSc.Mat, count: int,
@@ -36,22 +37,15 @@ def nearest_to_zero(solver: DirectSolver, mass: PETSc.Mat, count: int,
     eps.setProblemType(kinds.GHEP if solver.symmetric else kinds.GNHEP)
     eps.setDimensions(count, min(max(2 * count + 8, 12), mass.getSize()[0]))
     eps.setTolerances(tolerance, 300)
-    eps.setTarget(0.0)
-    eps.setWhichEigenpairs(SLEPc.EPS.Which.TARGET_MAGNITUDE)
-    transformation = eps.getST()
-    transformation.setType(SLEPc.ST.Type.SINVERT)
-    ksp = transformation.getKSP()
-    ksp.setType(PETSc.KSP.Type.PREONLY)
-    ksp.getPC().setType(PETSc.PC.Type.PYTHON)
-    ksp.getPC().setPythonContext(_Factored(solver))
+    invert_at_zero(eps, solver)
     eps.setFromOptions()
     eps.solve()
-    found = []
+    found, farthest = [], max((abs(eps.getEigenvalue(i)) for i in range(min(count, eps.getConverged()))), default=0.0)
     for i in range(min(count, eps.getConverged())):
-        mode = mass.createVecRight()
-        value = eps.getEigenpair(i, mode)
-        if abs(value.imag) <= 1e-8 * abs(value):
-            found.append((value.real, _normed(mode, mass)))
+        real, imaginary = mass.createVecRight(), mass.createVecRight()
+        value = eps.getEigenpair(i, real, imaginary)
+        if abs(value.imag) <= REAL * farthest:
+            found.append((value.real, _normed(imaginary if value.imag < 0 else real, mass)))
     if not found:
         raise ArithmeticError(f"no eigenvalue of the tangent converges; try PETSC_OPTIONS='-{PREFIX}eps_tol 1e-8'")
     found.sort(key=lambda pair: pair[0])
@@ -90,6 +84,18 @@ def _normed(mode: PETSc.Vec, mass: PETSc.Mat) -> PETSc.Vec:
     return mode
 
 
+def invert_at_zero(eps: SLEPc.EPS, solver: DirectSolver) -> None:
+    """Let an eigensolver find eigenvalues about zero with a factor that is there."""
+    eps.setTarget(0.0)
+    eps.setWhichEigenpairs(SLEPc.EPS.Which.TARGET_MAGNITUDE)
+    transformation = eps.getST()
+    transformation.setType(SLEPc.ST.Type.SINVERT)
+    ksp = transformation.getKSP()
+    ksp.setType(PETSc.KSP.Type.PREONLY)
+    ksp.getPC().setType(PETSc.PC.Type.PYTHON)
+    ksp.getPC().setPythonContext(_Factored(solver))
+
+
 class _Factored:
     """A preconditioner that is the factor of a direct solver."""
 
@@ -98,6 +104,9 @@ class _Factored:
 
     def apply(self, pc, right, solution):
         self._solver.solve(right, solution)
+
+    def applyTranspose(self, pc, right, solution):
+        self._solver.solve_transposed(right, solution)
 
 
 def diagonal(weights: PETSc.Vec) -> PETSc.Mat:

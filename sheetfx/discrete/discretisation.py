@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from itertools import chain
 
 import numpy as np
 import ufl
@@ -14,6 +15,7 @@ from ..compat import JIT
 from ..mesh.numbers import lift_numbers
 from ..mesh.reader import NamedMesh
 from ..model.contact import Contact
+from ..model.loads import Load
 from ..model.scene import Monitor, Scene
 from .contact import ContactFields
 from .contact_work import ContactWork
@@ -25,6 +27,7 @@ from .kinematics import Kinematics
 from .layout import Layout
 from .nodal import FixedIncrements, NodalLoads
 from .number import NumberField
+from .potential import have_potential
 from .supports import fixed_dofs, turn_nodes
 from .system import System
 from .timing import Stopwatch
@@ -39,6 +42,7 @@ class Discretisation:
     fields : Fields
     system : System
     contacts : list of ContactFields
+    follower : loads that follow the structure, and for each whether their forces have a potential nevertheless
     """
 
     def __init__(self, scene: Scene, mixed_points: bool = True):
@@ -57,9 +61,12 @@ class Discretisation:
         changes = [None if isinstance(f, NumberField) else fem.Function(f.value.function_space)
                    for f in self.unknowns.fields] if mixed_points else None
         with self.clock("compile"):
-            others = [*self._of_contacts(), *self._of_joints(), *self._of_loads(), FixedIncrements()]
+            loads = [(load, list(works)) for load, works in self._of_loads()]
+            others = [*self._of_contacts(), *self._of_joints(), *chain(*(works for _, works in loads)),
+                      FixedIncrements()]
             contributions = [*self._of_parts(changes), *others]
         layout = Layout(scene.parts[0].mesh.domain.comm, fields.blocks, fixed)
+        self.follower = self._look_for_potentials(loads, layout)
         self.system = System(self.unknowns, contributions, layout, fields.factors, changes, self.clock)
         self._totals = [[load.total(fields.at_stage(n)) for load in stage.loads]
                         for n, stage in enumerate(scene.all_stages)]
@@ -128,19 +135,37 @@ class Discretisation:
             for work in _by_mesh([joint.work(self.fields)]):
                 yield FormWork(self.unknowns, work, smooth=joint.smooth, conservative=joint.conservative)
 
-    def _of_loads(self) -> Iterator[Contribution]:
-        """Of each stage the work of loads on each mesh in one form, forces at points, and other contributions."""
+    def _of_loads(self) -> Iterator[tuple[Load | None, Iterator[Contribution]]]:
+        """Work of the loads of each stage: those that follow the structure one by one, all others together (None)."""
         for number, stage in enumerate(self.scene.all_stages):
-            fields = self.fields.at_stage(number)
-            nodal = NodalForces(fields)
+            yield None, self._of_load([load for load in stage.loads if load.conservative], number)
             for load in stage.loads:
-                load.at_points(nodal)
-                yield from load.contributions(fields)
-            conservative = all(load.conservative for load in stage.loads)
-            if any(array is not None for array in nodal.arrays):
-                yield NodalLoads(nodal.arrays, fields.factor_now, number, conservative)
-            for work in _by_mesh([load.work(fields) for load in stage.loads]):
-                yield FormWork(self.unknowns, -work, factor=fields.factor, conservative=conservative, stage=number)
+                if not load.conservative:
+                    yield load, self._of_load([load], number)
+
+    def _of_load(self, loads: Sequence[Load], stage: int) -> Iterator[Contribution]:
+        """The work of some loads on each mesh in one form, their forces at points, and other contributions."""
+        fields, conservative = self.fields.at_stage(stage), all(load.conservative for load in loads)
+        nodal = NodalForces(fields)
+        for load in loads:
+            load.at_points(nodal)
+            yield from load.contributions(fields)
+        if any(array is not None for array in nodal.arrays):
+            yield NodalLoads(nodal.arrays, fields.factor_now, stage, conservative)
+        for work in _by_mesh([load.work(fields) for load in loads]):
+            yield FormWork(self.unknowns, -work, factor=fields.factor, conservative=conservative, stage=stage)
+
+    def _look_for_potentials(self, loads, layout: Layout) -> dict[Load, bool]:
+        """Of loads that follow the structure whether their forces have a potential as the structure is supported."""
+        found = {}
+        for load, works in loads:
+            works = [work for work in works if not work.conservative]
+            if load is None or not works:
+                continue
+            found[load] = have_potential(self.unknowns, works, layout, self.fields.factors, self.clock)
+            for work in works:
+                work.conservative = found[load]
+        return found
 
     def monitored(self, monitor: Monitor):
         """The block of the monitored displacement, and its local dofs on the process that owns it."""

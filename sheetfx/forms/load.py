@@ -28,3 +28,12 @@ def pressure(value, u, frame, vary):
     """
     first, second = (t + frame.along(u, t) for t in frame.tangents)
     return value * ufl.dot(ufl.cross(first, second), vary(u))
+
+
+def line_pressure(value, u, frame, vary):
+    """Pressure on a deformed curve in the plane per reference length, along its normal, on the left of its direction.
+
+    The plane case of Simo, Taylor and Wriggers 1991, eq. 2.9: the tangent of the curve turned by a right angle.
+    """
+    tangent = frame.tangent + frame.along(u)
+    return value * ufl.dot(ufl.as_vector([-tangent[1], tangent[0]]), vary(u))

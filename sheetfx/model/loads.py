@@ -183,22 +183,6 @@ class SurfaceForce(Load):
 
 
 @dataclass(frozen=True, eq=False)
-class Pressure(Load):
-    """Pressure along the current normal of a shell, which follows it as it turns."""
-
-    shell: Shell
-    pressure: float
-    conservative = False
-
-    def work(self, fields):
-        frame, u = self.shell.frame(), fields.displacement(self.shell.mesh)
-        return forms.load.pressure(fields.factor * self.pressure, u, frame, fields.vary) * self.shell.measure()
-
-    def total(self, fields) -> float:
-        return abs(self.pressure)
-
-
-@dataclass(frozen=True, eq=False)
 class ObstacleForce(Load):
     """Force on an obstacle along its travel."""
 

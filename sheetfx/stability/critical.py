@@ -2,23 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-
 import numpy as np
-from scipy.interpolate import KroghInterpolator
 from scipy.optimize import minimize_scalar
 
 from ..continuation.segment import Jump, Missed, Segment
 from ..continuation.state import CriticalPoint, State
 from ..continuation.tracer import tracer_of
+from .crossings import REACHES, Crossing, pass_zero
 from .koiter import postbuckling
 
 SAME = 1e-6  # relative difference of loads of one multiple point
 SHORTEST = 1 / 64  # of a step, piece that must be explained
-REACH = 0.05  # of a piece of path, about a bifurcation, in which it is interpolated
-FALSE_ROOTS = 10  # places where an eigenvalue comes near to zero, as beside a limit point, before it passes it
-FOLD = 0.9  # of the length of a piece of path, motion along the mode where a limit point is
-NOISE = 1e-6  # of the length of a piece of path, motion along a mode that does not count
 
 
 def locate(tracer, earlier: State | None, before: State, after: State,
@@ -101,12 +95,22 @@ def state_at(path, before: State, after: State, point: CriticalPoint) -> State:
     try:
         if segment.guarded:
             _check(segment)
-        state = segment[point.length]
+        if point.kind == "bifurcation":
+            _surround(segment, point.length)
+        state = segment.on_path(point.length)
     except (Jump, Missed):
         raise ArithmeticError(f"the {point.kind} at load {point.load:.6g} in step {point.step} does not converge "
                               "again; resume the path with a shorter step before it") from None
     tracer.factorise_at(state)
     return state
+
+
+def _surround(segment: Segment, length: float) -> None:
+    """Have states on both sides of a bifurcation, from which its own is interpolated."""
+    for reach in REACHES[:2]:
+        for wanted in (length - reach * segment.after.length, length + reach * segment.after.length):
+            if 0 < wanted < segment.after.length:
+                segment.reach(wanted)
 
 
 def _check(segment: Segment) -> None:
@@ -156,16 +160,7 @@ def _turning_loads(segment: Segment, earlier: State | None) -> list[tuple[Segmen
                 key=lambda found: sign * found[0].states[found[1]].factor)]
 
 
-@dataclass(frozen=True)
-class _Crossing:
-    """Where an eigenvalue of the tangent passes zero: the nearest state's length, and what is interpolated there."""
-
-    length: float
-    load: float
-    deflection: float
-
-
-def _bifurcations(segment: Segment, limits: list[float]) -> list[_Crossing]:
+def _bifurcations(segment: Segment, limits: list[float]) -> list[Crossing]:
     """Where eigenvalues other than those of limit points pass zero, along the path.
 
     With contact, where eigenvalues waver, only the ends of the step are compared; with friction nothing is.
@@ -180,18 +175,14 @@ def _bifurcations(segment: Segment, limits: list[float]) -> list[_Crossing]:
 
 
 def _hidden(one: State, other: State) -> int:
-    """Least number of bifurcations between two states: a limit point changes the unstable directions by one.
-
-    Of unsymmetric tangents only the determinant is known, which simple bifurcations change.
-    """
-    if one.unstable_modes is None:
-        change = one.determinant_sign != other.determinant_sign
-    else:
-        change = abs(one.unstable_modes - other.unstable_modes)
+    """Least number of bifurcations between two states: a limit point changes the unstable directions by one."""
+    if one.unstable_modes is None or other.unstable_modes is None:
+        return 0
+    change = abs(one.unstable_modes - other.unstable_modes)
     return abs(change - 1) if one.load_rate * other.load_rate < 0 else change
 
 
-def _crossings(segment: Segment, left: float, right: float, near: float) -> list[_Crossing]:
+def _crossings(segment: Segment, left: float, right: float, near: float) -> list[Crossing]:
     one, other = segment[left], segment[right]
     count = _hidden(one, other)
     if not count:
@@ -199,81 +190,16 @@ def _crossings(segment: Segment, left: float, right: float, near: float) -> list
     if one.load_rate * other.load_rate < 0:
         middle = (left + right) / 2
         if right - left <= 3 * near:
-            return [_Crossing(left, one.load, one.deflection)] * count
+            return [Crossing(left, one.load, one.deflection)] * count
         if not segment.reach(middle):
             return []
         return _crossings(segment, left, middle, near) + _crossings(segment, middle, right, near)
-    numbers = [None] if one.unstable_modes is None else range(*sorted((one.unstable_modes, other.unstable_modes)))
-    return [_crossing(segment, number, count + 2, left, right) for number in numbers]
+    return pass_zero(segment, left, right, count)
 
 
-def _crossing(segment: Segment, number: int | None, count: int, left: float, right: float) -> _Crossing:
-    """Zero of one eigenvalue, interpolated between states so far from it that rounding does not throw them off."""
-    def value(length):
-        return segment.eigenvalue(length, number, count)
-
-    reach = REACH * (right - left)
-    for _ in range(FALSE_ROOTS):
-        bracket = (left, right) if number is None else _bracket(segment, number, left, right)
-        middle = next(iter(segment.root(value, *bracket, 1e-3)))
-        lengths = [s for s in _around(segment, middle, reach) if left <= s <= right]
-        values = [value(s) for s in lengths]
-        if min(values) < 0 < max(values):
-            break
-    table = [(s, segment[s].load, segment[s].deflection) for s in lengths]
-    found = _Crossing(*map(float, KroghInterpolator(values, table)(0.0)))
-    if abs(found.length - middle) > reach:
-        found = _Crossing(*table[int(np.argmin(np.abs(values)))])
-    if not segment.reach(found.length):
-        found = replace(found, length=middle)
-    if segment.guarded:
-        _compare_sides(segment, found.length, reach, count)
-    return found
-
-
-def _bracket(segment: Segment, number: int, left: float, right: float) -> tuple[float, float]:
-    """Neighbouring states between two others, on whose sides an eigenvalue has different signs."""
-    before = segment[left].unstable_modes > number
-    lengths = [s for s in sorted(segment.states) if left <= s <= right]
-    passed = next(i for i, s in enumerate(lengths) if (segment[s].unstable_modes > number) != before)
-    return lengths[passed - 1], lengths[passed]
-
-
-def _around(segment: Segment, middle: float, reach: float) -> list[float]:
-    """Lengths of states at a length and about `reach` to both sides, known ones where they are near enough."""
-    lengths = [middle]
-    for wanted in (middle - reach, middle - reach / 2, middle + reach / 2, middle + reach):
-        nearest = min(segment.states, key=lambda s, wanted=wanted: abs(s - wanted))
-        if abs(nearest - wanted) < reach / 8:
-            lengths.append(nearest)
-        elif 0 < wanted < segment.after.length and segment.reach(wanted):
-            lengths.append(wanted)
-    return lengths
-
-
-def _compare_sides(segment: Segment, length: float, reach: float, count: int) -> None:
-    """Refuse states on both sides of a bifurcation that the path does not lead through.
-
-    Near the bifurcation of a slightly imperfect structure the path bends away along the mode; a step that goes
-    straight on has jumped to another path, from which the mode deviates to the other side, or which itself goes
-    along the mode at a limit point.
-    """
-    left = max((s for s in segment.states if s <= length - reach / 2), default=None)
-    right = min((s for s in segment.states if s >= length + reach / 2), default=None)
-    if left is None or right is None:
-        return
-    values, modes = segment.spectrum(length, count)
-    mode = modes[int(np.argmin(np.abs(values)))].array
-    moved, led = segment.along(mode, left, right)
-    distance, size = segment.distance(left, right), max(abs(moved), abs(led))
-    strays = (abs(moved - led) > size / 2 and size > NOISE * distance) or abs(moved) > FOLD * distance
-    if strays and size > 10 * max(segment.uncertainty(segment[s]) for s in (left, right)):
-        raise Jump("the path bends away from a bifurcation that the step passes")
-
-
-def _clusters(crossings: list[_Crossing]) -> list[list[_Crossing]]:
+def _clusters(crossings: list[Crossing]) -> list[list[Crossing]]:
     """Crossings at equal loads together."""
-    clusters: list[list[_Crossing]] = []
+    clusters: list[list[Crossing]] = []
     for crossing in crossings:
         if clusters and abs(crossing.load - clusters[-1][-1].load) <= SAME * abs(crossing.load):
             clusters[-1].append(crossing)
@@ -282,13 +208,13 @@ def _clusters(crossings: list[_Crossing]) -> list[list[_Crossing]]:
     return clusters
 
 
-def _bifurcation(segment: Segment, crossings: list[_Crossing]) -> CriticalPoint:
+def _bifurcation(segment: Segment, crossings: list[Crossing]) -> CriticalPoint:
     """A simple or multiple bifurcation, classified."""
     first, count, tracer = crossings[0], len(crossings), segment.tracer
-    state = segment[first.length]
     point = CriticalPoint("bifurcation", first.load, first.deflection, segment.after.step, first.length, count)
     if not tracer.system.smooth or not tracer.system.conservative:
         return point
+    state = segment.on_path(first.length)
     values, modes = segment.spectrum(first.length, count)
     tracer.factorise_at(state)
     null = [modes[i] for i in np.argsort(np.abs(values))[:count]]

@@ -1,0 +1,148 @@
+"""Eigenvalues of an unsymmetric tangent that pass zero from one state to another.
+
+A symmetric tangent's factor counts its negative eigenvalues; that of an unsymmetric one only tells the sign of the
+determinant, which pairs of eigenvalues leave as it was. Between two tangents K0 and K1 that are close to each other
+those that pass zero are the real eigenvalues s between 0 and 1 of K0 + s (K1 - K0), which the factor of K1 finds: for a
+symmetric pencil Sylvester's law of inertia gives the same count.
+
+The SLEPc solver takes the prefix `sheetfx_crossings_`.
+"""
+
+from __future__ import annotations
+
+from math import inf
+
+import numpy as np
+from petsc4py import PETSc
+from slepc4py import SLEPc
+
+from .linear import DirectSolver
+from .spectrum import invert_at_zero
+
+PREFIX = "sheetfx_crossings_"
+FEW, MANY = 6, 48  # eigenvalues that are looked for, at first and at most
+REAL = 1e-5  # imaginary over real part of what counts as real: double eigenvalues split by rounding
+CLOSE = 1e-3  # relative difference of eigenvalues whose directions are found together
+
+
+class Uncounted(ArithmeticError):
+    """Two tangents are too far apart for what lies between them to be counted."""
+
+
+def crossings(solver: DirectSolver, earlier: PETSc.Mat, weights: PETSc.Vec, signs: int) -> int:
+    """Change of the number of negative eigenvalues of a tangent since an earlier one.
+
+    Parameters
+    ----------
+    solver : with the factor of the tangent now
+    earlier : the tangent then, on the same entries
+    weights : diagonal of the inner product in which eigenvalues are meant
+    signs : product of the signs of both determinants, which the count must agree with
+
+    Raises
+    ------
+    Uncounted
+    """
+    change = solver.matrix.copy()
+    change.axpy(-1.0, earlier, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+    if not change.norm() > 0:
+        return 0
+    asked, most = FEW, min(MANY, change.getSize()[0])
+    while True:
+        values = _reciprocal(_solver(solver, change, asked))
+        if len(values) < asked or np.min(np.abs(values)) < 1 or asked == most:
+            break
+        asked = min(2 * asked, most)
+    passed = [v for v in values if _passes(v)]
+    if (-1) ** len(passed) != signs or (asked == most and np.min(np.abs(values)) >= 1):
+        raise Uncounted("the tangent changes too much for the eigenvalues that pass zero to be counted")
+    return _towards_negative(solver, change, weights, asked, passed) if passed else 0
+
+
+def first_passing(solver: DirectSolver, change: PETSc.Mat) -> float:
+    """Multiple of a change of the factored tangent with which an eigenvalue passes zero, roughly.
+
+    Infinite where none of those that change most does.
+    """
+    if not change.norm() > 0:
+        return inf
+    fastest = max((-v.real for v in _reciprocal(_solver(solver, change, FEW, 1e-2)) if abs(v.imag) <= abs(v.real)),
+                  default=0.0)
+    return 1 / fastest if fastest > 0 else inf
+
+
+def _passes(value: complex) -> bool:
+    """Whether the reciprocal of 1 - s belongs to a real s between 0 and 1."""
+    return value.real > 1 and abs(value.imag) <= REAL * value.real
+
+
+def _solver(solver: DirectSolver | _Transposed, change: PETSc.Mat, count: int, tolerance: float = 1e-6) -> SLEPc.EPS:
+    """Solved eigenproblem K1 mode = (1 - s) (K1 - K0) mode for the values nearest to zero."""
+    eps = SLEPc.EPS().create(change.comm)
+    eps.setOptionsPrefix(PREFIX)
+    eps.setOperators(solver.matrix, change)
+    eps.setProblemType(SLEPc.EPS.ProblemType.GNHEP)
+    eps.setDimensions(count, min(max(2 * count + 8, 20), change.getSize()[0]))
+    eps.setTolerances(tolerance, 30)
+    invert_at_zero(eps, solver)
+    eps.setFromOptions()
+    eps.solve()
+    return eps
+
+
+def _reciprocal(eps: SLEPc.EPS) -> np.ndarray:
+    """1 / (1 - s) for each eigenvalue found."""
+    values = np.array([eps.getEigenvalue(i) for i in range(eps.getConverged())], dtype=complex)
+    return 1 / values if len(values) else np.zeros(1)
+
+
+def _towards_negative(solver: DirectSolver, change: PETSc.Mat, weights: PETSc.Vec, asked: int, passed: list) -> int:
+    """Number of eigenvalues that become negative less that of those that become positive.
+
+    A simple eigenvalue of K0 + s (K1 - K0) changes at zero by (left mode) (K1 - K0) (mode) over their inner product;
+    several together by the eigenvalues of the same with matrices.
+    """
+    right = [pair for pair in _modes(_solver(solver, change, asked)) if _passes(pair[0])]
+    left = _modes(_solver(_Transposed(solver), change.transpose(PETSc.Mat()), asked))
+    if len(left) < len(right) or len(right) != len(passed):
+        raise Uncounted("not all eigenvalues that pass zero converge again")
+    count, group = 0, []
+    for n, (value, mode) in enumerate(right):
+        group.append((mode, left.pop(int(np.argmin([abs(other - value) for other, _ in left])))[1]))
+        if n + 1 == len(right) or abs(right[n + 1][0] - value) > CLOSE * abs(value):
+            slopes = _slopes(group, change, weights)
+            count += int((slopes < 0).sum()) - int((slopes > 0).sum())
+            group = []
+    return count
+
+
+def _modes(eps: SLEPc.EPS) -> list[tuple[complex, PETSc.Vec]]:
+    """1 / (1 - s) for each eigenvalue found, by their real parts, and modes; of a pair both parts of one."""
+    found = []
+    for i, value in enumerate(_reciprocal(eps)):
+        real, imaginary = eps.getOperators()[0].createVecs()
+        eps.getEigenvector(i, real, imaginary)
+        found.append((complex(value), imaginary if value.imag > 0 else real))
+    return sorted(found, key=lambda pair: pair[0].real)
+
+
+class _Transposed:
+    """The factor of the transposed matrix."""
+
+    def __init__(self, solver: DirectSolver):
+        self.matrix, self._solver = solver.matrix.transpose(PETSc.Mat()), solver
+
+    def solve(self, right: PETSc.Vec, solution: PETSc.Vec) -> None:
+        self._solver.solve_transposed(right, solution)
+
+
+def _slopes(modes: list[tuple[PETSc.Vec, PETSc.Vec]], change: PETSc.Mat, weights: PETSc.Vec) -> np.ndarray:
+    """Rates at which eigenvalues in the inner product pass zero together."""
+    moved, weighed = np.empty((len(modes),) * 2), np.empty((len(modes),) * 2)
+    work = modes[0][0].duplicate()
+    for j, (right, _) in enumerate(modes):
+        for matrix, apply in ((moved, change.mult), (weighed, lambda x, y: y.pointwiseMult(weights, x))):
+            apply(right, work)
+            for i, (_, left) in enumerate(modes):
+                matrix[i, j] = left.dot(work)
+    return np.linalg.eigvals(np.linalg.solve(weighed, moved)).real

@@ -1,0 +1,237 @@
+"""Where eigenvalues of the tangent pass zero on a piece of path, told apart however close they are.
+
+With a few vectors Phi near the modes that become unstable, and the weights W of the inner product, the small matrix
+
+    G = (Phi^T W K^-1 W Phi)^-1
+
+is singular where the tangent K is, with the same number of null vectors, and smooth along the path: it is what is left
+of a bordered tangent (Govaerts 2000, chapter 3). Eigenvalues change their order where they pass zero together; G does
+not mind. It is interpolated between states that keep a distance from the crossing, since at a critical point rounding
+decides where a state lies. With an unsymmetric tangent nothing changes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from petsc4py import PETSc
+from scipy.interpolate import KroghInterpolator
+from scipy.optimize import brentq
+
+from ..continuation.segment import Jump, Segment
+
+REACHES = (0.1, 0.03, 0.01, 0.003)  # of a piece of path, distances from crossings of the states that are looked at
+EXACT = 1e-8  # relative error of the load at which to stop
+SAMPLES = 6  # states that are interpolated between
+APART = 0.1  # of a piece of path, distance of crossings that are looked for one by one
+FOLD = 0.9  # of the length of a piece of path, motion along the mode where a limit point is
+NOISE = 1e-6  # of the length of a piece of path, motion along a mode that does not count
+ROUNDED = 1e-10  # of the structure's size, imperfection along a mode that rounding may cause, as in a mesh
+RIGID = 1e-10  # flexibility over the largest of vectors that do not yield
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """Where an eigenvalue of the tangent passes zero."""
+
+    length: float
+    load: float
+    deflection: float
+
+
+def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[Crossing]:
+    """Crossings between two lengths of a segment, at whose states the numbers of unstable modes differ by `count`.
+
+    Raises
+    ------
+    Jump
+        If the path does not lead through one of them, or they are not found.
+    """
+    border, lengths = _Border(segment, left, right, count), [left, right]
+    if not border.numbers and not segment.guarded:
+        return []
+    if len(border.numbers) != count and segment.guarded:
+        raise Jump(f"{count} eigenvalues pass zero in the step, of which {len(border.numbers)} are found")
+    roots = border.roots(lengths)
+    for reach in REACHES:
+        gaps = np.diff(roots)
+        if len(gaps) and gaps.max() > APART * (right - left):
+            middle = float(roots[np.argmax(gaps)] + gaps.max() / 2)
+            if segment.reach(middle):
+                return _halves(segment, left, middle, right)
+        lengths = _sampled(segment, lengths, roots, reach * (right - left))
+        samples = _nearest(lengths, roots)
+        coarser, finer = border.roots(samples[:-1]), border.roots(samples)
+        if not np.isfinite(finer).all():
+            break
+        roots = finer
+        if _load_change(segment, samples[0], float(np.abs(roots - coarser).max())) <= EXACT:
+            break
+    if segment.guarded:
+        _compare_sides(segment, roots, samples, border)
+    table = KroghInterpolator(samples, [(segment[s].load, segment[s].deflection) for s in samples])
+    return [Crossing(float(s), *map(float, table(s))) for s in roots]
+
+
+def _load_change(segment: Segment, near: float, change: float) -> float:
+    """Relative change of the load within a small length."""
+    size = max(abs(segment[near].factor), abs(segment.after.load_increment))
+    return segment.load_change(segment[near], change) / size
+
+
+def _halves(segment: Segment, left: float, middle: float, right: float) -> list[Crossing]:
+    """Crossings in two halves of a piece."""
+    found = []
+    for one, other in ((left, middle), (middle, right)):
+        count = abs(segment[one].unstable_modes - segment[other].unstable_modes)
+        if count:
+            found += pass_zero(segment, one, other, count)
+    return found
+
+
+def _nearest(lengths: Sequence[float], roots: np.ndarray) -> list[float]:
+    """The samples nearest to some crossings, the nearest one first."""
+    return sorted(lengths, key=lambda s: abs(s - roots.mean()))[:SAMPLES]
+
+
+def _sampled(segment: Segment, lengths: Sequence[float], roots: np.ndarray, reach: float) -> list[float]:
+    """Lengths of states with one more on each side of the crossings, as far as they converge."""
+    found = set(lengths)
+    for wanted in (float(roots.min() - reach), float(roots.max() + reach)):
+        nearest = min(segment.states, key=lambda s, wanted=wanted: abs(s - wanted))
+        if abs(nearest - wanted) < reach / 4:
+            found.add(nearest)
+        elif min(lengths) < wanted < max(lengths) and segment.reach(wanted):
+            found.add(wanted)
+    return sorted(s for s in found if min(lengths) <= s <= max(lengths))
+
+
+class _Border:
+    """The matrix G at states of a segment.
+
+    Parameters
+    ----------
+    left, right : lengths between which `count` eigenvalues pass zero
+
+    Attributes
+    ----------
+    numbers : of the eigenvalues of G, in ascending order, that have other signs at `left` than at `right`
+    """
+
+    def __init__(self, segment: Segment, left: float, right: float, count: int):
+        self._segment, self._tracer = segment, segment.tracer
+        self._weights = self._tracer.system.weights
+        self._known: dict[float, tuple[np.ndarray, list[PETSc.Vec]]] = {}
+        self._vectors = self._soft(right, self._modes_at(right, count))
+        self.numbers = self._changing(left, right)
+        if len(self.numbers) != count:
+            self._vectors = self._soft(right, [*self._vectors, *self._modes_at(left, count)])
+            self.numbers = self._changing(left, right)
+        self._left, self._right = (self._signs(s) for s in (left, right))
+
+    def _modes_at(self, length: float, count: int) -> list[PETSc.Vec]:
+        return self._segment.spectrum(length, count + 2)[1]
+
+    def _soft(self, length: float, modes: Sequence[PETSc.Vec]) -> list[PETSc.Vec]:
+        """Orthonormal vectors that span some modes but for those that do not yield, which a prescribed motion holds."""
+        self._known.clear()
+        vectors = _orthonormal(self._weights, modes)
+        inverse, _ = self._inverse(length, vectors)
+        _, sizes, rows = np.linalg.svd(inverse)
+        return [sum((float(c) * v for c, v in zip(row, vectors, strict=True)), 0.0 * vectors[0])
+                for row, size in zip(rows, sizes, strict=True) if size > RIGID * sizes[0]]
+
+    def _inverse(self, length: float, vectors: Sequence[PETSc.Vec]) -> tuple[np.ndarray, list[PETSc.Vec]]:
+        """The inverse of G at a state, and the solutions K^-1 W Phi."""
+        self._tracer.factorise_at(self._segment[length])
+        solutions, inverse = [], np.empty((len(vectors),) * 2)
+        for j, vector in enumerate(vectors):
+            solution = vector.duplicate()
+            self._tracer.stepper.linear.solve(self._weights * vector, solution)
+            solutions.append(solution)
+            weighted = self._weights * solution
+            inverse[:, j] = [one.dot(weighted) for one in vectors]
+        return inverse, solutions
+
+    def at(self, length: float) -> np.ndarray:
+        """G at a state."""
+        if length not in self._known:
+            inverse, solutions = self._inverse(length, self._vectors)
+            self._known[length] = np.linalg.inv(inverse), solutions
+        return self._known[length][0]
+
+    def _eigenvalues(self, matrix: np.ndarray) -> np.ndarray:
+        """In ascending order; where some are not real, their real parts."""
+        if self._tracer.system.conservative:
+            return np.linalg.eigvalsh((matrix + matrix.T) / 2)
+        return np.sort(np.linalg.eigvals(matrix).real)
+
+    def _changing(self, left: float, right: float) -> list[int]:
+        """Numbers of the eigenvalues of G that have other signs at one length than at another."""
+        signs = [self._eigenvalues(self.at(s)) < 0 for s in (left, right)]
+        return list(np.flatnonzero(signs[0] != signs[1]))
+
+    def _signs(self, length: float) -> list[bool]:
+        """Signs of the eigenvalues that pass zero."""
+        return list(self._eigenvalues(self.at(length))[self.numbers] < 0)
+
+    def roots(self, samples: Sequence[float]) -> np.ndarray:
+        """Lengths at which eigenvalues pass zero, in ascending order, by an interpolation between states.
+
+        Infinite if these are not on both sides.
+        """
+        before = [s for s in samples if self._signs(s) == self._left]
+        behind = [s for s in samples if self._signs(s) == self._right]
+        if not before or not behind:
+            return np.full(len(self.numbers), np.inf)
+        border = KroghInterpolator(samples, np.array([self.at(s) for s in samples]))
+        ends = max(before), min(behind)
+        return np.sort([brentq(lambda s, number=number: self._eigenvalues(border(s))[number], *ends,
+                               xtol=1e-14 * self._segment.after.length, rtol=1e-15) for number in self.numbers])
+
+    def null_vector(self, length: float, nearest: float) -> np.ndarray:
+        """About the null vector of the tangent at a crossing, from the solutions at the nearest state."""
+        _, vectors = np.linalg.eigh((self.at(nearest) + self.at(nearest).T) / 2)
+        values = np.abs(self._eigenvalues(self.at(nearest)))
+        share = self.at(nearest) @ vectors[:, int(np.argmin(values))]
+        mode = sum(float(c) * v for c, v in zip(share, self._known[nearest][1], strict=True))
+        return mode.array / self._tracer.distance(0.0, mode.array)
+
+
+def _orthonormal(weights: PETSc.Vec, vectors: Sequence[PETSc.Vec]) -> list[PETSc.Vec]:
+    """Vectors that span the same, orthonormal in the inner product with weights; those that add nothing left out."""
+    found: list[PETSc.Vec] = []
+    for vector in vectors:
+        rest, size = vector.copy(), (weights * vector).dot(vector) ** 0.5
+        for _ in range(2):
+            for one in found:
+                rest.axpy(-(weights * rest).dot(one), one)
+        left = (weights * rest).dot(rest) ** 0.5
+        if left > 1e-3 * size:
+            rest.scale(1 / left)
+            found.append(rest)
+    return found
+
+
+def _compare_sides(segment: Segment, roots: np.ndarray, samples: Sequence[float], border: _Border) -> None:
+    """Refuse states on both sides of a bifurcation that the path does not lead through.
+
+    Near the bifurcation of a slightly imperfect structure the path bends away along the mode; a step that goes
+    straight on has jumped to another path, from which the mode deviates to the other side, or which itself goes
+    along the mode at a limit point. An imperfection grows by the critical load over the distance from it.
+    """
+    left = max((s for s in samples if s < min(roots)), default=None)
+    right = min((s for s in samples if s > max(roots)), default=None)
+    if left is None or right is None:
+        return
+    nearest = min((left, right), key=lambda s: min(abs(s - root) for root in roots))
+    mode = border.null_vector(roots[0], nearest)
+    moved, led = segment.along(mode, left, right)
+    distance, size = segment.distance(left, right), max(abs(moved), abs(led))
+    critical = KroghInterpolator(samples, [segment[s].factor for s in samples])(roots[0])
+    grown = sum(abs(critical / (segment[s].factor - critical)) for s in (left, right))
+    strays = (abs(moved - led) > size / 2 and size > NOISE * distance + ROUNDED * grown) or abs(moved) > FOLD * distance
+    if strays and size > 10 * max(segment.uncertainty(segment[s]) for s in (left, right)):
+        raise Jump("the path bends away from a bifurcation that the step passes")
