@@ -24,7 +24,7 @@ from .discrete.discretisation import Discretisation
 from .model.scene import Scene, Stage
 from .stability.critical import locate, searched
 
-CROWDED, UNCROWDED = 4, 8  # bifurcations for which a step is cut, and the number of cuts made on their account
+AT_BOUND = 1e-6  # relative distance from a bound at which a path has reached it
 
 
 class PathFailure(ArithmeticError):
@@ -44,10 +44,12 @@ class PathFailure(ArithmeticError):
 class Until:
     """Where a path ends: at the first of the given bounds (absolute values); `steps` 0: unloaded.
 
+    The last step ends at the bound, and critical points beyond it are not reported.
+
     Attributes
     ----------
-    event : where the path ends exactly: an Event, or the test function of one
-    deflection, load : in the last stage
+    event : where the path ends: an Event, or the test function of one
+    deflection, load : in the last stage; met to a millionth
     steps : of all stages
     """
 
@@ -69,12 +71,18 @@ class Until:
         """The event that ends the path."""
         return self.event if self.event is None or isinstance(self.event, Event) else Event("end", self.event)
 
+    @property
+    def bounds(self) -> list[Event]:
+        """Events at which deflection or load reach their bounds."""
+        return [Event(f"{name} {bound:g}", lambda state, name=name, bound=bound: abs(getattr(state, name)) - bound,
+                      AT_BOUND * bound)
+                for name, bound in (("deflection", self.deflection), ("load", self.load)) if bound is not None]
+
     def reached(self, state: State) -> str | None:
         """Why the path ends at this state of its last stage, or None."""
-        if self.deflection is not None and abs(state.deflection) >= self.deflection:
-            return f"deflection {self.deflection:g} reached"
-        if self.load is not None and abs(state.load) >= self.load * (1 - 1e-12):
-            return f"load {self.load:g} reached"
+        for bound in self.bounds:
+            if bound.value(state) >= -bound.near:
+                return f"{bound.name} reached"
         return self.stopped(state)
 
     def stopped(self, state: State) -> str | None:
@@ -175,12 +183,11 @@ class Path:
 
     def _step(self, before: State) -> State:
         """One converged step, shortened as often as needed, with the critical points inside it."""
-        length, smallest = before.next_length or self.tracer.first, self.control.smallest * self.tracer.first
-        largest = self.control.largest * self.control.first
-        length, cuts = self.control.clip(length, before.factor), 0
-        while (taken := self._try(before, length, CROWDED if cuts < UNCROWDED else None)) is None:
-            length, cuts = length / 2, cuts + 1
-            if length < smallest:
+        length = self.control.clip(before.next_length or self.tracer.first, before.factor)
+        largest = self.control.largest * self.tracer.usual
+        while (taken := self._try(before, length)) is None:
+            length /= 2
+            if length < self.control.smallest * self.tracer.shortest:
                 raise self._failure(before, length)
         after, points = taken
         growth = self.control.growth(after.hardest)
@@ -188,7 +195,7 @@ class Path:
         self.tracer.state, self._earlier = after, before
         return after
 
-    def _try(self, before: State, length: float, most: int | None) -> tuple[State, tuple[CriticalPoint, ...]] | None:
+    def _try(self, before: State, length: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:
         """A step with its critical points; None and back to its start if it does not converge or leaves its branch."""
         after, self._refusal = self.tracer.attempt(length), ""
         if after is None:
@@ -196,7 +203,7 @@ class Path:
         try:
             turn = self.tracer.turn(before, after)
             if turn <= self.control.turn:
-                points = locate(self.tracer, self._earlier, before, after, most)
+                points = locate(self.tracer, self._earlier, before, after)
                 return self._with_events(before, after, points)
             self._refusal = f"it turns off the path by {turn:.2g} radians, more than {self.control.turn:g}"
         except Jump as jump:
@@ -206,11 +213,15 @@ class Path:
 
     def _with_events(self, before: State, after: State,
                      points: Sequence[CriticalPoint]) -> tuple[State, tuple[CriticalPoint, ...]]:
-        """A step and its critical points with the events in it; the step ends at the event that ends the path."""
-        for event, point in occurrences(self.tracer, before, after, self.events):
-            points = [*points, point]
-            if event is self._ending:
-                after = end_at(self.tracer, before, after, point)
+        """A step and its critical points with the events in it; the step ends at what ends the path."""
+        last_stage = before.stage + 1 == len(self._controls)
+        bounds = self.until.bounds if last_stage else []
+        for occurrence in occurrences(self.tracer, before, after, [*self.events, *bounds]):
+            point = occurrence.point
+            if occurrence.event in self.events:
+                points = [*points, point]
+            if occurrence.event is self._ending or occurrence.event in bounds:
+                after = end_at(self.tracer, after, occurrence)
                 points = [p for p in points if p.step < point.step or p.length <= point.length]
                 break
         return after, tuple(sorted(points, key=lambda p: (p.step, p.length)))

@@ -58,6 +58,10 @@ class StepRule:
         """Length of the first step."""
         return self.default if self.step is None else self.step
 
+    def usual(self, size: float) -> float:
+        """Length of the first step for a structure of a size, where nothing asks for a shorter one."""
+        return self.first
+
     def growth(self, iterations: int) -> float:
         """Factor on the next step's length after a step of so many iterations."""
         return min(2.0, max(0.5, sqrt(self.iterations / max(iterations, 1))))
@@ -151,10 +155,14 @@ class DisplacementControl(TwoWayRule):
     Attributes
     ----------
     monitor : scene.Monitor, the displacement that is controlled; None: the one that the scene monitors
+    default : of the class, over the size of the structure
     """
 
     monitor: object = None
-    default = 1.0
+    default = 0.01
+
+    def usual(self, size):
+        return self.first if self.step is not None else self.default * size
 
     def predict(self, length, sign, tangent):
         rate = abs(tangent.controlled(tangent.solution))

@@ -18,6 +18,7 @@ from slepc4py import SLEPc
 
 from .linear import DirectSolver
 from .spectrum import invert_at_zero
+from .state import State
 
 PREFIX = "sheetfx_crossings_"
 FEW, MANY = 6, 48  # eigenvalues that are looked for, at first and at most
@@ -27,6 +28,81 @@ CLOSE = 1e-3  # relative difference of eigenvalues whose directions are found to
 
 class Uncounted(ArithmeticError):
     """Two tangents are too far apart for what lies between them to be counted."""
+
+
+class UnstableModes:
+    """Counts the negative eigenvalues of tangents, where these are not symmetric from one state to the next.
+
+    Attributes
+    ----------
+    critical : state at a critical point, from which nothing can be counted: the one before it serves on
+    """
+
+    def __init__(self, system, linear: DirectSolver):
+        self._system, self._linear = system, linear
+        self._counts = system.smooth and not system.conservative
+        self._start: State | None = None
+        self._tangent: PETSc.Mat | None = None
+        self.critical: State | None = None
+
+    def start_from(self, state: State, increment: PETSc.Vec) -> None:
+        """Count from a state on, which the present increments begin at."""
+        system = self._system
+        if not self._counts or state is self._start or state is self.critical:
+            return
+        present = system.factor
+        system.configure(system.create_vector(), state.factor)
+        system.extrapolate_stress()
+        self._start, self._tangent = state, system.tangent().copy()
+        system.configure(increment, present)
+
+    def of_present(self, start: State | None, determinant: int | None) -> int | None:
+        """Number for the tangent that is factored; None: not known, as with friction, whose tangents waver.
+
+        Parameters
+        ----------
+        start : None: the path begins, with no unstable modes where they cannot be counted
+        determinant : its sign
+
+        Raises
+        ------
+        Uncounted
+        """
+        if self._system.conservative:
+            pivots = self._linear.negative_pivots()
+            return None if pivots is None else pivots - self._system.multipliers
+        if not self._counts or determinant is None:
+            return None
+        if start is None:
+            return 0
+        before = self._start
+        if before.unstable_modes is None:
+            return None
+        return before.unstable_modes + crossings(self._linear, self._tangent, self._system.weights,
+                                                 determinant * before.determinant_sign)
+
+
+def first_critical(system, linear: DirectSolver, response: PETSc.Vec, ahead: float) -> float:
+    """Increment of the load factor, from the last converged state, at which the first eigenvalue passes zero, roughly.
+
+    Parameters
+    ----------
+    linear : with the factor of the tangent there
+    response : to a unit of load
+    ahead : increment of the load factor at which the change of the tangent is looked at
+    """
+    start, rest, along = system.factor, system.create_vector(), response.copy()
+    here = system.matrix.copy()
+    along.scale(ahead)
+    system.configure(along, start + ahead)
+    system.extrapolate_stress()
+    change = system.tangent().copy()
+    change.axpy(-1.0, here, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+    found = ahead * first_passing(linear, change)
+    system.configure(rest, start)
+    system.extrapolate_stress()
+    system.tangent()
+    return found
 
 
 def crossings(solver: DirectSolver, earlier: PETSc.Mat, weights: PETSc.Vec, signs: int) -> int:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from scipy.optimize import brentq
+
 from .segment import Missed, Segment
 from .state import CriticalPoint, State
 
@@ -20,10 +22,12 @@ class Event:
     ----------
     name : what the path calls it
     test : function of a `State` whose value passes zero where it happens, or that turns from False to True (or back)
+    near : how near to zero the value must come; 0: as near as the load can be told
     """
 
     name: str
     test: Callable[[State], float | bool]
+    near: float = 0.0
 
     def value(self, state: State) -> float:
         found = self.test(state)
@@ -32,27 +36,51 @@ class Event:
         return float(found)
 
 
-def occurrences(tracer, before: State, after: State, events: Sequence[Event]) -> list[tuple[Event, CriticalPoint]]:
+@dataclass(frozen=True)
+class Occurrence:
+    """An event in a step, as a point of the path and as the state there."""
+
+    event: Event
+    point: CriticalPoint
+    state: State
+
+
+def occurrences(tracer, before: State, after: State, events: Sequence[Event]) -> list[Occurrence]:
     """Events that happen in the step from `before` to `after`, in their order; the tracer ends at `after`."""
     found = []
     for event in events:
         left, right = event.value(before), event.value(after)
         if left * right < 0 or (left and not right):
-            found.append((event, _point(tracer, before, after, event)))
+            found.append(_occurrence(tracer, before, after, event))
     if found:
         tracer.back_to(after)
-    return sorted(found, key=lambda pair: pair[1].length)
+    return sorted(found, key=lambda occurrence: occurrence.point.length)
 
 
-def _point(tracer, before: State, after: State, event: Event) -> CriticalPoint:
+def _occurrence(tracer, before: State, after: State, event: Event) -> Occurrence:
     segment = Segment(tracer, before, after)
     if isinstance(event.test(after), bool):
         length = _bisected(segment, event)
+    elif event.near:
+        length = _near_zero(segment, event)
     else:
         values = segment.root(lambda s: event.value(segment[s]), 0.0, after.length, EXACT)
         length = next(iter(values))
     state = segment[length]
-    return CriticalPoint("event", state.load, state.deflection, after.step, float(length), name=event.name)
+    point = CriticalPoint("event", state.load, state.deflection, after.step, float(length), name=event.name)
+    return Occurrence(event, point, state)
+
+
+def _near_zero(segment: Segment, event: Event) -> float:
+    """Length at which a test function is zero within what is asked of it."""
+    def value(length):
+        found = event.value(segment[length])
+        return 0.0 if abs(found) <= event.near else found
+
+    try:
+        return float(brentq(value, 0.0, segment.after.length, xtol=1e-12 * segment.after.length))
+    except Missed:
+        return segment.after.length
 
 
 def _bisected(segment: Segment, event: Event) -> float:
@@ -69,11 +97,9 @@ def _bisected(segment: Segment, event: Event) -> float:
     return right
 
 
-def end_at(tracer, before: State, after: State, point: CriticalPoint) -> State:
-    """The state of an event as the end of a step; the tracer ends there."""
-    if point.length >= after.length * (1 - 1e-12):
+def end_at(tracer, after: State, occurrence: Occurrence) -> State:
+    """The state of an event as the end of its step; the tracer ends there."""
+    if occurrence.point.length >= after.length * (1 - 1e-12):
         return after
-    segment = Segment(tracer, before, after)
-    state = segment[point.length]
-    tracer.back_to(state)
-    return state
+    tracer.back_to(occurrence.state)
+    return occurrence.state

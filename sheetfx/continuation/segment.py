@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import copysign
 
 import numpy as np
 from mpi4py import MPI

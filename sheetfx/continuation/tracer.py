@@ -13,19 +13,24 @@ from ..model.advice import advice_on_supports
 from ..model.scene import Monitor
 from .arclength import create
 from .control import LoadResponse, StepRule
-from .crossings import Uncounted, crossings, first_passing
+from .crossings import Uncounted, UnstableModes, first_critical
 from .enforcement import Enforcement
 from .linear import SingularTangent
 from .spectrum import diagonal, nearest_to_zero
 from .state import State
-
 
 PROBE = 1e-6  # distance along the response at which the change of the tangent is looked at
 BEFORE = 0.38  # of the way to the first critical point, first step; twice as long steps then do not end on it
 
 
 class Tracer:
-    """Takes single steps from the current state with a SNES, and returns to earlier states."""
+    """Takes single steps from the current state with a SNES, and returns to earlier states.
+
+    Attributes
+    ----------
+    usual, first : lengths of the first step in general, and here
+    shortest : length of which the shortest step allowed is a part
+    """
 
     def __init__(self, discretisation: Discretisation, control: StepRule, prefix: str):
         self.discretisation, self.system, self.control = discretisation, discretisation.system, control
@@ -42,7 +47,7 @@ class Tracer:
         self.iterations = self._most = 0
         self.failure, self._interpolated = "", None
         self._factored: tuple[State | None, int] = None, 0
-        self._earlier: tuple[State | None, PETSc.Mat | None] = None, None
+        self._count = UnstableModes(self.system, self.stepper.linear)
         self.system.history.rebase()
         try:
             self.state = self._converged(None)
@@ -51,7 +56,7 @@ class Tracer:
         except SingularTangent:
             raise ValueError("the unloaded structure can move freely (its tangent is singular): "
                              + advice_on_supports(discretisation.scene)) from None
-        self.first = self._first_length()
+        self._choose_first_length()
         self.state = replace(self.state, next_length=self.first)
 
     @property
@@ -78,7 +83,7 @@ class Tracer:
         guess : increments of the load factor and of the unknowns (this process's part) to begin with
         """
         start, before, spent = self.state, self.total_factorisations, self.iterations
-        self._keep_tangent(start)
+        self._count.start_from(start, self.x)
         for multiples in self.enforcement.approaches():
             self._most, self.failure = 0, ""
             if guess is None:
@@ -108,7 +113,7 @@ class Tracer:
         SingularTangent
         """
         before, self.stepper.load_increment, self._most = self.total_factorisations, load_increment, iterations
-        self._keep_tangent(self.state)
+        self._count.start_from(self.state, self.x)
         found = self._converged(self.state, iterations, factorisations=before)
         self.state = replace(found, next_length=0.0)
         self._mark_factored()
@@ -130,8 +135,8 @@ class Tracer:
         size = max(abs(self.system.factor) * self._load.norm(), self.system.reaction)
         try:
             if residual.norm() <= most * size:
-                self._interpolated = self.accept(load_increment)
-                return self._interpolated
+                self._count.critical = self.accept(load_increment)
+                return self._count.critical
         except (SingularTangent, Uncounted):
             pass
         self._undo(start)
@@ -146,35 +151,27 @@ class Tracer:
         self.system.factors.enter(stage, 0.0)
         self._reference, self._most = None, 0
         begun = self._converged(None, factorisations=spent)
-        self.first = self._first_length()
+        self._choose_first_length()
         self.state = replace(begun, step=before.step + 1, deflection=before.deflection, next_length=self.first)
         if not self.system.conservative:
             self.state = replace(self.state, unstable_modes=before.unstable_modes)
         self._mark_factored()
         return self.state
 
-    def _first_length(self) -> float:
-        """Length of the first step: that of the control, or less, so that it ends before the first critical point.
+    def _choose_first_length(self) -> None:
+        """Have the first step end before the first critical point where its length is not given.
 
         That point is estimated by the tangent a small way along the response to the load, with the factor that is
-        there. With contact, where it says little, the length is the control's; so it is where the user gives one.
+        there. With contact, where it says little, the length is the control's.
         """
         control, system = self.control, self.system
-        if control.step is not None or not control.guarded or not system.smooth:
-            return control.first
-        ahead, start = PROBE / sqrt(self.tangent.norm2), system.factor
-        along = self._response.copy()
-        along.scale(ahead)
-        system.configure(along, start + ahead)
-        system.extrapolate_stress()
-        here = system.matrix.copy()
-        change = system.tangent().copy()
-        change.axpy(-1.0, here, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
-        multiple = first_passing(self.stepper.linear, change)
-        system.configure(self.x, start)
-        system.extrapolate_stress()
-        system.tangent()
-        return min(control.first, BEFORE * multiple * ahead / abs(control.predict(1.0, 1.0, self.tangent)))
+        self.usual = self.first = self.shortest = control.usual(self.discretisation.scene.meshes[0].size)
+        if not control.guarded or not system.smooth:
+            return
+        estimate = first_critical(system, self.stepper.linear, self._response, PROBE / sqrt(self.tangent.norm2))
+        self.shortest = min(self.usual, BEFORE * estimate / abs(control.predict(1.0, 1.0, self.tangent)))
+        if control.step is None:
+            self.first = self.shortest
 
     def _correct(self) -> bool:
         self.snes.solve(None, self.x)
@@ -241,7 +238,7 @@ class Tracer:
         sign = -1.0 if start and along < 0 else 1.0
         determinant = self.stepper.linear.determinant_sign()
         determinant = determinant and determinant * (-1) ** system.multipliers
-        unstable = self._unstable_modes(start, determinant)
+        unstable = self._count.of_present(start, determinant)
         touching, penetration = self.enforcement.summary()
         increment, deflection = self.x.array.copy(), self.monitored(self.x)
         self.system.history.commit()
@@ -253,44 +250,10 @@ class Tracer:
             unstable_modes=unstable, determinant_sign=determinant,
             load_rate=sign / sqrt(tangent.norm2 + weight),
             iterations=iterations, hardest=self._most, factorisations=self.total_factorisations - factorisations,
-            length=length, next_length=length or self.control.first, load_increment=load_increment,
+            length=length, next_length=length, load_increment=load_increment,
             current_stiffness=tangent.current_stiffness, displacement_extremes=extremes, reference=self._reference,
             contact_points=touching, penetration=penetration,
             increment=increment, response=self._response.array.copy(), fields=system.snapshot())
-
-    def _unstable_modes(self, start: State | None, determinant: int | None) -> int | None:
-        """Number of negative eigenvalues of the last factored tangent; None: not known.
-
-        Where it is not symmetric they are counted from one state to the next, beginning with none. With friction that
-        is left out, since tangents waver.
-        """
-        linear = self.stepper.linear
-        if self.system.conservative:
-            pivots = linear.negative_pivots()
-            return None if pivots is None else pivots - self.system.multipliers
-        if determinant is None or not self.system.smooth:
-            return None
-        if start is None:
-            return 0
-        earlier, matrix = self._earlier
-        if earlier.unstable_modes is None:
-            return None
-        return earlier.unstable_modes + crossings(linear, matrix, self.system.weights,
-                                                  determinant * earlier.determinant_sign)
-
-    def _keep_tangent(self, state: State) -> None:
-        """Have the tangent of a state that steps start from, where eigenvalues are counted from there.
-
-        At a critical point that was interpolated nothing can be counted from; the state before it serves on.
-        """
-        system = self.system
-        if system.conservative or not system.smooth or any(state is s for s in (self._earlier[0], self._interpolated)):
-            return
-        present = system.factor
-        system.configure(system.create_vector(), state.factor)
-        system.extrapolate_stress()
-        self._earlier = state, system.tangent().copy()
-        system.configure(self.x, present)
 
     def _load_weight(self) -> float:
         weight = getattr(self.control, "load_weight", None)

@@ -25,7 +25,8 @@ def have_potential(unknowns: Unknowns, contributions: Sequence[Contribution], la
     Forces have a potential in the motions that the supports leave if and only if their derivative is symmetric
     everywhere (the boundary terms of a pressure vanish where the boundary is held, Bufler 1984; a moment of fixed
     direction has a potential where it can turn about its own axis alone, Ziegler 1968). One state without any symmetry
-    stands for all of them; rotations are followed by Rodrigues vectors, whose increments add. The fields come back to where they were, and the first stage begins.
+    stands for all of them; rotations are followed by Rodrigues vectors, whose increments add. The fields come back to
+    where they were, and the first stage begins.
     """
     system = System(unknowns, contributions, layout, factors, None, clock)
     stage = contributions[0].stage

@@ -12,17 +12,18 @@ from .crossings import REACHES, Crossing, pass_zero
 from .koiter import postbuckling
 
 SAME = 1e-6  # relative difference of loads of one multiple point
+CROWDED = 4  # bifurcations, more of which are too many for one step
+CLUSTER = 0.01  # relative difference of the loads of a step that may hold any number
 SHORTEST = 1 / 64  # of a step, piece that must be explained
 
 
-def locate(tracer, earlier: State | None, before: State, after: State,
-           most: int | None = None) -> tuple[CriticalPoint, ...]:
+def locate(tracer, earlier: State | None, before: State, after: State) -> tuple[CriticalPoint, ...]:
     """Critical points that the step from `before` to `after` brings to light; the tracer ends at `after`.
 
     A change of sign of the load rate is a limit point, which changes the number of unstable directions
-    by one; any other change in that number means bifurcations. A step with more than `most` of them is too
-    long. A piece of path whose load does not follow from the tangents at its ends, or that turns, is also looked at
-    in its middle.
+    by one; any other change in that number means bifurcations. A step with more than a few of them is too
+    long, unless their loads lie close together. A piece of path whose load does not follow from the tangents
+    at its ends, or that turns, is also looked at in its middle.
 
     As a contact slides over contact points the load rate wavers about that of the smooth path, while
     the load itself hardly does. With contact a limit point is therefore a step in which the load
@@ -34,9 +35,8 @@ def locate(tracer, earlier: State | None, before: State, after: State,
         If the states of the step do not lie on one smooth piece of path.
     """
     segment = Segment(tracer, before, after)
-    hidden = _hidden(before, after)
-    if segment.guarded and most is not None and hidden > most:
-        raise Jump(f"{hidden} bifurcations lie in one step")
+    if segment.guarded and _crowded(before, after):
+        raise Jump(f"{_hidden(before, after)} bifurcations lie in one step")
     if not tracer.system.smooth:
         limits = _turning_loads(segment, earlier)
     else:
@@ -180,6 +180,12 @@ def _hidden(one: State, other: State) -> int:
         return 0
     change = abs(one.unstable_modes - other.unstable_modes)
     return abs(change - 1) if one.load_rate * other.load_rate < 0 else change
+
+
+def _crowded(before: State, after: State) -> bool:
+    """Whether so many bifurcations lie between two states that these should be nearer to each other."""
+    apart = abs(after.factor - before.factor) > CLUSTER * max(abs(after.factor), abs(before.factor))
+    return apart and _hidden(before, after) > CROWDED
 
 
 def _crossings(segment: Segment, left: float, right: float, near: float) -> list[Crossing]:
