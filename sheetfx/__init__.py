@@ -20,7 +20,7 @@ _ROOMS = {
     "model.loads": "EdgeForce LineForce Load Moment "
                    "ObstacleForce PointForce PrescribedDisplacement PrescribedRotation SurfaceForce",
     "model.obstacles": "RigidCylinder RigidPlane",
-    "model.pressure": "LinePressure Pressure",
+    "model.following": "FollowerForce LinePressure Pressure",
     "model.scene": "Monitor Scene Stage",
     "model.section": "Elastic GivenPlate Plate Rectangle ShellStiffness Tube round_bar",
     "model.shell": "Shell ShellForm",

@@ -11,6 +11,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from math import isclose
 from typing import Any
 
@@ -22,7 +23,9 @@ from .continuation.state import CriticalPoint, State
 from .continuation.tracer import Tracer
 from .discrete.discretisation import Discretisation
 from .model.scene import Scene, Stage
-from .stability.critical import locate, searched
+from .stability.critical import locate
+from .stability.flutter import Flutter
+from .stability.verdict import searched
 
 AT_BOUND = 1e-6  # relative distance from a bound at which a path has reached it
 
@@ -38,6 +41,11 @@ class PathFailure(ArithmeticError):
 
     record: Any = None
     cause = ""
+
+
+def _beyond(name: str, bound: float, state: State) -> float:
+    """How far a value of a state is beyond a bound."""
+    return abs(getattr(state, name)) - bound
 
 
 @dataclass(frozen=True)
@@ -74,9 +82,9 @@ class Until:
     @property
     def bounds(self) -> list[Event]:
         """Events at which deflection or load reach their bounds."""
-        return [Event(f"{name} {bound:g}", lambda state, name=name, bound=bound: abs(getattr(state, name)) - bound,
-                      AT_BOUND * bound)
-                for name, bound in (("deflection", self.deflection), ("load", self.load)) if bound is not None]
+        bounds = (("deflection", self.deflection), ("load", self.load))
+        return [Event(f"{name} {bound:g}", partial(_beyond, name, bound), AT_BOUND * bound)
+                for name, bound in bounds if bound is not None]
 
     def reached(self, state: State) -> str | None:
         """Why the path ends at this state of its last stage, or None."""
@@ -121,6 +129,7 @@ class Path:
         self.discretisation = Discretisation(scene, mixed_points)
         self._started = time.process_time()
         self.tracer = Tracer(self.discretisation, self._controls[start[-1].stage if start else 0], prefix)
+        self._others = [Flutter(self.tracer)] if Flutter.concerns(self.tracer) else []
         self.message = self._refusal = ""
         self._listeners: list[Callable[[State], None]] = []
         self._earlier = start[-2] if len(start) > 1 else None
@@ -139,7 +148,7 @@ class Path:
     @property
     def searched(self) -> list[str]:
         """What the present stage is searched for and what not, so that silence about the rest means absence."""
-        return searched(self.tracer.system, self.control)
+        return searched(self.discretisation, self.control, bool(self._others))
 
     @property
     def unknowns(self) -> int:
@@ -203,7 +212,7 @@ class Path:
         try:
             turn = self.tracer.turn(before, after)
             if turn <= self.control.turn:
-                points = locate(self.tracer, self._earlier, before, after)
+                points = locate(self.tracer, self._earlier, before, after, self._others)
                 return self._with_events(before, after, points)
             self._refusal = f"it turns off the path by {turn:.2g} radians, more than {self.control.turn:g}"
         except Jump as jump:

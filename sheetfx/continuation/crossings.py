@@ -138,12 +138,13 @@ def crossings(solver: DirectSolver, earlier: PETSc.Mat, weights: PETSc.Vec, sign
 def first_passing(solver: DirectSolver, change: PETSc.Mat) -> float:
     """Multiple of a change of the factored tangent with which an eigenvalue passes zero, roughly.
 
-    Infinite where none of those that change most does.
+    Infinite where none of those that change most does. Where the tangent is not symmetric all changes count, since
+    those that do not pass zero may lead to flutter.
     """
     if not change.norm() > 0:
         return inf
-    fastest = max((-v.real for v in _reciprocal(_solver(solver, change, FEW, 1e-2)) if abs(v.imag) <= abs(v.real)),
-                  default=0.0)
+    values = _reciprocal(_solver(solver, change, FEW, 1e-2))
+    fastest = max((-values.real) if solver.symmetric else np.abs(values))
     return 1 / fastest if fastest > 0 else inf
 
 

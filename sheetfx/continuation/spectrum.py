@@ -30,16 +30,7 @@ def nearest_to_zero(solver: DirectSolver, mass: PETSc.Mat, count: int,
     ArithmeticError
         If none is found.
     """
-    eps = SLEPc.EPS().create(mass.comm)
-    eps.setOptionsPrefix(PREFIX)
-    eps.setOperators(solver.matrix, mass)
-    kinds = SLEPc.EPS.ProblemType
-    eps.setProblemType(kinds.GHEP if solver.symmetric else kinds.GNHEP)
-    eps.setDimensions(count, min(max(2 * count + 8, 12), mass.getSize()[0]))
-    eps.setTolerances(tolerance, 300)
-    invert_at_zero(eps, solver)
-    eps.setFromOptions()
-    eps.solve()
+    eps = _solved(solver, mass, count, tolerance)
     found, farthest = [], max((abs(eps.getEigenvalue(i)) for i in range(min(count, eps.getConverged()))), default=0.0)
     for i in range(min(count, eps.getConverged())):
         real, imaginary = mass.createVecRight(), mass.createVecRight()
@@ -50,6 +41,37 @@ def nearest_to_zero(solver: DirectSolver, mass: PETSc.Mat, count: int,
         raise ArithmeticError(f"no eigenvalue of the tangent converges; try PETSC_OPTIONS='-{PREFIX}eps_tol 1e-8'")
     found.sort(key=lambda pair: pair[0])
     return [value for value, _ in found], [mode for _, mode in found]
+
+
+def nearest_pairs(solver: DirectSolver, mass: PETSc.Mat, count: int,
+                  tolerance: float = 1e-12) -> list[tuple[complex, PETSc.Vec, PETSc.Vec]]:
+    """Complex eigenvalues of K mode = value M mode nearest to zero, and the real and imaginary parts of modes.
+
+    The parameters are those of `nearest_to_zero`; the modes are not scaled, and conjugate values come in pairs.
+    """
+    eps, found = _solved(solver, mass, count, tolerance), []
+    for i in range(eps.getConverged()):
+        real, imaginary = mass.createVecRight(), mass.createVecRight()
+        found.append((complex(eps.getEigenpair(i, real, imaginary)), real, imaginary))
+    found.sort(key=lambda pair: (abs(pair[0]), pair[0].imag))
+    if len(found) > count and found[count - 1][0].imag < 0 and found[count][0] == found[count - 1][0].conjugate():
+        count += 1
+    return found[:count]
+
+
+def _solved(solver: DirectSolver, mass: PETSc.Mat, count: int, tolerance: float) -> SLEPc.EPS:
+    """Solved eigenproblem for the values nearest to zero."""
+    eps = SLEPc.EPS().create(mass.comm)
+    eps.setOptionsPrefix(PREFIX)
+    eps.setOperators(solver.matrix, mass)
+    kinds = SLEPc.EPS.ProblemType
+    eps.setProblemType(kinds.GHEP if solver.symmetric else kinds.GNHEP)
+    eps.setDimensions(count, min(max(2 * count + 8, 12), mass.getSize()[0]))
+    eps.setTolerances(tolerance, 300)
+    invert_at_zero(eps, solver)
+    eps.setFromOptions()
+    eps.solve()
+    return eps
 
 
 def lowest(solver: DirectSolver, mass: PETSc.Mat, count: int, negative: int) -> tuple[list[float], list[PETSc.Vec]]:

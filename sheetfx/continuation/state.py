@@ -18,16 +18,16 @@ class CriticalPoint:
 
     Attributes
     ----------
-    kind : "limit" (the load has an extremum), "bifurcation", or "event" (of one's own, see
-        `continuation.events`)
+    kind : "limit" (the load has an extremum), "bifurcation", "flutter" (two frequencies meet, see
+        `stability.flutter`), or "event" (of one's own, see `continuation.events`)
     load : total load on the whole structure
     deflection : of the monitored point
     step : number of the step that the point lies in
     length : of that step up to the point, in the measure of the control
     multiplicity : number of null vectors of the tangent
     name : "maximum" or "minimum" of the load; "asymmetric", "stable symmetric", "unstable symmetric" or "multiple"
-        bifurcation; the name of an event; "" where the tangent is not symmetric or there is contact, and the energy
-        has no variations
+        bifurcation; "begins" or "ends" of flutter; the name of an event; "" where the tangent is not symmetric or there
+        is contact, and the energy has no variations
     slope, curvature : Koiter's a and b of a simple bifurcation, factor = critical factor (1 + a xi + b xi^2), where the
         load factor is that of forces or of a prescribed motion, and xi is the mode's largest displacement, its largest
         component being positive; None: not known

@@ -45,7 +45,7 @@ class Tracer:
                                     self._controlled(control))
         self._reference: tuple[float, float] | None = None
         self.iterations = self._most = 0
-        self.failure, self._interpolated = "", None
+        self.failure = ""
         self._factored: tuple[State | None, int] = None, 0
         self._count = UnstableModes(self.system, self.stepper.linear)
         self.system.history.rebase()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import repeat
 
@@ -197,12 +197,19 @@ class System:
         self._layout.put(arrays, vector)
         return vector
 
-    def bilinear(self, form) -> PETSc.Mat:
-        """Matrix of a form in `unknowns.vary` and `unknowns.linearise` on the rows of the tangent; fixed ones empty."""
+    def bilinear(self, form) -> Callable[[], PETSc.Mat]:
+        """Function that gives the present matrix of a form in `unknowns.vary` and `unknowns.linearise`.
+
+        It has the rows of the tangent, fixed ones empty; each call writes over what the last one gave.
+        """
         part = FormMatrix(self.unknowns, form)
         matrix = compat.create_coo_matrix(self.comm, self._layout.size, *part.pattern(self._layout))
-        compat.set_coo_values(matrix, part.values())
-        return matrix
+
+        def now() -> PETSc.Mat:
+            compat.set_coo_values(matrix, part.values())
+            return matrix
+
+        return now
 
     @contextmanager
     def additive_increments(self) -> Iterator[None]:

@@ -13,7 +13,8 @@ from .evaluate import communicator, most_telling, stays, unit_of, with_unit
 from .labels import place_labels
 
 STABLE, UNSTABLE = "#0b4f8a", "#c4432b"
-MARKERS = {"limit": ("o", "limit point"), "bifurcation": ("D", "bifurcation point"), "event": ("s", "event")}
+MARKERS = {"limit": ("o", "limit point"), "bifurcation": ("D", "bifurcation point"), "flutter": ("v", "flutter"),
+           "event": ("s", "event")}
 MOST_LABELS = 6
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+
 import numpy as np
 from scipy.optimize import minimize_scalar
 
@@ -17,7 +19,8 @@ CLUSTER = 0.01  # relative difference of the loads of a step that may hold any n
 SHORTEST = 1 / 64  # of a step, piece that must be explained
 
 
-def locate(tracer, earlier: State | None, before: State, after: State) -> tuple[CriticalPoint, ...]:
+def locate(tracer, earlier: State | None, before: State, after: State,
+           others: Sequence[Callable[[Segment], list[CriticalPoint]]] = ()) -> tuple[CriticalPoint, ...]:
     """Critical points that the step from `before` to `after` brings to light; the tracer ends at `after`.
 
     A change of sign of the load rate is a limit point, which changes the number of unstable directions
@@ -28,6 +31,10 @@ def locate(tracer, earlier: State | None, before: State, after: State) -> tuple[
     As a contact slides over contact points the load rate wavers about that of the smooth path, while
     the load itself hardly does. With contact a limit point is therefore a step in which the load
     turns, and is searched there and in the step before it, which starts at `earlier`.
+
+    Parameters
+    ----------
+    others : functions that look for critical points of other kinds on a segment, such as `flutter.Flutter`
 
     Raises
     ------
@@ -49,30 +56,11 @@ def locate(tracer, earlier: State | None, before: State, after: State) -> tuple[
     points = [_limit(*found) for found in limits]
     crossings = _bifurcations(segment, [length for s, length, _ in limits if s is segment])
     points += [_bifurcation(segment, cluster) for cluster in _clusters(crossings)]
+    for other in others:
+        points += other(segment)
     if len(segment.states) > 2 or points:
         tracer.back_to(after)
     return tuple(sorted(points, key=lambda p: (p.step, p.length)))
-
-
-def searched(system, control) -> list[str]:
-    """What a path of a system under a control is searched for, and what not, in sentences."""
-    if not system.smooth:
-        found = ["limit points: where the load turns from one step to the next (contact makes its rate waver)"]
-        found.append("bifurcations: unstable modes compared at the ends of steps only" if system.conservative else
-                     "bifurcations: not looked for (contact with friction)")
-    elif system.conservative:
-        found = ["limit points: by the rate of the load", "bifurcations: by the inertia of the tangent, also within "
-                 "steps that the tangents at their ends do not explain"]
-    else:
-        found = ["limit points: by the rate of the load", "bifurcations: by the sign of the determinant of the "
-                 "unsymmetric tangent; not seen: two in one step, double ones, flutter"]
-    if not control.guarded:
-        found.append("other paths: not looked for, steps are taken as they are")
-    elif not system.smooth:
-        found.append("other paths: a step that turns too far is cut; jumps within steps are not looked for")
-    else:
-        found.append("other paths: steps that leave the smooth path are cut")
-    return found
 
 
 def state_at(path, before: State, after: State, point: CriticalPoint) -> State:

@@ -2,13 +2,17 @@
 
 With the tangent K and the mass M of a state, small motions mode exp(i omega t) satisfy K mode = omega^2 M mode. A
 stable state has positive omega^2 only; as it nears a critical point the lowest falls to zero, linearly
-with the load where the path is straight and keeps the modes as they are.
+with the load where the path is straight and keeps the modes as they are. Where the tangent is not symmetric, as under
+loads that follow the structure, omega^2 can be complex: the motion then grows while it oscillates, which is flutter
+(Bolotin 1963; Ziegler 1968).
 """
 
 from __future__ import annotations
 
+from cmath import sqrt
+from collections.abc import Callable
 from dataclasses import dataclass
-from math import pi, sqrt
+from math import pi
 
 import numpy as np
 import ufl
@@ -17,12 +21,14 @@ from petsc4py import PETSc
 from .. import forms
 from ..checks import require_positive_number
 from ..continuation.linear import DirectSolver
-from ..continuation.spectrum import lowest
+from ..continuation.spectrum import lowest, nearest_pairs
 from ..continuation.state import State
 from ..discrete.discretisation import Discretisation
 from ..mesh.numbers import as_constants
 from ..model.shell import Shell, surface_frame
 from .modes import scaled
+
+COMPLEX = 1e-7  # imaginary part over the size of the square of a frequency, of one that is not real
 
 
 @dataclass(frozen=True)
@@ -31,21 +37,28 @@ class Vibration:
 
     Attributes
     ----------
-    squared : square of the circular frequency (1 / time^2); negative: the motion grows as exp(sqrt(-squared) t)
-    mode : this process's part of the solver's vector, the largest displacement being 1
+    squared : square of the circular frequency (1 / time^2); negative: the motion grows as exp(sqrt(-squared) t);
+        complex: it oscillates and grows
+    mode : this process's part of the solver's vector, the largest displacement being 1; of a complex vibration the
+        part in phase with it
     """
 
-    squared: float
+    squared: float | complex
     mode: np.ndarray
 
     @property
     def frequency(self) -> float:
         """Oscillations per time; 0 where the motion does not oscillate."""
-        return sqrt(max(self.squared, 0.0)) / (2 * pi)
+        return abs(sqrt(self.squared).real) / (2 * pi)
+
+    @property
+    def growth(self) -> float:
+        """Rate of growth (1 / time): motions grow as exp(growth t); 0 for steady oscillations."""
+        return abs(sqrt(self.squared).imag)
 
 
 def frequencies(path, state: State, count: int = 6) -> list[Vibration]:
-    """Lowest free vibrations about a state, those that grow first.
+    """Lowest free vibrations about a state, those that grow first; where they can be complex those nearest to zero.
 
     Parameters
     ----------
@@ -56,26 +69,47 @@ def frequencies(path, state: State, count: int = 6) -> list[Vibration]:
     Raises
     ------
     ValueError
-        If a part has no density, the count is not positive, or the tangent is not symmetric.
+        If a part has no density, the count is not positive, or there is friction.
     """
     require_positive_number("frequencies", count=count)
     discretisation = path.discretisation
-    if not discretisation.system.conservative:
-        raise ValueError("frequencies: the tangent is not symmetric (friction, pressure, follower forces or moments in "
-                         "space), so that they can be complex; use loads of fixed direction")
+    if not (discretisation.system.conservative or discretisation.system.smooth):
+        raise ValueError("frequencies: with friction small motions have none; use a contact without it")
     with discretisation.visiting(state.fields):
         return _about_current(discretisation, count)
 
 
 def _about_current(discretisation: Discretisation, count: int) -> list[Vibration]:
-    system = discretisation.system
-    mass = system.bilinear(sum(inertia(discretisation, part) for part in discretisation.scene.parts))
+    system, mass = discretisation.system, mass_matrix(discretisation)()
     system.configure(system.create_vector(), system.factor)
     system.extrapolate_stress()
-    solver = DirectSolver(PETSc.KSP().create(system.comm), system.tangent(), True)
+    solver = DirectSolver(PETSc.KSP().create(system.comm), system.tangent(), system.conservative)
     solver.factorise()
+    if not system.conservative:
+        return [Vibration(_real_or_complex(value), scaled(discretisation, mode))
+                for value, mode, _ in nearest_pairs(solver, mass, count) if value.imag >= 0]
     values, modes = lowest(solver, mass, count, solver.negative_pivots() - system.multipliers)
     return [Vibration(value, scaled(discretisation, mode)) for value, mode in zip(values, modes, strict=True)]
+
+
+def _real_or_complex(value: complex) -> float | complex:
+    return value if is_complex(value) else value.real
+
+
+def is_complex(value: complex) -> bool:
+    """Whether a square of a frequency is not real, but for rounding."""
+    return abs(value.imag) > COMPLEX * abs(value)
+
+
+def mass_matrix(discretisation: Discretisation) -> Callable[[], PETSc.Mat]:
+    """Function that gives the present mass matrix, which turns with the parts.
+
+    Raises
+    ------
+    ValueError
+        If a part has no density.
+    """
+    return discretisation.system.bilinear(sum(inertia(discretisation, part) for part in discretisation.scene.parts))
 
 
 def inertia(discretisation: Discretisation, part):

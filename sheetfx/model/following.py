@@ -1,13 +1,48 @@
-"""Pressure, which follows what it acts on as it turns and stretches."""
+"""Loads that follow what they act on: forces that turn with it, pressure that also grows with its area."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from .. import forms
+from ..checks import require_components
+from ..mesh.reader import NamedMesh
 from .beam import Beam
 from .loads import Load
 from .shell import Shell
+
+
+@dataclass(frozen=True, eq=False)
+class FollowerForce(Load):
+    """Force at a named point of beams, or per length of a named edge of shells, that turns with the rotation there.
+
+    Attributes
+    ----------
+    force : components along the directions of space before anything has turned, for a load factor of 1
+    """
+
+    mesh: NamedMesh
+    at: str
+    force: tuple[float, ...]
+    conservative = False
+
+    def __post_init__(self):
+        self.mesh.facet_measure(self.at)
+        require_components(f"FollowerForce at {self.at!r}: force", self.force, self.mesh.dimension)
+
+    def work(self, fields):
+        rotation, u = fields.rotation(self.mesh), fields.displacement(self.mesh)
+        if rotation is None:
+            raise ValueError(f"FollowerForce at {self.at!r}: bars have no rotation to be followed; use a PointForce")
+        force = rotation.rotate(fields.factor * forms.vector(self.force))
+        return forms.load.dead_force(force, u, fields.vary) * self.mesh.facet_measure(self.at)
+
+    def total(self, fields) -> float:
+        on_point = self.at in self.mesh.points
+        return float(np.linalg.norm(self.force)) * (self.mesh.count(self.at) if on_point
+                                                    else self.mesh.edge_length(self.at))
 
 
 @dataclass(frozen=True, eq=False)
