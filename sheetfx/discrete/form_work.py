@@ -131,6 +131,7 @@ class FormMatrix:
     def _assembled(self) -> PETSc.Mat:
         matrix = compat.assemble_matrix(self._matrix, self._forms)
         if self._turn is not None:
+            self._own.turn(self._turn)
             matrix = self._turned = matrix.ptap(self._turn, result=self._turned)
         return matrix
 

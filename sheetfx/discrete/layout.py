@@ -105,19 +105,31 @@ class Layout:
         return np.array(self.comm.allgather((self.start + self._offsets[:-1]).tolist()), dtype=np.int64)
 
     def turning_matrix(self) -> PETSc.Mat | None:
-        """Matrix from components along the axes of the nodes to those along the directions of space; None: identity."""
-        fields = [f for block in self._blocks for f in block.fields]
-        if not self.comm.allreduce(any(f.axes is not None for f in fields), op=MPI.LOR):
+        """Matrix from increments to motions along the directions of space, for `turn`; None: always the identity."""
+        if not self.comm.allreduce(any(f.axes is not None for f in self._fields), op=MPI.LOR):
             return None
-        rows, columns, values = [], [], []
-        for field, numbers in zip(fields, self.field_numbers, strict=True):
-            own = numbers[(numbers[:, 0] >= self.start) & (numbers[:, 0] < self.start + self.size)]
-            axes = np.broadcast_to(np.eye(field.width) if field.axes is None else field.axes,
-                                   (*numbers.shape, field.width))
+        rows, columns = [], []
+        for field, own in zip(self._fields, self._own_numbers, strict=True):
             shape = (*own.shape, field.width)
             rows.append(np.broadcast_to(own[:, :, None], shape).ravel())
             columns.append(np.broadcast_to(own[:, None, :], shape).ravel())
-            values.append(axes[: len(own)].ravel())
-        matrix = compat.create_coo_matrix(self.comm, self.size, np.concatenate(rows), np.concatenate(columns))
+        return compat.create_coo_matrix(self.comm, self.size, np.concatenate(rows), np.concatenate(columns))
+
+    def turn(self, matrix: PETSc.Mat) -> None:
+        """Give a turning matrix the values of the present configuration."""
+        values = []
+        for field, own in zip(self._fields, self._own_numbers, strict=True):
+            motions = field.motions()
+            motions = np.eye(field.width)[None] if motions is None else motions[: len(own)]
+            values.append(np.broadcast_to(motions, (*own.shape, field.width)).ravel())
         compat.set_coo_values(matrix, np.concatenate(values))
-        return matrix
+
+    @property
+    def _fields(self) -> list[AdditiveField]:
+        return [f for block in self._blocks for f in block.fields]
+
+    @cached_property
+    def _own_numbers(self) -> list[np.ndarray]:
+        """`field_numbers` of the nodes of this process, which come before its ghosts."""
+        return [numbers[(numbers[:, 0] >= self.start) & (numbers[:, 0] < self.start + self.size)]
+                for numbers in self.field_numbers]

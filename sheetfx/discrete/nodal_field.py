@@ -13,6 +13,8 @@ import numpy as np
 import ufl
 from dolfinx.fem import Function
 
+from .partly_fixed import PartlyFixed
+
 
 class AdditiveField:
     """A field that adds its increment (displacement, planar angle, multiplier).
@@ -70,6 +72,10 @@ class AdditiveField:
         """Nodal variations by a unit increment, shape (nodes or 1 if all alike, components, width)."""
         return np.eye(self.width)[None] if self.axes is None else self.axes
 
+    def motions(self) -> np.ndarray | None:
+        """Displacements or spins of the nodes by a unit increment, shape (nodes, width, width); None: the increment."""
+        return self.axes
+
     def outward(self, components: np.ndarray) -> np.ndarray:
         """Nodal vectors along the directions of space from components along the axes."""
         if self.axes is None:
@@ -77,10 +83,11 @@ class AdditiveField:
         return np.einsum("nij,nj->ni", self.axes, components.reshape(-1, self.width)).ravel()
 
     def inward(self, components: np.ndarray) -> np.ndarray:
-        """Components along the axes from nodal vectors along the directions of space."""
-        if self.axes is None:
+        """Forces on increments from nodal forces or moments along the directions of space."""
+        motions = self.motions()
+        if motions is None:
             return components
-        return np.einsum("nji,nj->ni", self.axes, components.reshape(-1, self.width)).ravel()
+        return np.einsum("nji,nj->ni", motions, components.reshape(-1, self.width)).ravel()
 
     def pull(self, force: np.ndarray) -> np.ndarray:
         """Forces on nodal increments by forces conjugate to the values, shape (nodes, components), as a flat array."""
@@ -119,9 +126,12 @@ class QuaternionField(AdditiveField):
 
     Attributes
     ----------
-    charted : bool array, nodes whose further increments add to the Rodrigues vector instead, because one component
-        of it is fixed: the Hessian of the energy is then symmetric whatever the reaction there
+    charted : bool array, nodes whose further increments add instead, because one component of them is fixed: the
+        Hessian of the energy is then symmetric whatever the reaction there
+    partly_fixed : those nodes, whose axes turn with them; None: none
     """
+
+    partly_fixed: PartlyFixed | None = None
 
     curved = True
     width = 3
@@ -131,38 +141,88 @@ class QuaternionField(AdditiveField):
         self.symbol = symbol
         value.x.array.reshape(-1, 4)[:] = (1, 0, 0, 0)
         count = len(value.x.array) // 4
-        self.charted, self._increment = np.zeros(count, dtype=bool), np.zeros((count, 3))
+        self.charted, self._components = np.zeros(count, dtype=bool), np.zeros((count, 3))
         self.rebase()
 
+    def hold(self, partly_fixed: PartlyFixed) -> None:
+        """Let the increments of some nodes add along axes that turn with them."""
+        self.partly_fixed = partly_fixed
+        self.charted[partly_fixed.nodes] = True
+        if self.axes is None:
+            self.axes = np.tile(np.eye(3), (len(self.charted), 1, 1))
+        self._start_increments()
+
     def advance(self, block_increment):
-        self._increment = self.outward(block_increment[self.dofs]).reshape(-1, 3)
-        self.value.x.array.reshape(-1, 4)[:] = _compose(self._increment, self.previous.x.array.reshape(-1, 4))
+        self._components = block_increment[self.dofs].reshape(-1, 3)
+        self.value.x.array.reshape(-1, 4)[:] = _compose(self._increment(), self.previous.x.array.reshape(-1, 4))
 
     def rebase(self):
         super().rebase()
-        self._increment = np.zeros_like(self._increment)
+        self._start_increments()
 
     def restore(self, values):
         super().restore(values)
-        self._increment = np.zeros_like(self._increment)
+        self._start_increments()
+
+    def _start_increments(self) -> None:
+        self._components = np.zeros_like(self._components)
+        if self.partly_fixed is not None:
+            nodes = self.partly_fixed.nodes
+            self.axes[nodes] = self.partly_fixed.axes(self.previous.x.array.reshape(-1, 4)[nodes])
+
+    def _increment(self) -> np.ndarray:
+        """Rodrigues vectors: where the node is on an edge, that of a turn about the edge before one across both."""
+        increment = self.outward(self._components.ravel()).reshape(-1, 3)
+        if self.partly_fixed is not None:
+            nodes, twist, normals = self._edge()
+            x = self._components[nodes]
+            increment = increment.copy()
+            increment[nodes] += normals * (np.einsum("ni,nij,nj->n", x, twist, x) / 2)[:, None]
+        return increment
+
+    def _directions(self) -> np.ndarray | None:
+        """Derivatives of the Rodrigues vectors by their components as columns; None: the directions of space."""
+        if self.partly_fixed is None:
+            return self.axes
+        nodes, twist, normals = self._edge()
+        directions = self.axes.copy()
+        directions[nodes] += np.einsum("ni,njk,nk->nij", normals, twist, self._components[nodes])
+        return directions
+
+    def _edge(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Nodes on edges, second derivatives of their Rodrigues vectors, and the directions of these."""
+        partly = self.partly_fixed
+        return partly.on_edge, partly.twist, np.take_along_axis(
+            self.axes[partly.on_edge], partly.fixed_on_edge[:, None, None], axis=2)[..., 0]
 
     def combine(self, total, further):
         before, more = (self.outward(a[self.dofs]).reshape(-1, 3) for a in (total, further))
         product = _compose(more, np.column_stack((np.ones(len(before)), before / 2)))
-        composed = np.where(self.charted[:, None], before + more, 2 * product[:, 1:] / product[:, :1])
-        total[self.dofs] = self.inward(composed.ravel())
+        composed = 2 * product[:, 1:] / product[:, :1]
+        if self.axes is not None:
+            composed = np.einsum("nji,nj->ni", self.axes, composed)
+        added = (total + further)[self.dofs].reshape(-1, 3)
+        total[self.dofs] = np.where(self.charted[:, None], added, composed).ravel()
 
     def variations(self):
         slopes = _slopes(self.value.x.array.reshape(-1, 4))
         slopes[self.charted] = self._chart()[2]
-        return np.ascontiguousarray(slopes if self.axes is None else slopes @ self.axes)
+        return np.ascontiguousarray(slopes if self.axes is None else slopes @ self._directions())
+
+    def motions(self):
+        directions = self._directions()
+        if not self.charted.any():
+            return directions
+        motions = np.tile(np.eye(3), (len(self.charted), 1, 1)) if directions is None else directions.copy()
+        motions[self.charted] = _spins(self._increment()[self.charted]) @ motions[self.charted]
+        return motions
 
     def pull(self, force):
         return np.einsum("na,nai->ni", force, self.variations()).ravel()
 
     def _chart(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Of charted nodes the quaternion, and its derivative by the Rodrigues vector along and across it."""
-        product = np.column_stack((np.ones(self.charted.sum()), self._increment[self.charted] / 2))
+        product = np.column_stack((np.ones(self.charted.sum()), self._increment()[self.charted] / 2))
         length = np.linalg.norm(product, axis=1)
         slopes = _slopes(self.previous.x.array.reshape(-1, 4)[self.charted]) / length[:, None, None]
         unit = self.value.x.array.reshape(-1, 4)[self.charted]
@@ -188,29 +248,29 @@ class QuaternionField(AdditiveField):
         mixed = np.einsum("ni,nj->nij", along, np.einsum("na,nai->ni", force, across))
         radial = np.einsum("na,na->n", force, unit)[:, None, None] * np.einsum("nai,naj->nij", across, across)
         blocks[self.charted] = -mixed - mixed.transpose(0, 2, 1) - radial
-        return self._turned(blocks)
+        conjugate = np.zeros((len(q), 3))
+        conjugate[self.charted] = np.einsum("na,nai->ni", force, across)
+        return self._turned(blocks, conjugate)
 
-    def _turned(self, blocks: np.ndarray) -> np.ndarray:
-        """Nodal matrices for components along the axes, from those along the directions of space."""
-        return blocks if self.axes is None else np.einsum("nki,nkl,nlj->nij", self.axes, blocks, self.axes)
-
-    def pull_moments(self, moments: np.ndarray) -> np.ndarray:
-        """Forces on further increments by moments that are conjugate to the spin, both shape (nodes, 3).
-
-        The spin by a variation b of a Rodrigues vector a is (b + a x b / 2) / (1 + |a|^2 / 4) (Geradin and
-        Cardona 2001, section 4.9).
-        """
-        a = self._increment
-        pulled = (moments - np.cross(a, moments) / 2) / (1 + (a * a).sum(axis=1, keepdims=True) / 4)
-        return np.where(self.charted[:, None], pulled, moments)
+    def _turned(self, blocks: np.ndarray, conjugate: np.ndarray) -> np.ndarray:
+        """Nodal matrices for components of increments, from those for Rodrigues vectors and the forces on these."""
+        directions = self._directions()
+        if directions is not None:
+            blocks = np.einsum("nki,nkl,nlj->nij", directions, blocks, directions)
+        if self.partly_fixed is not None:
+            nodes, twist, normals = self._edge()
+            blocks[nodes] += np.einsum("ni,ni->n", conjugate[nodes], normals)[:, None, None] * twist
+        return blocks
 
     def moment_slopes(self, moments: np.ndarray) -> np.ndarray:
-        """Derivative of `pull_moments` with respect to further increments, shape (nodes, 3, 3); not symmetric."""
-        a = self._increment
+        """Derivative of `inward` with respect to further increments, shape (nodes, 3, 3); not symmetric."""
+        a = self._increment()
         twice = 2 + (a * a).sum(axis=1)[:, None, None] / 2
+        pulled = np.einsum("nji,nj->ni", _spins(a), moments)
         skew = np.cross(np.eye(3)[None], moments[:, None, :]).transpose(0, 2, 1)
-        slopes = -(skew + np.einsum("ni,nj->nij", self.pull_moments(moments), a)) / twice
-        return self._turned(np.where(self.charted[:, None, None], slopes, 0.0))
+        slopes = -(skew + np.einsum("ni,nj->nij", pulled, a)) / twice
+        charted = self.charted[:, None]
+        return self._turned(np.where(charted[:, :, None], slopes, 0.0), np.where(charted, pulled, 0.0))
 
     def at_rest(self):
         return {self.symbol: ufl.classes.Zero(self.symbol.ufl_shape)}
@@ -220,6 +280,15 @@ def _slopes(quaternion: np.ndarray) -> np.ndarray:
     """Derivative of (1, increment / 2) * quaternion with respect to the increment, shape (n, 4, 3)."""
     q0, q1, q2, q3 = quaternion.T / 2
     return np.array([[-q1, -q2, -q3], [q0, q3, -q2], [-q3, q0, q1], [q2, -q1, q0]]).transpose(2, 0, 1)
+
+
+def _spins(increment: np.ndarray) -> np.ndarray:
+    """Derivative of the spin by Rodrigues vectors a, shape (n, 3, 3).
+
+    The spin by a variation b is (b + a x b / 2) / (1 + |a|^2 / 4) (Geradin and Cardona 2001, section 4.9).
+    """
+    turned = np.eye(3) + np.cross(increment[:, None, :] / 2, np.eye(3)[None]).transpose(0, 2, 1)
+    return turned / (1 + (increment * increment).sum(axis=1) / 4)[:, None, None]
 
 
 def _compose(increment: np.ndarray, quaternion: np.ndarray) -> np.ndarray:

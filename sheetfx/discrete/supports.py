@@ -7,11 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 from dolfinx import fem
 
-from ..mesh.reader import COMPONENTS
+from ..mesh.reader import COMPONENTS, NamedMesh
 from ..model.supports import Support
 from .fields import Fields
 from .kinematics import Kinematics
-from .nodal_field import AdditiveField
+from .nodal_field import AdditiveField, QuaternionField
+from .partly_fixed import PartlyFixed, directions_of_edges
 from .unknowns import Block
 
 
@@ -33,18 +34,29 @@ def turn_nodes(kinematics: Kinematics, supports: Sequence[Support]) -> None:
 def fixed_dofs(fields: Fields, block: Block) -> np.ndarray:
     """Local dofs of a block that supports fix, or that those who added the block have fixed.
 
-    Rotations of which one component is fixed are then followed by their Rodrigues vector.
+    Rotations of which one component is fixed then turn as `PartlyFixed` says.
     """
     dofs = [np.empty(0, dtype=np.int64), *fields.fixed.get(block, [])]
     for mesh in fields.meshes:
         kinematics = fields.kinematics(mesh)
         if kinematics.block is block:
             dofs += [_fixed_by(kinematics, s) for s in fields.scene.supports if s.mesh is mesh]
-    found = np.unique(np.concatenate(dofs))
-    for field in block.fields:
-        if field.curved:
-            field.charted = np.isin(field.dofs, found).reshape(-1, field.width).sum(axis=1) == 1
-    return found
+            turning = next((f for f in block.fields if f.curved), None)
+            if turning is not None:
+                _hold(turning, np.isin(turning.dofs, np.concatenate(dofs)), mesh, fields.scene.supports)
+    return np.unique(np.concatenate(dofs))
+
+
+def _hold(field: QuaternionField, fixed: np.ndarray, mesh: NamedMesh, supports: Sequence[Support]) -> None:
+    """Let the nodes of a field of which one component is fixed turn as `PartlyFixed` says."""
+    fixed = fixed.reshape(-1, 3)
+    nodes = np.flatnonzero(fixed.sum(axis=1) == 1)
+    if not mesh.domain.comm.allreduce(len(nodes)):
+        return
+    edges = {s.at for s in supports if s.mesh is mesh and s.at in mesh.edges and _turns(s)}
+    directions = directions_of_edges(mesh, sorted(edges), field.value.function_space)
+    axes = np.broadcast_to(np.eye(3), (len(nodes), 3, 3)) if field.axes is None else field.axes[nodes]
+    field.hold(PartlyFixed(nodes, fixed[nodes].argmax(axis=1), axes, directions[nodes]))
 
 
 def _fixed_by(kinematics: Kinematics, support: Support) -> np.ndarray:
@@ -71,6 +83,11 @@ def _fixed_by(kinematics: Kinematics, support: Support) -> np.ndarray:
                              "those do not fix the same; give both the same axes")
         dofs.append(table[nodes][chosen])
     return np.unique(np.concatenate(dofs))
+
+
+def _turns(support: Support) -> bool:
+    """Whether a support fixes a component of the rotation."""
+    return any(name.startswith("r") for name in support.fixed.split())
 
 
 def _components(kinematics: Kinematics, support: Support) -> list[list[int]]:

@@ -184,10 +184,7 @@ class System:
     def _turn_inward(self, arrays) -> None:
         """Take nodal vectors of the blocks to forces on increments along the axes of their nodes."""
         for f, array in self._layout.fields(arrays):
-            if f.curved:
-                array[f.dofs] = f.pull_moments(array[f.dofs].reshape(-1, f.width)).ravel()
-            if f.axes is not None:
-                array[f.dofs] = f.inward(array[f.dofs])
+            array[f.dofs] = f.inward(array[f.dofs])
 
     def functional(self, block, dofs: np.ndarray, value: float) -> PETSc.Vec:
         """Vector whose product with increments is `value` times the sum of some owned dofs, along space."""

@@ -139,12 +139,12 @@ class NamedMesh:
             raise ValueError(f"the mesh has no {'point' if facets is self.points else 'edge'} named {name!r}; it has "
                              f"{', '.join(facets)}")
         if "ds" not in self._measures:
-            self._measures["ds"] = [(i, self._sides(v)) for i, v in enumerate(facets.values())]
+            self._measures["ds"] = [(i, self.sides(v)) for i, v in enumerate(facets.values())]
         return ufl.Measure("ds", domain=self.domain, subdomain_data=self._measures["ds"],
                            subdomain_id=list(facets).index(name))
 
-    def _sides(self, facets: np.ndarray) -> np.ndarray:
-        """Pairs (cell, local facet) for the facets that this process answers for."""
+    def sides(self, facets: np.ndarray) -> np.ndarray:
+        """Pairs (cell, local facet) one behind the other, for the facets that this process answers for."""
         topology = self.domain.topology
         top = topology.dim
         topology.create_connectivity(top - 1, top)

@@ -14,6 +14,23 @@ from ..mesh.reader import COMPONENTS, NamedMesh
 class Support:
     """Fixed components at a named point or edge: any of x y z rx ry rz, separated by spaces.
 
+    In space components of the rotation hold the rotation R since the reference configuration, however many steps have
+    led to it. With a, b, c the axes that rx, ry, rz stand for, in cyclic order, it is at each node of the support
+
+    - fixed about a, b and c: R = 1.
+    - fixed about a and b: R c = c. The node turns about c alone, by any angle.
+    - fixed about a, at a point: the axis of R is perpendicular to a; for the quaternion (q0, v) of R this is v . a = 0.
+      What points along a is carried to where it points now the shortest way, and not twisted: a hinge that transmits
+      the torsion about a, whatever the direction in which a member along a leaves its place.
+    - fixed about a, on an edge of a surface: c . R t = 0, where t is the direction of the edge across a, and c = a x t.
+      The line along the edge stays in the plane of a and t, and turns in it; the surface turns about that line. This
+      is the simply supported edge of plates and shells, with a in the surface normal to the edge: "z rx" on an edge
+      along y of a plate across z holds c . R t = e_z . R e_y = 0. Its director does not tilt along the edge, and an
+      edge that stays in the plane anyway, as thin plates do, is not held any further. Without rx such an edge is a
+      soft support, whose director is free to tilt.
+
+    An edge counts as a point where it runs along a, within 30 degrees, and where edges of several directions meet.
+
     Attributes
     ----------
     axes : three orthonormal directions that x, y, z and rx, ry, rz stand for, or a function from places, shape
