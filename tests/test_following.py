@@ -121,7 +121,8 @@ def test_a_load_says_whether_it_has_a_potential():
     scene = ring(pressure, 2)
     mesh = scene.meshes[0]
     loose = fx.Path(fx.Scene(scene.parts, [fx.clamp(mesh, "east")], scene.loads, scene.monitor))
-    assert "loads: LinePressure have a potential as the structure is supported: the tangent is symmetric" in held.searched
+    words = "loads: LinePressure have a potential as the structure is supported: the tangent is symmetric"
+    assert words in held.searched
     assert "loads: LinePressure have no potential: the tangent is not symmetric" in loose.searched
 
 

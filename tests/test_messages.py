@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import inf, nan
 
 import pytest
+import ufl
 from helpers import shallow_arch
 
 import sheetfx as fx
@@ -81,7 +83,26 @@ def test_a_run_says_what_it_has_searched_for():
 
     assert "inertia of the tangent" in said(shallow_arch(4)) and "steps that leave the smooth path are cut" in said(
         shallow_arch(4))
-    assert "not seen: two in one step, double ones, flutter" in said(ring_under_pressure())
+    assert "flutter: not looked for (a part has no density)" in said(ring_under_pressure())
     assert "ends of steps only" in said(arch.case(elements=40).scene)
     assert "not looked for (contact with friction)" in said(arch.case(elements=40, friction=0.2).scene)
     assert "steps are taken as they are" in said(shallow_arch(4), fx.LoadControl(fixed=True))
+
+
+def unsymmetric(strains, stiffness):
+    """A law whose shear force depends on the stretch, but not the axial force on the shear."""
+    return ufl.as_vector([stiffness[0] * strains[0], stiffness[1] * (strains[1] + 0.1 * strains[0]),
+                          stiffness[2] * strains[2]])
+
+
+def test_law_that_is_no_gradient_is_refused():
+    with pytest.raises(ValueError, match="Beam: its law 'unsymmetric' is not the gradient of an energy: resultant 0"):
+        fx.Beam(line(dimension=2), SECTION, MATERIAL, law=unsymmetric)
+
+
+def test_plate_whose_stiffness_is_not_symmetric_is_refused():
+    matrices = replace(fx.Plate(0.1).stiffness(fx.Elastic(1.0, 0.3)),
+                       membrane=((1.0, 0.5, 0.0), (0.2, 1.0, 0.0), (0.0, 0.0, 0.4)))
+    mesh = fx.read(lambda: fx.meshes.rectangle((1, 1)), 3)
+    with pytest.raises(ValueError, match="Shell: its law 'linear_shell' is not the gradient of an energy"):
+        fx.Shell(mesh, fx.GivenPlate(0.1, matrices))

@@ -174,13 +174,6 @@ def test_no_density():
         Elastic(1.0, density=-1.0)
 
 
-def test_follower_force():
-    scene = column()
-    follower = replace(scene, loads=[LineForce(scene.parts[0], (0.0, -1.0), follower=True)])
-    with pytest.raises(ValueError, match="not symmetric"):
-        unloaded(follower, 1)
-
-
 def test_two_processes():
     """The frequencies of a bar at an angle, under load."""
     expected = [f"{v.squared:.7e}" for v in unloaded(column(3, turn=0.5), 4)[1]]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import chain
 
@@ -15,19 +15,19 @@ from ..compat import JIT
 from ..mesh.numbers import lift_numbers
 from ..mesh.reader import NamedMesh
 from ..model.contact import Contact
-from ..model.loads import Load
 from ..model.scene import Monitor, Scene
 from .contact import ContactFields
 from .contact_work import ContactWork
 from .contribution import Contribution
 from .elements import ElementWork
-from .fields import Fields, NodalForces
-from .form_work import FormWork
+from .fields import Fields
+from .form_work import FormWork, by_mesh
 from .kinematics import Kinematics
 from .layout import Layout
-from .nodal import FixedIncrements, NodalLoads
+from .load_work import works_of_loads
+from .nodal import FixedIncrements
 from .number import NumberField
-from .potential import have_potential
+from .potential import look_for_potentials
 from .supports import fixed_dofs, turn_nodes
 from .system import System
 from .timing import Stopwatch
@@ -61,12 +61,12 @@ class Discretisation:
         changes = [None if isinstance(f, NumberField) else fem.Function(f.value.function_space)
                    for f in self.unknowns.fields] if mixed_points else None
         with self.clock("compile"):
-            loads = [(load, list(works)) for load, works in self._of_loads()]
+            loads = [(load, list(works)) for load, works in works_of_loads(fields)]
             others = [*self._of_contacts(), *self._of_joints(), *chain(*(works for _, works in loads)),
                       FixedIncrements()]
             contributions = [*self._of_parts(changes), *others]
         layout = Layout(scene.parts[0].mesh.domain.comm, fields.blocks, fixed)
-        self.follower = self._look_for_potentials(loads, layout)
+        self.follower = look_for_potentials(loads, self.unknowns, layout, fields.factors, self.clock)
         self.system = System(self.unknowns, contributions, layout, fields.factors, changes, self.clock)
         self._totals = [[load.total(fields.at_stage(n)) for load in stage.loads]
                         for n, stage in enumerate(scene.all_stages)]
@@ -132,40 +132,8 @@ class Discretisation:
     def _of_joints(self) -> Iterator[Contribution]:
         for joint in self.scene.joints:
             yield from joint.contributions(self.fields)
-            for work in _by_mesh([joint.work(self.fields)]):
+            for work in by_mesh([joint.work(self.fields)]):
                 yield FormWork(self.unknowns, work, smooth=joint.smooth, conservative=joint.conservative)
-
-    def _of_loads(self) -> Iterator[tuple[Load | None, Iterator[Contribution]]]:
-        """Work of the loads of each stage: those that follow the structure one by one, all others together (None)."""
-        for number, stage in enumerate(self.scene.all_stages):
-            yield None, self._of_load([load for load in stage.loads if load.conservative], number)
-            for load in stage.loads:
-                if not load.conservative:
-                    yield load, self._of_load([load], number)
-
-    def _of_load(self, loads: Sequence[Load], stage: int) -> Iterator[Contribution]:
-        """The work of some loads on each mesh in one form, their forces at points, and other contributions."""
-        fields, conservative = self.fields.at_stage(stage), all(load.conservative for load in loads)
-        nodal = NodalForces(fields)
-        for load in loads:
-            load.at_points(nodal)
-            yield from load.contributions(fields)
-        if any(array is not None for array in nodal.arrays):
-            yield NodalLoads(nodal.arrays, fields.factor_now, stage, conservative)
-        for work in _by_mesh([load.work(fields) for load in loads]):
-            yield FormWork(self.unknowns, -work, factor=fields.factor, conservative=conservative, stage=stage)
-
-    def _look_for_potentials(self, loads, layout: Layout) -> dict[Load, bool]:
-        """Of loads that follow the structure whether their forces have a potential as the structure is supported."""
-        found = {}
-        for load, works in loads:
-            works = [work for work in works if not work.conservative]
-            if load is None or not works:
-                continue
-            found[load] = have_potential(self.unknowns, works, layout, self.fields.factors, self.clock)
-            for work in works:
-                work.conservative = found[load]
-        return found
 
     def monitored(self, monitor: Monitor):
         """The block of the monitored displacement, and its local dofs on the process that owns it."""
@@ -200,13 +168,3 @@ class Discretisation:
             yield
         finally:
             self.system.restore(kept)
-
-
-def _by_mesh(works: Sequence) -> list:
-    """Sums of the forms on each mesh; None stands for no form."""
-    sums: dict = {}
-    for work in works:
-        if work is not None and work.integrals():
-            domain = work.ufl_domain()
-            sums[domain] = sums[domain] + work if domain in sums else work
-    return list(sums.values())

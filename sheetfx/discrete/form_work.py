@@ -57,6 +57,16 @@ class FormWork(Contribution):
         return [self._matrix.values(), *(border.values() for border in self._borders)]
 
 
+def by_mesh(works: Sequence) -> list:
+    """Sums of the forms on each mesh; None stands for no form."""
+    sums: dict = {}
+    for work in works:
+        if work is not None and work.integrals():
+            domain = work.ufl_domain()
+            sums[domain] = sums[domain] + work if domain in sums else work
+    return list(sums.values())
+
+
 def _numbers_in(unknowns: Unknowns, work) -> list[NumberField]:
     """Numbers whose variation does work."""
     constants = set(ufl.algorithms.expand_derivatives(work).constants())

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
@@ -16,6 +17,24 @@ from .unknowns import Unknowns
 
 MOVED = 0.1  # of the scales of the fields, random increments at which tangents are looked at
 SYMMETRIC = 1e-9  # relative difference of a tangent and its transpose that is rounding
+
+
+def look_for_potentials(loads: Iterable[tuple[Any, Sequence[Contribution]]], unknowns: Unknowns, layout: Layout,
+                        factors: LoadFactors, clock: Stopwatch) -> dict[Any, bool]:
+    """Of loads that follow the structure whether their forces have a potential as the structure is supported.
+
+    Parameters
+    ----------
+    loads : with their contributions, which are told
+    """
+    found = {}
+    for load, works in loads:
+        works = [work for work in works if not work.conservative]
+        if load is not None and works:
+            found[load] = have_potential(unknowns, works, layout, factors, clock)
+            for work in works:
+                work.conservative = found[load]
+    return found
 
 
 def have_potential(unknowns: Unknowns, contributions: Sequence[Contribution], layout: Layout, factors: LoadFactors,

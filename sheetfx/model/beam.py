@@ -11,6 +11,7 @@ from .. import forms
 from ..mesh.numbers import as_constants
 from ..mesh.quadrature import gauss
 from ..mesh.reader import NamedMesh
+from .gradient import require_gradient
 from .section import Elastic, Section
 from .work import Internal, Term
 
@@ -49,6 +50,9 @@ class Beam:
             raise ValueError(f"Beam: degree is {self.degree}; it must be 1 or 2")
         if self.mesh.dimension == 3:
             self._check_up()
+        stiffness = self.section.stiffness(self.material, self.mesh.dimension, self.shear_rigidity)
+        if self.strains is forms.beam.simo_reissner:
+            require_gradient("Beam", self.law, stiffness, len(stiffness))
 
     def _check_up(self) -> None:
         """Refuse a direction of the depth that is parallel to a beam, or none."""
@@ -107,6 +111,7 @@ class Bar:
         if self.mesh.degree != 1:
             raise ValueError(f"Bar: the mesh has curved cells of degree {self.mesh.degree}; "
                              "bars are straight, read it with order 1")
+        require_gradient("Bar", self.law, [self.material.modulus * self.section.area], 1)
 
     def frame(self):
         return forms.bar.bar_frame(self.mesh.domain)

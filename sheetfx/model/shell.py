@@ -15,6 +15,7 @@ from ..compat import JIT, geometry_degree, interpolation_points
 from ..mesh.numbers import as_constants
 from ..mesh.quadrature import Rule, gauss, simplex
 from ..mesh.reader import NamedMesh
+from .gradient import require_gradient
 from .section import Elastic, GivenPlate, Plate
 from .work import Internal, Term
 
@@ -118,6 +119,7 @@ class Shell:
         if self.discrete.cell != cell:
             raise ValueError(f"Shell: form {self.form!r} needs a mesh of {self.discrete.cell.name} cells, "
                              f"this one has {cell.name} cells")
+        require_gradient("Shell", self.law, self.section.stiffness(self.material), 9)
 
     @property
     def discrete(self) -> ShellForm:
