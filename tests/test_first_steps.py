@@ -53,7 +53,7 @@ def test_first_step_over_many_critical_loads_is_cut(control, depth):
     """A step of a hundredth of the length would pass all loads up to 45; six lie there."""
     path = column(depth, control=control, load=45.0)
     kept = [p for state in path for p in state.critical]
-    assert [p.load for p in kept] == pytest.approx([n * n for n in range(1, 7)], rel=3e-2)
+    assert [p.load for p in kept] == pytest.approx([n * n for n in range(1, 7)], rel=4e-2)
     assert all(p.name == "stable symmetric" for p in kept)
 
 
