@@ -12,11 +12,11 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from math import isclose
+from math import copysign, inf, isclose
 from typing import Any
 
 from .checks import require_positive
-from .continuation.control import ArcLength, LoadControl, StepRule
+from .continuation.control import ArcLength, DisplacementControl, LoadControl, StepRule
 from .continuation.events import Event, end_at, occurrences
 from .continuation.segment import Jump
 from .continuation.state import CriticalPoint, State
@@ -82,9 +82,14 @@ class Until:
     @property
     def bounds(self) -> list[Event]:
         """Events at which deflection or load reach their bounds."""
-        bounds = (("deflection", self.deflection), ("load", self.load))
         return [Event(f"{name} {bound:g}", partial(_beyond, name, bound), AT_BOUND * bound)
-                for name, bound in bounds if bound is not None]
+                for name, bound in self.prescribed]
+
+    @property
+    def prescribed(self) -> list[tuple[str, float]]:
+        """Attributes of states that are bounded, and their bounds."""
+        bounds = (("deflection", self.deflection), ("load", self.load))
+        return [(name, bound) for name, bound in bounds if bound is not None]
 
     def reached(self, state: State) -> str | None:
         """Why the path ends at this state of its last stage, or None."""
@@ -206,7 +211,7 @@ class Path:
 
     def _try(self, before: State, length: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:
         """A step with its critical points; None and back to its start if it does not converge or leaves its branch."""
-        after, self._refusal = self.tracer.attempt(length), ""
+        after, self._refusal = self._to_bound(before, length) or self.tracer.attempt(length), ""
         if after is None:
             return None
         try:
@@ -220,11 +225,26 @@ class Path:
         self.tracer.back_to(before)
         return None
 
+    def _to_bound(self, before: State, length: float) -> State | None:
+        """A step that ends at a bound by prescribing it, where the step's tangent leads beyond it and it converges."""
+        tracer, bounds = self.tracer, self.until.prescribed if self._in_last_stage(before) else []
+        load_increment = self.control.predict(length, self.control.direction(before), tracer.tangent)
+        for name, bound in bounds:
+            now, rate = getattr(before, name), tracer.rate(name)
+            ahead = copysign(bound, rate * load_increment) - now
+            if rate and abs(now) < bound * (1 - AT_BOUND) and 0 < ahead / (rate * load_increment) <= 1:
+                control = (DisplacementControl(sign=getattr(self.control, "sign", "projection")) if name == "deflection"
+                           else LoadControl(target=copysign(inf, ahead / rate)))
+                return tracer.attempt_by(control, abs(ahead if name == "deflection" else ahead / rate))
+        return None
+
+    def _in_last_stage(self, state: State) -> bool:
+        return state.stage + 1 == len(self._controls)
+
     def _with_events(self, before: State, after: State,
                      points: Sequence[CriticalPoint]) -> tuple[State, tuple[CriticalPoint, ...]]:
         """A step and its critical points with the events in it; the step ends at what ends the path."""
-        last_stage = before.stage + 1 == len(self._controls)
-        bounds = self.until.bounds if last_stage else []
+        bounds = self.until.bounds if self._in_last_stage(before) else []
         for occurrence in occurrences(self.tracer, before, after, [*self.events, *bounds]):
             point = occurrence.point
             if occurrence.event in self.events:

@@ -74,6 +74,14 @@ class StepRule:
         """Whether steps that leave the smooth path are noticed and cut."""
         return self.turn < pi
 
+    def predict(self, length: float, sign: float, tangent) -> float:
+        """Increment of the load factor with which a step along the tangent has a length."""
+        raise NotImplementedError
+
+    def measure(self, tangent, increment, load_increment: float) -> float:
+        """Length of a step with these increments of the unknowns and of the load factor."""
+        raise NotImplementedError
+
     def clip(self, length: float, factor: float) -> float:
         """Shorten a step that would pass the control's end."""
         return length
@@ -114,6 +122,9 @@ class LoadControl(StepRule):
 
     def facing(self, state):
         return replace(state, load_rate=copysign(state.load_rate, self.target - state.factor))
+
+    def measure(self, tangent, increment, load_increment):
+        return abs(load_increment)
 
     def predict(self, length, sign, tangent):
         return sign * length
@@ -164,6 +175,9 @@ class DisplacementControl(TwoWayRule):
     def usual(self, size):
         return self.first if self.step is not None else self.default * size
 
+    def measure(self, tangent, increment, load_increment):
+        return abs(tangent.controlled(increment))
+
     def predict(self, length, sign, tangent):
         rate = abs(tangent.controlled(tangent.solution))
         if not rate:
@@ -208,6 +222,9 @@ class ArcLength(TwoWayRule):
             return 0.0
         stiffness = abs(tangent.current_stiffness) if self.shape == "elliptical" else 1.0
         return stiffness * tangent.initial_norm2
+
+    def measure(self, tangent, increment, load_increment):
+        return sqrt(tangent.inner(increment, increment) + self.load_weight(tangent) * load_increment**2)
 
     def predict(self, length, sign, tangent):
         return sign * length / sqrt(tangent.norm2 + self.load_weight(tangent))

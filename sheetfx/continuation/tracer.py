@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import acos, inf, sqrt
+from math import inf, sqrt
 
 import numpy as np
 from petsc4py import PETSc
@@ -16,6 +16,7 @@ from .control import LoadResponse, StepRule
 from .crossings import Uncounted, UnstableModes, first_critical
 from .enforcement import Enforcement
 from .linear import SingularTangent
+from .measuring import Measuring
 from .spectrum import diagonal, nearest_to_zero
 from .state import State
 
@@ -23,7 +24,7 @@ PROBE = 1e-6  # distance along the response at which the change of the tangent i
 BEFORE = 0.38  # of the way to the first critical point, first step; twice as long steps then do not end on it
 
 
-class Tracer:
+class Tracer(Measuring):
     """Takes single steps from the current state with a SNES, and returns to earlier states.
 
     Attributes
@@ -75,6 +76,12 @@ class Tracer:
         """Change of the monitored displacement by an increment of the unknowns."""
         return self._monitor.dot(increment)
 
+    def rate(self, name: str) -> float:
+        """Change of the monitored "deflection", or of the "load", by a unit of the load factor; 0: not known."""
+        if name == "deflection":
+            return self.monitored(self._response)
+        return self.discretisation.load_of_unit() or 0.0
+
     def attempt(self, length: float, guess: tuple[float, np.ndarray] | None = None) -> State | None:
         """Try one step of a given length from the current state; None if it does not converge.
 
@@ -82,15 +89,30 @@ class Tracer:
         ----------
         guess : increments of the load factor and of the unknowns (this process's part) to begin with
         """
+        return self._attempted(self.control, self.tangent, length, guess)
+
+    def attempt_by(self, control: StepRule, length: float) -> State | None:
+        """Try one step by another control, of the monitored displacement where it is one of displacements."""
+        tangent = replace(self.tangent, functional=self._monitor)
+        found = self._attempted(control, tangent, length)
+        if found is not None:
+            x = self.system.create_vector(found.increment)
+            self.state = replace(found, length=self.control.measure(self.tangent, x, found.load_increment))
+            self._mark_factored()
+            return self.state
+        return None
+
+    def _attempted(self, control: StepRule, tangent: LoadResponse, length: float,
+                   guess: tuple[float, np.ndarray] | None = None) -> State | None:
         start, before, spent = self.state, self.total_factorisations, self.iterations
         self._count.start_from(start, self.x)
         for multiples in self.enforcement.approaches():
             self._most, self.failure = 0, ""
             if guess is None:
-                load_increment = self.control.predict(length, self.control.direction(start), self.tangent)
-                self.stepper.begin(self.control, self.tangent, length, load_increment)
+                load_increment = control.predict(length, control.direction(start), tangent)
+                self.stepper.begin(control, tangent, length, load_increment)
             else:
-                self.stepper.begin(self.control, self.tangent, length, *guess)
+                self.stepper.begin(control, tangent, length, *guess)
             if self.enforcement.solve(self._correct, multiples):
                 try:
                     self.state = self._converged(start, self.iterations - spent, length, before)
@@ -287,31 +309,6 @@ class Tracer:
         work = self._load.dot(self.x)
         chord = self.stepper.load_increment * self._reference[1] / work if work else inf
         return ends[0] * ends[1] < 0 and not min(ends) < chord < max(ends)
-
-    def turn(self, before: State, after: State) -> float:
-        """Largest angle in radians between the increment of a step and what it should go on from and lead to.
-
-        These are the tangents at its start and its end; with contact, where tangents waver, the increment before.
-        """
-        wavering = not self.system.smooth and before.increment.any()
-        directions = [before.direction] if wavering else [before.tangent]
-        if self.system.smooth:
-            directions.append(after.tangent)
-        return max(self.angle(after.direction, d) for d in directions)
-
-    def angle(self, one: tuple[float, np.ndarray], other: tuple[float, np.ndarray]) -> float:
-        """Angle between two increments of load factor and unknowns."""
-        lengths = self.distance(*one) * self.distance(*other)
-        return acos(np.clip(self.inner(one, other) / lengths, -1.0, 1.0)) if lengths else 0.0
-
-    def distance(self, load: float, increment: np.ndarray) -> float:
-        """Length of an increment of load factor and unknowns (this process's part) in the control's measure."""
-        return self.inner((load, increment), (load, increment)) ** 0.5
-
-    def inner(self, one: tuple[float, np.ndarray], other: tuple[float, np.ndarray]) -> float:
-        """Inner product of increments of load factor and unknowns in the control's measure."""
-        (a, left), (b, right) = one, other
-        return self.system.comm.allreduce(float(left * self.system.weights.array @ right)) + self._load_weight() * a * b
 
 
 def most_iterations(control: StepRule) -> int:

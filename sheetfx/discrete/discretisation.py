@@ -153,11 +153,18 @@ class Discretisation:
 
     def total_load(self) -> float:
         """Load of the present stage on the whole structure: the sum of the magnitudes of its loads, or the reaction."""
-        totals = self._totals[self.system.factors.stage]
-        reactions = [total() for total in totals if callable(total)]
-        if reactions:
-            return self.scene.symmetry_factor * sum(reactions)
-        return self.scene.symmetry_factor * self.system.factor * sum(totals)
+        unit = self.load_of_unit()
+        if unit is not None:
+            return unit * self.system.factor
+        return self.scene.symmetry_factor * sum(total() for total in self._present_totals() if callable(total))
+
+    def load_of_unit(self) -> float | None:
+        """Total load of the present stage for a load factor of 1; None where it is a reaction."""
+        totals = self._present_totals()
+        return None if any(map(callable, totals)) else self.scene.symmetry_factor * sum(totals)
+
+    def _present_totals(self) -> list:
+        return self._totals[self.system.factors.stage]
 
     @contextmanager
     def visiting(self, snapshot: dict[str, np.ndarray]) -> Iterator[None]:

@@ -1,0 +1,50 @@
+"""Lengths and angles of increments, in the measure of a control."""
+
+from __future__ import annotations
+
+from math import acos
+
+import numpy as np
+
+from ..discrete.system import System
+from .state import State
+
+
+class Measuring:
+    """What can measure increments of the load factor and of the unknowns (this process's part).
+
+    Attributes
+    ----------
+    system : whose weights make the unknowns commensurate
+    """
+
+    system: System
+
+    def _load_weight(self) -> float:
+        """Weight of the load's square in the square of a length."""
+        return 0.0
+
+    def turn(self, before: State, after: State) -> float:
+        """Largest angle in radians between the increment of a step and what it should go on from and lead to.
+
+        These are the tangents at its start and its end; with contact, where tangents waver, the increment before.
+        """
+        wavering = not self.system.smooth and before.increment.any()
+        directions = [before.direction] if wavering else [before.tangent]
+        if self.system.smooth:
+            directions.append(after.tangent)
+        return max(self.angle(after.direction, d) for d in directions)
+
+    def angle(self, one: tuple[float, np.ndarray], other: tuple[float, np.ndarray]) -> float:
+        """Angle between two increments of load factor and unknowns."""
+        lengths = self.distance(*one) * self.distance(*other)
+        return acos(np.clip(self.inner(one, other) / lengths, -1.0, 1.0)) if lengths else 0.0
+
+    def distance(self, load: float, increment: np.ndarray) -> float:
+        """Length of an increment of load factor and unknowns (this process's part) in the control's measure."""
+        return self.inner((load, increment), (load, increment)) ** 0.5
+
+    def inner(self, one: tuple[float, np.ndarray], other: tuple[float, np.ndarray]) -> float:
+        """Inner product of increments of load factor and unknowns in the control's measure."""
+        (a, left), (b, right) = one, other
+        return self.system.comm.allreduce(float(left * self.system.weights.array @ right)) + self._load_weight() * a * b
