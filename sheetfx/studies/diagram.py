@@ -29,7 +29,7 @@ from .chart import ONE_THREAD
 from .diagram_branch import Bounds
 
 PRIMARY = "0"
-SAME = 1e-4  # relative difference of the loads and norms of one point found on two branches
+SAME = 1e-4  # relative difference of loads and nodal displacements of one point found on two branches
 SAME_CURVE = 0.02  # of the ranges of load and norm, distance of a branch's states from the curve of its reverse
 COLUMNS = ("branch", "parent", "step", "load", "deflection", "norm", "unstable")
 
@@ -120,13 +120,13 @@ def trace_diagram(plan: Plan, folder: Folder, resume: bool = False,
     with archive.opened({"scene": plan.scene, "bounds": asdict(plan.bounds)} | plan.parameters, resume):
         generation, listed = [primary], []
         for level in range(plan.levels + 1):
-            known = [point | {"label": label(branch, point)} for branch in listed for point in branch.bifurcations
-                     if "same_as" not in point]
+            known = [{"label": label(branch, point), "load": point["load"], "file": f"../{_magnitudes(branch, point)}"}
+                     for branch in listed for point in branch.bifurcations if "same_as" not in point]
             _trace_all(plan, folder, generation, known, level < plan.levels, say)
             for branch in generation:
                 branch.reverse_of = next((other.name for other in listed if reversed_of(branch, other)), None)
                 if not branch.reverse_of:
-                    _mark_same_points(branch, listed)
+                    _mark_same_points(branch, listed, Folder(folder) / "branches")
                     listed.append(branch)
             generation = [child for branch in generation if not branch.reverse_of for child in _children(branch)]
             plan = replace(plan, bounds=_bounded(plan.bounds, primary))
@@ -159,9 +159,8 @@ def everything(branch: Traced) -> Iterator[Traced]:
 def _trace_all(plan: Plan, folder: Folder, branches: Sequence[Traced], known: Sequence[dict], split: bool,
                say: Callable[[Traced, int], None]) -> None:
     """Results of a generation, each by a process of its own."""
-    places = [{k: p[k] for k in ("label", "load", "deflection", "norm")} for p in known]
     with ThreadPoolExecutor(plan.processes) as pool:
-        futures = {pool.submit(_traced, plan, folder, branch, places, split): branch for branch in branches}
+        futures = {pool.submit(_traced, plan, folder, branch, known, split): branch for branch in branches}
         for left, future in zip(reversed(range(len(futures))), as_completed(futures), strict=True):
             futures[future].result = future.result()
             say(futures[future], left)
@@ -171,8 +170,9 @@ def _traced(plan: Plan, folder: Folder, branch: Traced, known: list[dict], split
     """What becomes of a branch; one that was finished with the same task is not traced again."""
     home = Folder(folder) / "branches" / branch.name
     start = f"../{branch.parent.name}/starts/{branch.half['name']}.npz" if branch.parent and branch.half else None
+    origin = label(branch.parent, branch.origin) if branch.parent and branch.origin else None
     task = json.loads(json.dumps({"scene": plan.scene, "parameters": plan.parameters, "bounds": asdict(plan.bounds),
-                                  "start": start, "known": known, "split": split}))
+                                  "start": start, "origin": origin, "known": known, "split": split}))
     files, archive = [home / name for name in ("task.json", "result.json")], Archive(home, MPI.COMM_SELF)
     if all(file.exists() for file in files) and json.loads(files[0].read_text()) == task:
         return json.loads(files[1].read_text())
@@ -200,20 +200,23 @@ def _children(branch: Traced) -> list[Traced]:
     return branch.children
 
 
-def _mark_same_points(branch: Traced, listed: Sequence[Traced]) -> None:
+def _mark_same_points(branch: Traced, listed: Sequence[Traced], folder: Folder) -> None:
     """Say of its bifurcations which are known from other branches, where two branches cross."""
+    def place(owner, point):
+        return np.load(folder / _magnitudes(owner, point))
+
     for point in branch.bifurcations:
-        same = (label(other, p) for other in listed for p in other.bifurcations if _same_point(p, point))
+        same = (label(other, p) for other in listed for p in other.bifurcations
+                if p["multiplicity"] == point["multiplicity"]
+                and abs(p["load"] - point["load"]) <= SAME * abs(p["load"])
+                and np.linalg.norm(place(other, p) - place(branch, point)) <= SAME * np.linalg.norm(place(other, p)))
         if found := next(same, None):
             point["same_as"] = found
 
 
-def _same_point(one: dict[str, Any], other: dict[str, Any]) -> bool:
-    """Whether two bifurcations are one but for symmetry, by load and sorted lengths of nodal displacements."""
-    moves = np.array(one["magnitudes"]), np.array(other["magnitudes"])
-    return (one["multiplicity"] == other["multiplicity"]
-            and abs(one["load"] - other["load"]) <= SAME * abs(one["load"])
-            and float(np.linalg.norm(moves[0] - moves[1])) <= SAME * float(np.linalg.norm(moves[0])))
+def _magnitudes(branch: Traced, point: dict[str, Any]) -> str:
+    """File with the sorted lengths of nodal displacements at a bifurcation, in the folder of all branches."""
+    return f"{branch.name}/points/{point['number']}.npy"
 
 
 def reversed_of(branch: Traced, other: Traced) -> bool:
@@ -244,7 +247,7 @@ def _tree(branch: Traced, plan: Plan) -> dict[str, Any]:
     of_point: dict[int, list[Traced]] = {p["number"]: [] for p in branch.points}
     for child in branch.children:
         of_point[child.origin["number"]].append(child)
-    points = [{k: v for k, v in p.items() if k not in ("halves", "magnitudes", "step", "length")}
+    points = [{k: v for k, v in p.items() if k not in ("halves", "step", "length")}
               | {"not_followed": _unfollowed(branch, p, plan),
                  "branches": [_tree(child, plan) for child in of_point[p["number"]]]}
               for p in branch.points]

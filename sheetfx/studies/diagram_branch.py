@@ -1,7 +1,8 @@
 """One branch of a bifurcation diagram as a task: traced in a process of its own, from files to files.
 
 The folder of a branch holds `task.json`, which says what to do, then `states`, `starts` of the half-branches of its
-bifurcations and `result.json`. `python3 -m sheetfx.studies.diagram_branch FOLDER` does the task, again if need be.
+bifurcations, `points` (sorted lengths of nodal displacements there) and `result.json`.
+`python3 -m sheetfx.studies.diagram_branch FOLDER` does the task, again if need be.
 
 Half-branches of one bifurcation count as equivalent by symmetry if their starts have one load, one number of unstable
 modes and the same sorted lengths of nodal displacements: a symmetry moves nodes to nodes and turns displacements. The
@@ -38,8 +39,9 @@ from ..stability.branches import Branch
 from ..stability.critical import state_at
 
 EQUIVALENT = 1e-2  # of the distance from the bifurcation in displacements and in load, difference of equivalent starts
-FINER = 0.5  # largest arc length over that of the case, for a smooth picture
+FINER = 0.25  # largest arc length over that of the case, for a smooth picture
 SAME_LOAD, SAME_PLACE = 1e-3, 3e-3  # of the load, and of the largest norm so far, where a branch arrives at a point
+BACK = 0.1  # of the distance of the start from its origin, where a branch is back there
 TOGETHER = 1e-4  # of a step: limit and bifurcation where a branch passes the vertex of another one
 
 
@@ -71,6 +73,11 @@ def magnitudes(state: State, case: Case) -> np.ndarray:
     return np.sort(np.concatenate([np.linalg.norm(table, axis=1) for table in _tables(state.fields, case)]))
 
 
+def _difference(one: np.ndarray, other: np.ndarray) -> float:
+    """Root mean square of the differences of magnitudes."""
+    return float(np.sqrt(((one - other) ** 2).mean()))
+
+
 def norm(fields: Mapping[str, np.ndarray], case: Case) -> float:
     """Root mean square of the displacements of all nodes, which hides no branch."""
     squares = np.concatenate([(table**2).sum(axis=1) for table in _tables(fields, case)])
@@ -89,8 +96,8 @@ class Task:
     Parameters
     ----------
     home : folder of the branch, with `task.json`: scene, parameters, bounds, start (file, relative to the folder; None:
-        the primary path), known (points where a branch ends if it arrives), split (whether half-branches of its
-        bifurcations are wanted)
+        the primary path), origin (label of the point that it comes from), known (points where the branch ends if it
+        arrives), split (whether half-branches of its bifurcations are wanted)
     """
 
     def __init__(self, home: Folder):
@@ -117,7 +124,7 @@ class Task:
 
     def run(self) -> dict[str, Any]:
         """Trace the branch, and return what `result.json` is to hold."""
-        for name in ("states", "starts"):
+        for name in ("states", "starts", "points"):
             shutil.rmtree(self.home / name, ignore_errors=True)
             (self.home / name).mkdir()
         status, arrival = "finished", None
@@ -149,20 +156,25 @@ class Task:
         """
         self.largest = max(self.largest, norm(state.fields, self.case))
         for point in state.critical:
-            if point.kind == "event":
-                continue
-            near = [k for k in self.task["known"] if abs(k["load"] - point.load) <= SAME_LOAD * abs(k["load"])
-                    and abs(abs(k["deflection"]) - abs(point.deflection)) <= SAME_PLACE * self.largest]
+            near = [known for known in self.task["known"] if point.kind != "event"
+                    and abs(known["load"] - point.load) <= SAME_LOAD * abs(known["load"])]
             if not near:
                 continue
-            there = norm(self._state_at(point, [*self.record.states, state]).fields, self.case)
-            near = [k for k in near if abs(k["norm"] - there) <= SAME_PLACE * self.largest]
-            if near:
-                known = min(near, key=lambda k: (abs(k["norm"] - there), abs(k["load"] - point.load)))
+            there = self._state_at(point, [*self.record.states, state])
+            known = min(near, key=lambda known: self._off(there, known))
+            if self._off(there, known) <= 1:
                 before = [p for p in state.critical if p.length < point.length - TOGETHER * state.length]
-                return {"point": known["label"], "load": point.load, "deflection": point.deflection, "norm": there,
-                        "before": before}
+                return {"point": known["label"], "load": point.load, "deflection": point.deflection,
+                        "norm": norm(there.fields, self.case), "before": before}
         return None
+
+    def _off(self, state: State, known: Mapping[str, Any]) -> float:
+        """Distance of a state from a known point but for symmetry, over what it may be where they are one."""
+        place = np.load(self.home / known["file"])
+        allowed = SAME_PLACE * self.largest
+        if known["label"] == self.task["origin"]:
+            allowed = min(allowed, BACK * _difference(magnitudes(self.start[0], self.case), place))
+        return _difference(magnitudes(state, self.case), place) / allowed
 
     def _state_at(self, point: CriticalPoint, states: Sequence[State]) -> State:
         by_step = {state.step: state for state in states}
@@ -175,7 +187,7 @@ class Task:
     def _point(self, number: int, point: CriticalPoint) -> dict[str, Any]:
         """A critical point in words and numbers, with the half-branches of a bifurcation."""
         found = {"number": number, "title": point.title} | asdict(point) | {
-            "norm": None, "magnitudes": None, "halves": [], "failure": None, "within": self.bounds.hold(point),
+            "norm": None, "halves": [], "failure": None, "within": self.bounds.hold(point),
             "last_stage": self._stage(point) == len(self.case.scene.all_stages) - 1}
         try:
             state = self._state_at(point, self.record.states)
@@ -184,7 +196,7 @@ class Task:
         found |= {"norm": norm(state.fields, self.case)}
         if point.kind != "bifurcation":
             return found
-        found |= {"magnitudes": list(magnitudes(state, self.case))}
+        np.save(self.home / "points" / f"{number}.npy", magnitudes(state, self.case))
         if self.task["split"] and found["within"] and found["last_stage"]:
             try:
                 halves = self.record.branches(point)
@@ -211,10 +223,9 @@ class Task:
     def _equivalent(self, one: State, other: State, bifurcation: State) -> bool:
         distance = norm({name: values - bifurcation.fields[name] for name, values in one.fields.items()}, self.case)
         rise = max(abs(one.load - bifurcation.load), abs(other.load - bifurcation.load))
-        differences = magnitudes(one, self.case) - magnitudes(other, self.case)
         return (one.unstable_modes == other.unstable_modes
                 and abs(one.load - other.load) <= EQUIVALENT * rise + 1e-8 * abs(bifurcation.load)
-                and float(np.sqrt((differences**2).mean())) <= EQUIVALENT * distance)
+                and _difference(*(magnitudes(s, self.case) for s in (one, other))) <= EQUIVALENT * distance)
 
     def _written(self, name: str, members: Sequence[Branch]) -> dict[str, Any]:
         first = members[0]

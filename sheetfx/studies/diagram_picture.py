@@ -43,7 +43,7 @@ def draw_diagram(primary: Traced, axes_names: tuple[str, str]):
     handles = dict(zip(*reversed(left.get_legend_handles_labels()), strict=True))
     names = sorted(handles)
     figure.legend([handles[n] for n in names], names, loc="outside lower center", ncols=len(names), frameon=False,
-                  fontsize=9)
+                  fontsize=9, handlelength=3.2)
     return figure
 
 
@@ -88,6 +88,8 @@ def _draw_branch(axes, branch: Traced, quantity: str) -> np.ndarray:
 
 
 def _names(branches: Sequence[Traced], curves: Sequence[np.ndarray]) -> list[tuple[float, float, str]]:
-    """Places and names of branches, each in the middle of its curve."""
-    return [(*curve[len(curve) // 2], branch.name) for branch, curve in zip(branches, curves, strict=True)
-            if branch.origin][:MOST_NAMES]
+    """Places and names of branches, each in the middle of its curve; where they are many, of the first level."""
+    named = [(branch.name, curve) for branch, curve in zip(branches, curves, strict=True) if branch.origin]
+    if len(named) > MOST_NAMES:
+        named = [(name, curve) for name, curve in named if "." not in name]
+    return [(*curve[len(curve) // 2], name) for name, curve in named]
