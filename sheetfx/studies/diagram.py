@@ -279,7 +279,7 @@ def _unfollowed(branch: Traced, point: dict[str, Any], plan: Plan) -> str | None
 def _write_table(primary: Traced, file: Folder) -> None:
     """Write one line for each state of each branch."""
     with file.open("w", newline="") as stream:
-        writer = csv.DictWriter(stream, COLUMNS)
+        writer = csv.DictWriter(stream, COLUMNS, extrasaction="ignore")
         writer.writeheader()
         for branch in everything(primary):
             for state in branch.result["states"]:

@@ -38,8 +38,8 @@ from ..scenes import load_case
 from ..stability.branches import Branch
 from ..stability.critical import state_at
 
+DISPLACEMENT = "displacement"  # name of fields of it
 EQUIVALENT = 1e-2  # of the distance from the bifurcation in displacements and in load, difference of equivalent starts
-FINER = 0.25  # largest arc length over that of the case, for a smooth picture
 SAME_LOAD, SAME_PLACE = 1e-3, 3e-3  # of the load, and of the largest norm so far, where a branch arrives at a point
 BACK = 0.1  # of the distance of the start from its origin, where a branch is back there
 TOGETHER = 1e-4  # of a step: limit and bifurcation where a branch passes the vertex of another one
@@ -87,7 +87,7 @@ def norm(fields: Mapping[str, np.ndarray], case: Case) -> float:
 def _tables(fields: Mapping[str, np.ndarray], case: Case) -> list[np.ndarray]:
     """Nodal displacements, one node in each row."""
     dimension = case.scene.meshes[0].dimension
-    return [values.reshape(-1, dimension) for name, values in fields.items() if name.startswith("displacement ")]
+    return [values.reshape(-1, dimension) for name, values in fields.items() if name.startswith(f"{DISPLACEMENT} ")]
 
 
 class Task:
@@ -114,11 +114,6 @@ class Task:
         rule = case.control
         if self.start and not isinstance(rule, ArcLength):
             rule = ArcLength()
-        if isinstance(rule, ArcLength):
-            rule = replace(rule, largest=max(rule.largest * FINER, 1.0))
-        if self.start:
-            first = min(self.start[0].next_length, rule.largest * rule.first)
-            self.start = [replace(self.start[0], next_length=first)]
         return Path(case.scene, rule, self.bounds.until(taken, case.until.event), start=self.start,
                     mixed_points=case.mixed_points, events=case.events)
 
@@ -143,10 +138,24 @@ class Task:
         points += arrival.pop("before") if arrival else []
         return {
             "status": status, "message": message, "arrival": arrival, "searched": self.path.searched,
-            "states": [{"step": s.step, "load": s.load, "deflection": s.deflection, "norm": norm(s.fields, self.case),
-                        "unstable": s.unstable_modes} for s in states],
+            "states": [self._row(state) for state in states],
             "points": [self._point(number, p) for number, p in enumerate(points, 1)],
         }
+
+    def _row(self, state: State) -> dict[str, Any]:
+        """What is drawn of a state, with its rates by the length of the path; that of its last step is the chord's."""
+        tracer, size = self.path.tracer, norm(state.fields, self.case)
+        rate = tracer.system.create_vector(state.tangent[1])
+        fields = self.path.discretisation.unknowns.fields
+        moves = np.concatenate([change.ravel() for f, change in zip(fields, tracer.system.changes(rate), strict=True)
+                                if f.name == DISPLACEMENT])
+        places = np.concatenate([table.ravel() for table in _tables(state.fields, self.case)])
+        nodes = len(places) / self.case.scene.meshes[0].dimension
+        return {"step": state.step, "load": state.load, "deflection": state.deflection, "norm": size,
+                "unstable": state.unstable_modes, "length": state.length, "chord": tracer.distance(*state.direction),
+                "rates": {"load": state.load_rate * (state.load / state.factor if state.factor else 0.0),
+                          "deflection": tracer.monitored(rate),
+                          "norm": float(places @ moves) / (nodes * size) if size else 0.0}}
 
     def _arrival(self, state: State) -> dict[str, Any] | None:
         """Which known point a state has brought to light, if any, and the points before it in its step.

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from types import SimpleNamespace
+from itertools import pairwise
 
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline
 
 from ..continuation.state import CriticalPoint
-from ..show.curves import draw_points, draw_stretches, path_knots
+from ..show.curves import draw_points, draw_stretches
 from ..show.labels import place_labels
 from .diagram import Traced, everything
 
 WIDTHS = 2.4, 1.4, 1.0  # of lines, by level
 FIELDS = ("kind", "load", "step", "length", "multiplicity", "name")
-MOST_NAMES = 16
+MOST_NAMES, PIECES = 16, 12
 
 
 def draw_diagram(primary: Traced, axes_names: tuple[str, str]):
@@ -69,22 +70,38 @@ def _points(branch: Traced, quantity: str) -> list[CriticalPoint]:
 
 def _draw_branch(axes, branch: Traced, quantity: str) -> np.ndarray:
     """Draw a branch from its origin to its end, and return the points of its curve."""
-    result, points = branch.result, _points(branch, quantity)
-    largest = np.array([max(s["norm"] for s in result["states"])])
-    states = [SimpleNamespace(step=s["step"], load=s["load"], deflection=s[quantity], unstable_modes=s["unstable"],
-                              critical=[p for p in points if p.step == s["step"]], increment=largest)
-              for s in result["states"]]
-    if branch.origin:
-        states.insert(0, SimpleNamespace(**vars(states[0]) | {
-            "step": states[0].step - 1, "load": branch.origin["load"], "deflection": branch.origin[quantity],
-            "critical": []}))
-    if arrival := result["arrival"]:
-        states.append(SimpleNamespace(**vars(states[-1]) | {
-            "step": states[-1].step + 1, "load": arrival["load"], "deflection": arrival[quantity],
-            "critical": [p for p in points if p.step > states[-1].step]}))
     level = 0 if branch.origin is None else 1 + branch.name.count(".")
-    named = states[-1].unstable_modes is not None
-    return draw_stretches(axes, *path_knots(states), named=named, width=WIDTHS[min(level, len(WIDTHS) - 1)])
+    named = branch.result["states"][-1]["unstable"] is not None
+    return draw_stretches(axes, *_knots(branch, quantity), named=named, width=WIDTHS[min(level, len(WIDTHS) - 1)])
+
+
+def _knots(branch: Traced, quantity: str) -> tuple[np.ndarray, np.ndarray]:
+    """Points of a branch close together, and whether it is unstable between each and the next.
+
+    Between states they are on the cubic with the tangents at both, which passes through critical points.
+    """
+    states, arrival, points = branch.result["states"], branch.result["arrival"], _points(branch, quantity)
+    knots, unstable = [(states[0][quantity], states[0]["load"])], []
+    if branch.origin:
+        knots.insert(0, (branch.origin[quantity], branch.origin["load"]))
+        unstable.append(bool(states[0]["unstable"]))
+    for before, after in pairwise(states):
+        inside = [p for p in points if p.step == after["step"]]
+        ends = [0.0, *(p.length / after["length"] for p in inside), 1.0]
+        values, rates = ([(found[quantity], found["load"]) for found in ends] for ends in (
+            (before, after), (before["rates"], after["rates"])))
+        curve = CubicHermiteSpline((0, 1), values, after["chord"] * np.array(rates))
+        for n, (left, right) in enumerate(pairwise(ends)):
+            fine = curve(np.linspace(left, right, PIECES + 1)[1:])
+            if n < len(inside):
+                fine[-1] = inside[n].deflection, inside[n].load
+            knots += map(tuple, fine)
+            unstable += PIECES * [bool((after if n == len(inside) else before)["unstable"]) or 0 < n < len(inside)]
+    if arrival:
+        rest = [(p.deflection, p.load) for p in points if p.step > states[-1]["step"]]
+        knots += [*rest, (arrival[quantity], arrival["load"])]
+        unstable += (len(rest) + 1) * [bool(states[-1]["unstable"])]
+    return np.array(knots), np.array(unstable)
 
 
 def _names(branches: Sequence[Traced], curves: Sequence[np.ndarray]) -> list[tuple[float, float, str]]:
