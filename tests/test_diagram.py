@@ -62,7 +62,7 @@ def test_two_bars(here, tmp_path):
     assert found["6a"].reverse_of == "1a" and not found["1a"].reverse_of
     for name in ("3a", "4a"):
         result = found[name].result
-        assert result["status"] == "failed" and "tangents within the step" in result["message"]
+        assert result["status"] == "failed" and "even with a step of" in result["message"]
         assert result["states"][-1]["deflection"] == pytest.approx(3.0, abs=1e-3)
     assert [b["status"] for p in tree["path"]["points"] for b in p["branches"]] == ["finished", "failed",
         "failed", "finished"]
