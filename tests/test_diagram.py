@@ -38,12 +38,15 @@ def drawn(folder, name, bounds, levels=1, **parameters):
 
 
 def out_of_balance(row, rise=3.0):
-    """Forces on the apex of the truss of von Mises at a state, where two nodes of three are fixed."""
+    """Forces on the apex of the truss of von Mises at a state, where two nodes of three are fixed; length of a bar.
+
+    The direction of a bar is as uncertain as its length is small.
+    """
     load, deflection, norm = (float(row[name]) for name in ("load", "deflection", "norm"))
     x, y = np.sqrt(max(3 * norm**2 - deflection**2, 0.0)), rise - deflection
     arms = np.array([(x + 1, y), (x - 1, y)])
     lengths, whole = np.linalg.norm(arms, axis=1), np.hypot(1, rise)
-    return ((lengths / whole - 1) / lengths) @ arms + (0, load)
+    return ((lengths / whole - 1) / lengths) @ arms + (0, load), lengths.min()
 
 
 def test_two_bars(here, tmp_path):
@@ -57,7 +60,8 @@ def test_two_bars(here, tmp_path):
         ("1a", "3a", "4a", "6a"), 2)
     assert {row["branch"] for row in rows} == set(found)
     for row in rows:
-        assert out_of_balance(row) == pytest.approx([0, 0], abs=5e-6)  # to which steps converge
+        forces, shortest = out_of_balance(row)
+        assert shortest < 1e-3 or forces == pytest.approx([0, 0], abs=1e-7)
     assert found["1a"].result["arrival"]["point"] == "0:6" and found["6a"].result["arrival"]["point"] == "0:1"
     assert found["6a"].reverse_of == "1a" and not found["1a"].reverse_of
     for name in ("3a", "4a"):

@@ -22,6 +22,7 @@ from typing import Any
 
 import numpy as np
 from mpi4py import MPI
+from scipy.interpolate import CubicHermiteSpline, PPoly
 
 from ..archive import Archive
 from ..case import Case
@@ -31,6 +32,7 @@ from .diagram_branch import Bounds
 PRIMARY = "0"
 SAME = 1e-4  # relative difference of loads and nodal displacements of one point found on two branches
 SAME_CURVE = 0.02  # of the ranges of load and norm, distance of a branch's states from the curve of its reverse
+FINE = 1000  # points on such a curve
 COLUMNS = ("branch", "parent", "step", "load", "deflection", "norm", "unstable")
 
 
@@ -64,12 +66,17 @@ class Traced:
     def bifurcations(self) -> list[dict[str, Any]]:
         return [p for p in self.points if p["kind"] == "bifurcation" and p["norm"] is not None]
 
-    @property
-    def curve(self) -> np.ndarray:
-        """Load and norm of its origin, states and the point that it arrives at, in rows."""
-        arrival = self.result["arrival"]
-        ends = [self.origin] if self.origin else [], [arrival] if arrival else []
-        return np.array([(p["load"], p["norm"]) for p in [*ends[0], *self.result["states"], *ends[1]]])
+    def table(self, quantities: Sequence[str]) -> np.ndarray:
+        """Some of its numbers, one state in each row."""
+        return np.array([[state[name] for name in quantities] for state in self.result["states"]])
+
+    def cubic(self, quantities: Sequence[str]) -> PPoly:
+        """Curve of some of its numbers by the length of the path, with the tangents of the states; its knots are these.
+        """
+        states = self.result["states"]
+        places = np.cumsum([0.0, *(state["chord"] for state in states[1:])])
+        rates = np.array([[state["rates"][name] for name in quantities] for state in states])
+        return CubicHermiteSpline(places, self.table(quantities), rates)
 
 
 @dataclass(frozen=True)
@@ -229,17 +236,22 @@ def reversed_of(branch: Traced, other: Traced) -> bool:
     loads = [[p["load"] for p in b.points] for b in (branch, other)]
     if not np.allclose(loads[0], loads[1][::-1], rtol=SAME):
         return False
-    one, two = branch.curve, other.curve
-    scale = np.ptp(np.concatenate([one, two]), axis=0)
-    return max(_off(one / scale, two / scale), _off(two / scale, one / scale)) <= SAME_CURVE
+    return max(_off(branch, other), _off(other, branch)) <= SAME_CURVE
 
 
-def _off(places: np.ndarray, curve: np.ndarray) -> float:
-    """Largest distance of places from a smooth curve through others."""
-    from ..show.curves import smooth
-
-    fine = smooth(curve, 60)[0]
-    return float(max(np.linalg.norm(fine - place, axis=1).min() for place in places))
+def _off(branch: Traced, other: Traced) -> float:
+    """Largest distance of the states of a branch from the curve of another, beside its length, over the ranges."""
+    if len(other.result["states"]) < 2:
+        return np.inf
+    quantities = ("load", "norm")
+    curve, places = other.cubic(quantities), branch.table(quantities)
+    ends = curve.x[0], curve.x[-1]
+    fine = curve(np.linspace(*ends, FINE))
+    scale = np.ptp(fine, axis=0)
+    distances = np.linalg.norm((places[:, None] - fine) / scale, axis=2)
+    nearest = distances.argmin(axis=1)
+    beside = (nearest > 0) & (nearest < FINE - 1)
+    return float(distances.min(axis=1)[beside].max(initial=0.0)) if beside.any() else np.inf
 
 
 def _tree(branch: Traced, plan: Plan) -> dict[str, Any]:

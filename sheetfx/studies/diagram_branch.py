@@ -27,6 +27,7 @@ from typing import Any
 
 import numpy as np
 from mpi4py import MPI
+from scipy.interpolate import PchipInterpolator
 
 from ..archive import Archive
 from ..case import Case
@@ -40,6 +41,7 @@ from ..stability.critical import state_at
 
 DISPLACEMENT = "displacement"  # name of fields of it
 EQUIVALENT = 1e-2  # of the distance from the bifurcation in displacements and in load, difference of equivalent starts
+FINER = 0.25  # steps over those of the case: longer ones cut corners where branches cross close together
 SAME_LOAD, SAME_PLACE = 1e-3, 3e-3  # of the load, and of the largest norm so far, where a branch arrives at a point
 BACK = 0.1  # of the distance of the start from its origin, where a branch is back there
 TOGETHER = 1e-4  # of a step: limit and bifurcation where a branch passes the vertex of another one
@@ -114,6 +116,9 @@ class Task:
         rule = case.control
         if self.start and not isinstance(rule, ArcLength):
             rule = ArcLength()
+        if isinstance(rule, ArcLength):
+            rule = replace(rule, largest=max(rule.largest * FINER, 1.0)) if rule.step is None else replace(
+                rule, step=rule.step * FINER)
         return Path(case.scene, rule, self.bounds.until(taken, case.until.event), start=self.start,
                     mixed_points=case.mixed_points, events=case.events)
 
@@ -138,12 +143,26 @@ class Task:
         points += arrival.pop("before") if arrival else []
         return {
             "status": status, "message": message, "arrival": arrival, "searched": self.path.searched,
-            "states": [self._row(state) for state in states],
+            "states": self._rows([state for state in states if state.stage == states[-1].stage]),
             "points": [self._point(number, p) for number, p in enumerate(points, 1)],
         }
 
+    def _rows(self, states: Sequence[State]) -> list[dict[str, Any]]:
+        """What is drawn of states; rates are by the length of the path.
+
+        Loads are multiples of the load factor, or reactions, whose rates are interpolated.
+        """
+        rows, factors, loads = list(map(self._row, states)), *np.array([(s.factor, s.load) for s in states]).T
+        scale = loads @ factors / (factors @ factors or 1.0)
+        if np.allclose(loads, scale * factors, rtol=1e-9, atol=0.0) or len(states) < 3:
+            rates = [scale * state.load_rate for state in states]
+        else:
+            places = np.cumsum([0.0, *(row["chord"] for row in rows[1:])])
+            rates = PchipInterpolator(places, loads).derivative()(places)
+        return [row | {"rates": row["rates"] | {"load": float(rate)}} for row, rate in zip(rows, rates, strict=True)]
+
     def _row(self, state: State) -> dict[str, Any]:
-        """What is drawn of a state, with its rates by the length of the path; that of its last step is the chord's."""
+        """A state in numbers; `chord` is the length of its last step."""
         tracer, size = self.path.tracer, norm(state.fields, self.case)
         rate = tracer.system.create_vector(state.tangent[1])
         fields = self.path.discretisation.unknowns.fields
@@ -153,8 +172,7 @@ class Task:
         nodes = len(places) / self.case.scene.meshes[0].dimension
         return {"step": state.step, "load": state.load, "deflection": state.deflection, "norm": size,
                 "unstable": state.unstable_modes, "length": state.length, "chord": tracer.distance(*state.direction),
-                "rates": {"load": state.load_rate * (state.load / state.factor if state.factor else 0.0),
-                          "deflection": tracer.monitored(rate),
+                "rates": {"deflection": tracer.monitored(rate),
                           "norm": float(places @ moves) / (nodes * size) if size else 0.0}}
 
     def _arrival(self, state: State) -> dict[str, Any] | None:

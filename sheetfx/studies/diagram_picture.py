@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
 
 from ..continuation.state import CriticalPoint
 from ..show.curves import draw_points, draw_stretches
@@ -65,7 +64,7 @@ def describe(branch: Traced) -> str:
 def _points(branch: Traced, quantity: str) -> list[CriticalPoint]:
     """Its critical points, with another quantity for the deflection."""
     return [CriticalPoint(deflection=p[quantity], **{f: p[f] for f in FIELDS})
-            for p in branch.points if p[quantity] is not None]
+            for p in branch.points if p[quantity] is not None and p["last_stage"]]
 
 
 def _draw_branch(axes, branch: Traced, quantity: str) -> np.ndarray:
@@ -85,12 +84,10 @@ def _knots(branch: Traced, quantity: str) -> tuple[np.ndarray, np.ndarray]:
     if branch.origin:
         knots.insert(0, (branch.origin[quantity], branch.origin["load"]))
         unstable.append(bool(states[0]["unstable"]))
-    for before, after in pairwise(states):
+    curve = branch.cubic((quantity, "load")) if len(states) > 1 else None
+    for start, before, after in zip(curve.x if curve else (), states[:-1], states[1:], strict=False):
         inside = [p for p in points if p.step == after["step"]]
-        ends = [0.0, *(p.length / after["length"] for p in inside), 1.0]
-        values, rates = ([(found[quantity], found["load"]) for found in ends] for ends in (
-            (before, after), (before["rates"], after["rates"])))
-        curve = CubicHermiteSpline((0, 1), values, after["chord"] * np.array(rates))
+        ends = [start + after["chord"] * part for part in [0.0, *(p.length / after["length"] for p in inside), 1.0]]
         for n, (left, right) in enumerate(pairwise(ends)):
             fine = curve(np.linspace(left, right, PIECES + 1)[1:])
             if n < len(inside):
