@@ -10,6 +10,7 @@ from collections import Counter
 import numpy as np
 import pytest
 from scipy.special import ellipe, ellipk
+from test_first_piece import RigidMast
 from test_multiple_bifurcations import displacements
 from truss import Truss
 
@@ -49,6 +50,7 @@ def out_of_balance(row, rise=3.0):
     return ((lengths / whole - 1) / lengths) @ arms + (0, load), lengths.min()
 
 
+@pytest.mark.slow
 def test_two_bars(here, tmp_path):
     """Both kinds of sideways branches: one joins two bifurcations, on the other a bar shrinks to a point.
 
@@ -74,6 +76,37 @@ def test_two_bars(here, tmp_path):
     figure = draw_diagram(found["0"], ("deflection", "load"))
     lines = [line for line in figure.axes[0].lines if line.get_linestyle() in ("-", "--") and line.get_zorder() == 2]
     assert len({line.get_linestyle() for line in lines}) == 2
+
+
+def test_a_closed_path_ends_where_it_began(here, tmp_path):
+    """With the loads bounded the primary path knows one bifurcation; its branch comes back by the inverted truss."""
+    found, _, rows = drawn(tmp_path, "von-mises-truss", Bounds(load=0.5))
+    assert list(found) == ["0", "1a"]
+    result = found["1a"].result
+    assert result["arrival"]["point"] == "0:1"
+    assert result["arrival"]["load"] == pytest.approx(0.24776384332, rel=1e-6)
+    assert {p["kind"] for p in result["points"]} == {"limit", "bifurcation"}
+    assert [p["load"] for p in result["points"]] == pytest.approx([-0.24776384332] * 2, rel=1e-6)
+    for row in rows:
+        assert out_of_balance(row)[0] == pytest.approx([0, 0], abs=1e-7)
+
+
+def test_branches_of_branches(here, tmp_path):
+    """A mast with nearly equal stays sways along the weaker ones, then askew, from where its geometry says so.
+
+    Two levels lead to all its equilibria; 3e-4: places of critical points between the states of a branch.
+    """
+    script = tmp_path / "mast.py"
+    script.write_text("from test_first_piece import stayed_mast\n"
+                      "def case():\n    return stayed_mast(1.05, 2.0).case\n")
+    found, tree, _ = drawn(tmp_path / "out", str(script), Bounds(load=4.6), levels=2)
+    assert list(found) == ["0", "1a", "1a.1a", "2a"]
+    assert {found[name].half["equivalent"] for name in ("1a", "2a", "1a.1a")} == {2}
+    askew = found["1a.1a"]
+    assert abs(askew.origin["deflection"]) == pytest.approx(RigidMast(1.05, 2.0).secondary(), rel=3e-4)
+    assert [askew.result["states"][i]["unstable"] for i in (0, -1)] == [1, 0]
+    (point,) = (p for p in tree["path"]["points"][0]["branches"][0]["points"] if p["kind"] == "bifurcation")
+    assert [branch["name"] for branch in point["branches"]] == ["1a.1a"]
 
 
 def test_bounds_hold_for_all_paths(here, tmp_path):
@@ -134,6 +167,7 @@ def test_a_branch_that_fails_is_listed(here, monkeypatch, tmp_path):
         trace_diagram(Plan("von-mises-truss", {}, Bounds(deflection=2.0), 1), tmp_path, resume=True)
 
 
+@pytest.mark.slow
 def test_command(tmp_path):
     """Each path in a process of its own, with progress; the folder holds what the README says."""
     command = [sys.executable, "-m", "sheetfx", "diagram", "von-mises-truss", "--rise", "3", "--max-deflection", "1",

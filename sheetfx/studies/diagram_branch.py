@@ -117,8 +117,8 @@ class Task:
         if self.start and not isinstance(rule, ArcLength):
             rule = ArcLength()
         if isinstance(rule, ArcLength):
-            rule = replace(rule, largest=max(rule.largest * FINER, 1.0)) if rule.step is None else replace(
-                rule, step=rule.step * FINER)
+            finer = {"largest": max(rule.largest * FINER, 1.0)} if rule.step is None else {"step": rule.step * FINER}
+            rule = replace(rule, **finer)
         return Path(case.scene, rule, self.bounds.until(taken, case.until.event), start=self.start,
                     mixed_points=case.mixed_points, events=case.events)
 
@@ -187,7 +187,10 @@ class Task:
                     and abs(known["load"] - point.load) <= SAME_LOAD * abs(known["load"])]
             if not near:
                 continue
-            there = self._state_at(point, [*self.record.states, state])
+            try:
+                there = self._state_at(point, [*self.record.states, state])
+            except ArithmeticError:
+                continue
             known = min(near, key=lambda known: self._off(there, known))
             if self._off(there, known) <= 1:
                 before = [p for p in state.critical if p.length < point.length - TOGETHER * state.length]
@@ -207,9 +210,13 @@ class Task:
         by_step = {state.step: state for state in states}
         present = self.path.tracer.state
         try:
-            return state_at(self.path, by_step[point.step - 1], by_step[point.step], point)
+            state = state_at(self.path, by_step[point.step - 1], by_step[point.step], point)
         finally:
             self.path.tracer.back_to(present)
+        if abs(state.load - point.load) > SAME_LOAD * max(abs(point.load), abs(by_step[point.step].load)):
+            raise ArithmeticError(f"the {point.kind} at load {point.load:.6g} in step {point.step} is not found again: "
+                                  f"the load there is {state.load:.6g}")
+        return state
 
     def _point(self, number: int, point: CriticalPoint) -> dict[str, Any]:
         """A critical point in words and numbers, with the half-branches of a bifurcation."""
@@ -236,7 +243,7 @@ class Task:
         return next(state.stage for state in self.record.states if state.step == point.step)
 
     def _listed(self, number: int, halves: Sequence[Branch], bifurcation: State) -> list[dict[str, Any]]:
-        """One of each class of equivalent half-branches, its start written to a file."""
+        """One of each class of equivalent half-branches, that with the highest load first; its start goes to a file."""
         classes: list[list[Branch]] = []
         for half in halves:
             for members in classes:
@@ -245,6 +252,7 @@ class Task:
                     break
             else:
                 classes.append([half])
+        classes.sort(key=lambda members: members[0].start.load, reverse=True)
         return [self._written(f"{number}{_letters(n)}", members) for n, members in enumerate(classes)]
 
     def _equivalent(self, one: State, other: State, bifurcation: State) -> bool:

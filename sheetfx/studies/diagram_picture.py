@@ -58,6 +58,7 @@ def describe(branch: Traced) -> str:
         line += " (one of a family)"
     line += f": {len(branch.result['states'])} states, {len(branch.points)} critical points"
     line += "; " + (branch.result["message"] if not arrival else f"ends at point {arrival['point']}")
+    line += "".join(f"; point {point['number']}: {point['failure']}" for point in branch.points if point["failure"])
     return line + (f"; doubt: {branch.half['doubt']}" if branch.half and branch.half["doubt"] else "")
 
 
