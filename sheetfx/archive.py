@@ -46,10 +46,15 @@ class Archive:
 
     Each process keeps its own part of a state, so a run resumes on as many processes as it
     started with. Tables are written by process 0.
+
+    Parameters
+    ----------
+    patterns : of names that the program writes beside those of a run, so that a new run deletes them
     """
 
-    def __init__(self, folder: Path, comm):
+    def __init__(self, folder: Path, comm, patterns: Iterable[str] = ()):
         self.folder, self.comm = Path(folder), comm
+        self._patterns = {*PATTERNS, *patterns}
         self._states = self.folder / "states"
 
     @contextmanager
@@ -127,7 +132,7 @@ class Archive:
 
     def resume(self) -> list[State]:
         """States to go on from; the table is cut back to them."""
-        self._on_process_0(lambda: self._list({*PATTERNS, *self._listed()}))
+        self._on_process_0(lambda: self._list({*self._patterns, *self._listed()}))
         states = self.states()
         for state in states:
             self._tabulate(state)
@@ -188,7 +193,7 @@ class Archive:
                 with suppress(OSError):  # not empty, as the folder of the manifest always is
                     os.removedirs((self.folder / name).parent)
         self._states.mkdir(parents=True, exist_ok=True)
-        self._list(PATTERNS)
+        self._list(self._patterns)
         self.write_json("parameters.json", parameters)
 
     def _make_empty(self, unfinished: Path) -> None:

@@ -10,10 +10,12 @@ from typing import Annotated
 import typer
 
 from .scenes import load_case, scene_names
+from .studies.diagram_command import diagram_app
 from .studies.run import PLAIN, run_app
 
 app = typer.Typer(help="Stability of thin sheet-and-bar structures.", no_args_is_help=True, **PLAIN)
 app.add_typer(run_app, name="run")
+app.add_typer(diagram_app, name="diagram")
 
 
 @app.command()

@@ -49,10 +49,15 @@ class DirectSolver:
         pc.setReusePreconditioner(False)
         pc.setUp()
         pc.setReusePreconditioner(True)  # until `factorise` is called again, whatever is assembled meanwhile
-        if pc.getFailedReason() != PETSc.PC.FailedReason.NOERROR:
+        if pc.getFailedReason() != PETSc.PC.FailedReason.NOERROR or self._null_pivots():
             pc.reset()
             self._set_up()
             raise SingularTangent("the tangent is singular")
+
+    def _null_pivots(self) -> int:
+        """Number of pivots that are zero to the last digit, which MUMPS replaces: the mode there would be lost."""
+        pc = self.ksp.getPC()
+        return pc.getFactorMatrix().getMumpsInfog(28) if pc.getFactorSolverType() == PETSc.Mat.SolverType.MUMPS else 0
 
     def solve(self, right: PETSc.Vec, solution: PETSc.Vec) -> None:
         self.ksp.getPC().apply(right, solution)

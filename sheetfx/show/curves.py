@@ -37,11 +37,11 @@ def draw_path(record: Record, jumps: Sequence[tuple[State, State]] = ()):
     knots, unstable = path_knots(states)
     if not knots[:, 0].any():
         axes.set_xlim(-1.0, 1.0)
-    curve = _draw_stretches(axes, knots, unstable, named=record.states[-1].unstable_modes is not None)
+    curve = draw_stretches(axes, knots, unstable, named=record.states[-1].unstable_modes is not None)
     axes.plot([s.deflection for s in states], [s.load for s in states], ".", color="#333333",
               markersize=3.5, zorder=3, label="converged states")
     points = [point for state in states for point in state.critical]
-    _draw_points(axes, points)
+    draw_points(axes, points)
     axes.legend(frameon=True, framealpha=0.9, edgecolor="none", fontsize=9)
     unit = unit_of(record.case.axes[1])
     texts = [(p.deflection, p.load, f"{p.name if p.kind == 'event' else p.kind} {with_unit(p.load, unit)}")
@@ -64,9 +64,9 @@ def draw_branches(record: Record, branches: Sequence[tuple[CriticalPoint, Sequen
         knots, unstable = path_knots(states)
         knots = np.concatenate([[(point.deflection, point.load)], knots])
         unstable = np.concatenate([[bool(states[0].unstable_modes)], unstable])
-        _draw_stretches(axes, knots, unstable, named=named, width=0.9)
-    _draw_stretches(axes, *path_knots(record.states), named=named, width=2.4)
-    _draw_points(axes, record.critical_points)
+        draw_stretches(axes, knots, unstable, named=named, width=0.9)
+    draw_stretches(axes, *path_knots(record.states), named=named, width=2.4)
+    draw_points(axes, record.critical_points)
     handles = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
     axes.legend(handles.values(), handles.keys(), frameon=True, framealpha=0.9, edgecolor="none", fontsize=9)
     return figure
@@ -89,7 +89,7 @@ def _frame(record: Record):
     return figure, axes
 
 
-def _draw_stretches(axes, knots: np.ndarray, unstable: np.ndarray, named: bool, width: float = 1.6) -> np.ndarray:
+def draw_stretches(axes, knots: np.ndarray, unstable: np.ndarray, named: bool, width: float = 1.6) -> np.ndarray:
     """Draw a smooth curve through knots by its stability, and return its points."""
     curve, segment = smooth(knots)
     flags = unstable[segment]
@@ -101,7 +101,7 @@ def _draw_stretches(axes, knots: np.ndarray, unstable: np.ndarray, named: bool, 
     return curve
 
 
-def _draw_points(axes, points: list[CriticalPoint]) -> None:
+def draw_points(axes, points: list[CriticalPoint]) -> None:
     for kind, (marker, label) in MARKERS.items():
         chosen = [p for p in points if p.kind == kind]
         if chosen:

@@ -17,12 +17,14 @@ from ..checks import require_positive_number
 from ..continuation.state import CriticalPoint, State
 from ..continuation.tracer import tracer_of
 from .critical import state_at
+from .first_piece import FirstPiece
 from .modes import largest_displacement
 from .reduction import NoSolution, Reduction
 
 ANGLES = 48  # on the circle of directions of a double bifurcation
 SAMPLES, STARTS = 100, 200  # on the sphere of a higher one, for each null vector
 SMALLEST = 1e-4  # amplitude over the first one tried
+CERTAIN = 1e-3  # amplitude over the first one tried, down to which starts on first pieces are looked for
 NO_FORCE = 1e-10  # forces along null vectors over the load
 TOUCHING = 1e-8  # forces at a double zero over the largest ones
 SAME = 1e-3  # distance of unit vectors
@@ -47,6 +49,8 @@ class Branch:
     amplitude : largest displacement of the mode's share in the start
     family : whether it stands for a continuum of branches, in all directions; a path along it may drift from one to
         another unless a support singles one out
+    doubt : why the start is not known to lie on the branch's first piece, before secondary critical points; "" where
+        it is
     """
 
     start: State
@@ -54,13 +58,15 @@ class Branch:
     mode: np.ndarray
     amplitude: float
     family: bool = False
+    doubt: str = ""
 
 
 def branches(path, states: Sequence[State], point: CriticalPoint, amplitude: float = 0.05) -> list[Branch]:
     """A start on every half-branch of a bifurcation but those of the path itself.
 
     A simple bifurcation has two. Those of a double one are complete as far as samples each 8 degrees show
-    them; those of higher ones are sought from many directions, and some may be missed.
+    them; those of higher ones are sought from many directions, and some may be missed. Starts lie on the first pieces
+    of the branches, before their own critical points; where that cannot be made sure of, `Branch.doubt` says why.
 
     Parameters
     ----------
@@ -68,7 +74,8 @@ def branches(path, states: Sequence[State], point: CriticalPoint, amplitude: flo
     states : of the path, among them those before and after the bifurcation
     point : the bifurcation, one of `critical` of these states
     amplitude : of the modes at the starts, in the scaled inner product (of the size of rotations in radians); it is
-        halved until Newton's method converges quickly, to loads within 2 %, in all directions
+        halved until Newton's method converges quickly, to loads within 2 %, in all directions, and all starts lie on
+        the first pieces of their branches (see `first_piece`)
 
     Raises
     ------
@@ -83,7 +90,7 @@ def branches(path, states: Sequence[State], point: CriticalPoint, amplitude: flo
     try:
         state_at(tracer, before, after, point)
         reduction = Reduction(tracer, point.multiplicity, after)
-        return _found(reduction, amplitude)
+        return _found(reduction, FirstPiece(reduction, point, (before, after)), amplitude)
     finally:
         tracer.back_to(present)
 
@@ -104,26 +111,36 @@ def _step_of(states: Sequence[State], point: CriticalPoint, size: int) -> tuple[
     return found
 
 
-def _found(reduction: Reduction, amplitude: float) -> list[Branch]:
-    """Branches at the largest amplitude for which the search converges."""
+def _found(reduction: Reduction, piece: FirstPiece, amplitude: float) -> list[Branch]:
+    """Branches at the largest amplitude for which the search converges, and starts are on first pieces.
+
+    Where they are not for any amplitude, the branches with the fewest doubts.
+    """
     search = {1: _both_ways, 2: _around_circle}.get(len(reduction.modes), _over_sphere)
-    smallest = SMALLEST * amplitude
-    while amplitude > smallest:
+    smallest, certain = SMALLEST * amplitude, CERTAIN * amplitude
+    doubtful: list[list[Branch]] = []
+    while amplitude > (certain if doubtful else smallest):
         try:
             directions, family = search(reduction, amplitude)
-            return [_branch(reduction, c, amplitude, family) for c in directions]
+            found = [_branch(reduction, piece, c, amplitude, family) for c in directions]
+            if not any(branch.doubt for branch in found):
+                return found
+            doubtful.append(found)
         except NoSolution:
-            amplitude /= 2
+            pass
+        amplitude /= 2
+    if doubtful:
+        return min(doubtful, key=lambda found: sum(bool(branch.doubt) for branch in found))
     raise NoBranch(f"no solution beside the path converges at the bifurcation at load "
                    f"{reduction.bifurcation.load:.6g}, down to amplitude {amplitude:.2g}; check with smaller steps "
                    "that it is one")
 
 
-def _branch(reduction: Reduction, direction: np.ndarray, amplitude: float, family: bool) -> Branch:
+def _branch(reduction: Reduction, piece: FirstPiece, direction: np.ndarray, amplitude: float, family: bool) -> Branch:
     mode = reduction.combined(reduction.modes, direction)
     size = largest_displacement(reduction.tracer.discretisation, mode)
-    start = reduction.state(reduction.solve(direction, amplitude))
-    return Branch(start, direction, mode.array / size, amplitude * size, family)
+    start, doubt = piece.state(direction, amplitude), piece.doubt(direction, amplitude, family)
+    return Branch(start, direction, mode.array / size, amplitude * size, family, doubt)
 
 
 def _both_ways(reduction: Reduction, amplitude: float) -> tuple[list[np.ndarray], bool]:

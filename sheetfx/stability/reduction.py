@@ -56,6 +56,7 @@ class Reduction:
     modes : null vectors, orthonormal in the scaled inner product
     weighted : null vectors times the weights of the inner product
     measures : dual vectors, whose products with increments are the amplitudes of the null vectors
+    negative : number of the null vectors' eigenvalues that are below zero by rounding
     size : load factor that changes of it are compared with
     springs : numbers of unknowns, one for each null vector, that springs hold while the tangent is factored
 
@@ -76,6 +77,7 @@ class Reduction:
             raise ArithmeticError(f"branches: only {len(pairs)} of the {multiplicity + 1} modes nearest to zero at "
                                   f"load {self.bifurcation.load:.6g} converge; try "
                                   f"PETSC_OPTIONS='-{PREFIX}eps_tol 1e-8'")
+        self.negative = sum(value < 0 for value, _ in pairs[:multiplicity])
         self._least_stiffness = abs(pairs[-1][0])
         self.weighted = [self.system.weights * mode for mode in self.modes]
         self.measures = self._measures(after.increment)
@@ -122,17 +124,22 @@ class Reduction:
         own = vector.array[number - first] if first <= number < last else 0.0
         return self.system.comm.allreduce(float(own))
 
-    def solve(self, direction: np.ndarray, amplitude: float) -> Solution:
+    def solve(self, direction: np.ndarray, amplitude: float, free: bool = False) -> Solution:
         """Solution in one direction, by Newton's method from the null vector.
+
+        Parameters
+        ----------
+        free : whether the direction may turn, without forces, until there is equilibrium; the amplitude is then that
+            along the direction
 
         Raises
         ------
         NoSolution
         """
         with self.system.additive_increments():
-            return self._iterated(direction, amplitude)
+            return self._iterated(direction, amplitude, free)
 
-    def _iterated(self, direction: np.ndarray, amplitude: float) -> Solution:
+    def _iterated(self, direction: np.ndarray, amplitude: float, free: bool) -> Solution:
         system, x = self.system, self.tracer.x
         load_increment, forces = 0.0, np.zeros(len(direction))
         x.zeroEntries()
@@ -140,6 +147,10 @@ class Reduction:
         step = self.combined(self.modes, amplitude * direction)
         taken, allowed = np.inf, 4 * amplitude
         tangential = np.linalg.svd(direction[None, :])[2][1:]
+        measures, amplitudes = self.measures, amplitude * direction
+        if free:
+            tangential, measures = tangential[:0], [self.combined(self.measures, direction)]
+            amplitudes = np.array([amplitude])
         for iteration in range(ITERATIONS):
             system.extrapolate_stress(step)
             system.retract(x, step)
@@ -151,9 +162,9 @@ class Reduction:
                 if abs(load_increment) > NEAR * self.size:
                     break
                 return Solution(x.array.copy(), load_increment, forces, iteration)
-            missing = amplitude * direction - [measure.dot(x) for measure in self.measures]
+            missing = amplitudes - [measure.dot(x) for measure in measures]
             try:
-                step, change, more = self._correction(tangential, missing)
+                step, change, more = self._correction(tangential, measures, missing)
             except (SingularTangent, np.linalg.LinAlgError):
                 break
             load_increment, forces = load_increment + change, forces + more
@@ -169,7 +180,8 @@ class Reduction:
         total.maxpy(list(factors), list(vectors))
         return total
 
-    def _correction(self, tangential: np.ndarray, missing: np.ndarray) -> tuple[PETSc.Vec, float, np.ndarray]:
+    def _correction(self, tangential: np.ndarray, measures: Sequence[PETSc.Vec],
+                    missing: np.ndarray) -> tuple[PETSc.Vec, float, np.ndarray]:
         """Newton's step of unknowns, load factor and forces.
 
         The tangent may be singular. Springs at as many unknowns as there are null vectors are added before it is
@@ -179,11 +191,11 @@ class Reduction:
         pushes = [self._load, *(self.combined(self.weighted, row) for row in tangential)]
         columns = [self._solved(push) for push in pushes]
         columns += [self._solved(self._unit(number, k)) for number, k in zip(self.springs, stiffness, strict=True)]
-        rows = self.measures + [self._unit(number, 1.0) for number in self.springs]
+        rows = [*measures, *(self._unit(number, 1.0) for number in self.springs)]
         part = self._solved(self._residual)
         matrix = np.array([[row.dot(column) for column in columns] for row in rows])
-        matrix[count:, count:] -= np.eye(count)
-        right = np.concatenate((missing, np.zeros(count))) + [row.dot(part) for row in rows]
+        matrix[count:, count:] -= np.eye(len(self.springs))
+        right = np.concatenate((missing, np.zeros(len(self.springs)))) + [row.dot(part) for row in rows]
         solution = np.linalg.solve(matrix, right)
         step = self.combined([part, *columns], [-1.0, *solution])
         return step, float(solution[0]), solution[1:count] @ tangential

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -14,8 +15,32 @@ from ..scenes import load_case, scene_names
 PLAIN = {"add_completion": False, "pretty_exceptions_enable": False}
 
 
+def option(name: str, annotation, default, help_text: str, *flags: str, **settings) -> inspect.Parameter:
+    """A parameter of a command that is an option."""
+    return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[
+        annotation, typer.Option(*flags, help=help_text, **settings)])
+
+
+OUTPUT = option("output", str | None, None, "Folder of the results; default results/NAME.", "-o", "--output",
+                metavar="PATH")
+RESUME = option("resume", bool, False, "Go on with an interrupted run in that folder.", "--resume")
+
+
 class Scenes(TyperGroup):
-    """Sub-commands of `run`, made from the signature of each scene's function."""
+    """Sub-commands of `run`, made from the signature of each scene's function.
+
+    Attributes
+    ----------
+    runner : function (name, function of the scene) -> function that becomes the command
+    """
+
+    @staticmethod
+    def runner(name: str, function):
+        """A command with the options of a scene's function and those of every run."""
+        def command(output: str | None, resume: bool, **parameters):
+            run_scene(name, function, parameters, output, resume)
+
+        return with_options(command, function, [OUTPUT, RESUME])
 
     def list_commands(self, context):
         return scene_names()
@@ -26,7 +51,8 @@ class Scenes(TyperGroup):
         except ValueError as error:
             context.fail(str(error))
         single = typer.Typer(**PLAIN)
-        single.command(name=Path(name).stem, help=inspect.getdoc(function))(_runner(name, function))
+        single.command(name=Path(name).stem, help=inspect.getdoc(function))(
+            self.runner(name, function))
         return typer.main.get_command(single)
 
     def format_commands(self, context, formatter):
@@ -46,22 +72,19 @@ def run_group(listing: Annotated[bool, typer.Option("--list", help="Print the na
         raise typer.Exit
 
 
-def _runner(name: str, function):
-    """A command with the options of a scene's function and those of every run."""
-    def command(output: str | None, resume: bool, **parameters):
-        run_scene(name, function, parameters, output, resume)
-
-    own = [
-        inspect.Parameter("output", inspect.Parameter.KEYWORD_ONLY, default=None, annotation=Annotated[
-            str | None, typer.Option("-o", "--output", metavar="PATH",
-                                     help="Folder of the results; default results/NAME.")]),
-        inspect.Parameter("resume", inspect.Parameter.KEYWORD_ONLY, default=False, annotation=Annotated[
-            bool, typer.Option("--resume", help="Go on with an interrupted run in that folder.")]),
-    ]
-    signature = inspect.signature(function, eval_str=True)
-    scene_parameters = [p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in signature.parameters.values()]
-    command.__signature__ = inspect.Signature(scene_parameters + own)
+def with_options(command, function, own: Sequence[inspect.Parameter]):
+    """A command that takes the parameters of a scene's function as options, and some of its own."""
+    parameters = inspect.signature(function, eval_str=True).parameters.values()
+    command.__signature__ = inspect.Signature([
+        *(p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in parameters), *own])
     return command
+
+
+def folder_of(name: str, output: str | None, ending: str = "") -> Path:
+    """Folder of a command's results."""
+    if output == "":
+        raise ValueError("-o: the name '' is empty; give the name of a folder, or leave -o out")
+    return Path("results") / f"{Path(name).stem}{ending}" if output is None else Path(output)
 
 
 def run_scene(name: str, function, parameters: dict, output: str | None, resume: bool) -> None:
@@ -69,9 +92,7 @@ def run_scene(name: str, function, parameters: dict, output: str | None, resume:
     from ..case import run
     from ..show.progress import Progress
 
-    if output == "":
-        raise ValueError("-o: the name '' is empty; give the name of a folder, or leave -o out")
-    folder = Path("results") / Path(name).stem if output is None else Path(output)
+    folder = folder_of(name, output)
     with Progress(Path(name).stem, folder) as progress:
         case = function(**parameters)
         progress.begin(case)

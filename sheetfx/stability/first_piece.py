@@ -1,0 +1,136 @@
+"""Whether a state on a branch lies on its first piece, before other critical points of the branch.
+
+States between the bifurcation and the start must have one number of unstable modes and a load that runs one way, both
+as the type of the bifurcation asks, and lie on one smooth curve. A branch of a simple bifurcation has the stability
+that the path has on the other side of the critical load (exchange of stability: Crandall and Rabinowitz 1973), so that
+halves of a stable symmetric one are stable, whatever the load does (Koiter 1945).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..continuation.segment import Segment
+from ..continuation.state import CriticalPoint, State
+from .reduction import NoSolution, Reduction
+
+RUNGS = (1 / 4, 1.0)  # amplitudes over that of the start, where the branch is looked at
+SHORTEST = 1 / 64  # of the amplitude, piece that must be explained
+NOISE = 1e-9  # change of load over the load, that says nothing about its direction
+
+
+class FirstPiece:
+    """States on the branches of a bifurcation, and what the first pieces of these should be like.
+
+    Parameters
+    ----------
+    reduction : about the bifurcation
+    point : the bifurcation
+    neighbours : states on the path, before and behind
+    """
+
+    def __init__(self, reduction: Reduction, point: CriticalPoint, neighbours: Sequence[State]):
+        self._reduction, self._point, self._neighbours = reduction, point, neighbours
+        self._bifurcation = reduction.bifurcation
+        self._states: dict[tuple[bytes, float], State] = {}
+        counted = self._bifurcation.unstable_modes
+        self._others = None if counted is None else counted - reduction.negative
+
+    def state(self, direction: np.ndarray, amplitude: float, free: bool = False) -> State:
+        """The state of a branch at an amplitude in a direction.
+
+        Parameters
+        ----------
+        free : whether the direction is that of another amplitude of the branch, which may turn
+
+        Raises
+        ------
+        NoSolution
+        """
+        key = direction.tobytes(), amplitude
+        if key not in self._states:
+            self._states[key] = self._reduction.state(self._reduction.solve(direction, amplitude, free))
+        return self._states[key]
+
+    def doubt(self, direction: np.ndarray, amplitude: float, family: bool) -> str:
+        """Why a start is not known to lie on the first piece; "" where it does."""
+        free = not family and len(direction) > 1
+        start = self.state(direction, amplitude)
+        try:
+            rungs = {part: self.state(direction, part * amplitude, free) for part in RUNGS[:-1]} | {1.0: start}
+        except NoSolution:
+            return "the branch cannot be followed from the start back to the bifurcation"
+        return (self._disagreement(list(rungs.values())) or self._mistaken(start)
+                or self._unexplained(direction, amplitude, free, rungs))
+
+    def _disagreement(self, states: Sequence[State]) -> str:
+        """What changes between states of a branch."""
+        counts, start = [_stability(state) for state in states], states[-1]
+        if len(set(counts)) > 1:
+            return (f"the number of unstable modes changes on the way to the start ({', '.join(map(str, counts))}): "
+                    "a critical point of the branch lies before it")
+        if any(self._rise(state) * state.load_rate < 0 or self._rise(state) * self._rise(start) < 0
+               for state in states):
+            return "the load turns on the way to the start: a limit point of the branch lies before it"
+        return ""
+
+    def _mistaken(self, start: State) -> str:
+        """What a start has that a branch of this type of bifurcation has not."""
+        point, found = self._point, start.unstable_modes
+        if found is None:
+            return ""
+        expected = self._expected(start)
+        if found not in expected:
+            numbers = " or ".join(map(str, expected))
+            return (f"the start has {found} unstable modes, where the branches of this "
+                    f"{point.title.replace(' point', '')} have {numbers}")
+        if point.slope == 0 and point.curvature and self._rise(start) * self._bifurcation.factor * point.curvature < 0:
+            falls = "falls" if point.curvature > 0 else "rises"
+            return f"the load {falls} along the branch, against Koiter's b of {point.curvature:.3g}"
+        return ""
+
+    def _expected(self, start: State) -> list[int]:
+        """Numbers of unstable modes that branches may have."""
+        if self._point.name.endswith("symmetric") and self._point.slope == 0:
+            return [self._others + (self._point.name == "unstable symmetric")]
+        sides = {np.sign(self._rise(s)): s.unstable_modes for s in self._neighbours}
+        possible = list(range(self._others, self._others + len(self._reduction.modes) + 1))
+        if len(possible) == 2 and sorted(sides.values()) == possible and self._rise(start):
+            return [sides[-np.sign(self._rise(start))]]
+        return possible
+
+    def _rise(self, state: State) -> float:
+        """Change of the load factor since the bifurcation; zero where it is rounding."""
+        change = state.factor - self._bifurcation.factor
+        return change if abs(change) > NOISE * self._reduction.size else 0.0
+
+    def _unexplained(self, direction: np.ndarray, amplitude: float, free: bool, rungs: dict[float, State]) -> str:
+        """Why the pieces between states are not known to be smooth; their middles are looked at where need be."""
+        if not self._reduction.system.smooth or not any(map(self._rise, rungs.values())):
+            return ""
+        segment = Segment(self._reduction.tracer, self._bifurcation, replace(rungs[1.0], length=1.0))
+        segment.states = dict(rungs)
+        pieces = segment.pairs()
+        while pieces:
+            left, right = pieces.pop()
+            if segment.explained(left, right):
+                continue
+            if right - left < SHORTEST:
+                return "the tangents of the branch do not explain its load on the way to the start"
+            middle = (left + right) / 2
+            try:
+                segment.states[middle] = self.state(direction, middle * amplitude, free)
+            except NoSolution:
+                return "the branch cannot be followed from the start back to the bifurcation"
+            if doubt := self._disagreement([segment.states[s] for s in sorted(segment.states)]):
+                return doubt
+            pieces += [(left, middle), (middle, right)]
+        return ""
+
+
+def _stability(state: State) -> int | None:
+    """What counts unstable modes, or the sign that a simple bifurcation changes where they cannot be counted."""
+    return state.determinant_sign if state.unstable_modes is None else state.unstable_modes
