@@ -1,20 +1,16 @@
-"""Structures on which classical methods of path following fail, with every critical point of their paths.
-
-A method is right on a trap if it finds all points of the list, in this order, and no others.
-"""
+"""Structures on which classical methods fail, from the scenes of sheetfx."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
-from ..case import Case
-from ..model.loads import PrescribedDisplacement
-from ..model.supports import Support
-from ..scenes import (
+from ...case import Case
+from ...model.loads import PrescribedDisplacement
+from ...model.supports import Support
+from ...scenes import (
     arch,
     column,
     cylinder_panel,
@@ -27,67 +23,7 @@ from ..scenes import (
     star_dome,
     von_mises_truss,
 )
-
-
-@dataclass(frozen=True)
-class Expected:
-    """A critical point as it should be found.
-
-    Attributes
-    ----------
-    kind : "limit" or "bifurcation"
-    load : total load on the whole structure
-    tolerance : of the load, relative; it holds the error of the trap's coarse mesh
-    multiplicity : number of null vectors of the tangent
-    name : as in CriticalPoint; None: not compared
-    """
-
-    kind: str
-    load: float
-    tolerance: float = 1e-3
-    multiplicity: int = 1
-    name: str | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class Trap:
-    """A structure on which some classical method fails.
-
-    Attributes
-    ----------
-    name : as on the command line
-    fails : which method fails here, and why
-    case : function that makes the case
-    points : all critical points in the order of the path
-    source : where their loads come from
-    slow : whether the path takes more than a few seconds
-    """
-
-    name: str
-    fails: str
-    case: Callable[[], Case]
-    points: tuple[Expected, ...]
-    source: str
-    slow: bool = False
-
-
-STABLE, UNSTABLE = "stable symmetric", "unstable symmetric"
-
-
-def _limits(first: float, *others: float, tolerance: float = 1e-3) -> tuple[Expected, ...]:
-    """Limit points with the given loads, maxima and minima in turn."""
-    names = ("maximum", "minimum")
-    return tuple(Expected("limit", load, tolerance, name=names[n % 2]) for n, load in enumerate((first, *others)))
-
-
-def _bifurcation(load: float, name: str | None = None, tolerance: float = 1e-3) -> Expected:
-    return Expected("bifurcation", load, tolerance, 2 if name == "multiple" else 1, name)
-
-
-def _and_mirrored(*points: Expected) -> tuple[Expected, ...]:
-    """Points of a path that goes on through the mirror image of the structure, with the loads of opposite signs."""
-    names = {"maximum": "minimum", "minimum": "maximum"}
-    return points + tuple(replace(p, load=-p.load, name=names.get(p.name, p.name)) for p in reversed(points))
+from .trap import STABLE, UNSTABLE, Expected, Trap, and_mirrored, bifurcation, limits
 
 
 def _sinusoidal(alpha: float, *order: str, tolerance: float = 1e-3) -> tuple[Expected, ...]:
@@ -143,55 +79,55 @@ def _distorted_roof() -> Case:
     return case
 
 
-TRAPS = {trap.name: trap for trap in (
+CLASSICAL = (
     Trap("lee-frame",
          "Displacement control fails: the loaded point moves back while the load falls.",
-         partial(lee_frame.case, elements=10), _limits(18556.7, -9414.4, tolerance=2e-4),
+         partial(lee_frame.case, elements=10), limits(18556.7, -9414.4, tolerance=2e-4),
          "shear-rigid limits of the scene lee-frame, converged"),
     Trap("deep-arch-215",
          "Load control stops at the first limit, behind which the arch sways to its hinged side.",
-         partial(deep_arch.case, elements=30), _limits(11.21600, -0.91309, tolerance=5e-4),
+         partial(deep_arch.case, elements=30), limits(11.21600, -0.91309, tolerance=5e-4),
          "DaDeppo and Schmidt 1975: 8.9728 EI/R^2 = 11.2160; the minimum from 160 elements"),
     Trap("deep-arch-180",
          "The path winds with ever larger loads of alternating sign: arc lengths that count the load shrink, and "
          "displacement control fails at each turn.",
          partial(deep_arch.case, 180.0, True, elements=40),
-         _limits(12.6879, -33.686, 73.887, -123.578, 192.143, tolerance=5e-4),
+         limits(12.6879, -33.686, 73.887, -123.578, 192.143, tolerance=5e-4),
          "elastica: 10.150, -26.949, 59.11, -98.86 and 153.7 EI/R^2, where EI/R^2 is 1.25"),
     Trap("roof-12.7",
          "Load control jumps from the first limit to a distant state; a predictor whose sign follows the last load "
          "increment turns back behind it.",
-         partial(roof.case, cells=2), _limits(2220.93, 505.68, tolerance=1e-3),
+         partial(roof.case, cells=2), limits(2220.93, 505.68, tolerance=1e-3),
          "16 x 16 cells; Sze, Liu and Lo 2004: 2226 and 519 as tabulated"),
     Trap("roof-6.35",
          "Displacement control jumps where the crown moves back, load control at both limits.",
-         partial(roof.case, cells=2, thickness=6.35), _limits(583.83, -384.66, tolerance=3e-3),
+         partial(roof.case, cells=2, thickness=6.35), limits(583.83, -384.66, tolerance=3e-3),
          "16 x 16 cells; Sze, Liu and Lo 2004: 585.9 and -386.4 as tabulated"),
     Trap("punch-arch",
          "Contact is gained and lost within a step, so tangents waver and signs of pivots mean little.",
-         partial(arch.case, elements=40), _limits(205.60, 88.35, tolerance=2e-3),
+         partial(arch.case, elements=40), limits(205.60, 88.35, tolerance=2e-3),
          "160 elements: 205.60; 1.292 times the limit load of the arch under a point load"),
     Trap("punch-arch-friction",
          "With friction the tangent is not symmetric, its factor counts no negative pivots, and the state at the "
          "limit depends on the path that led to it.",
-         partial(arch.case, elements=40, friction=0.3), _limits(206.10, 88.86, tolerance=5e-3),
+         partial(arch.case, elements=40, friction=0.3), limits(206.10, 88.86, tolerance=5e-3),
          "80 elements"),
     Trap("punch-first-touch",
          "Contact begins with a gap of zero at one point, where a set of active points may alternate.",
-         partial(arch.case, elements=40, ratio=0.2), _limits(159.137, 66.705, tolerance=5e-4),
+         partial(arch.case, elements=40, ratio=0.2), limits(159.137, 66.705, tolerance=5e-4),
          "the same arch under a point load, since a sharp punch keeps touching the crown alone"),
     Trap("von-mises-truss",
          "Bifurcations before and behind the limits, some within one step of a limit: a method that watches the load "
          "or the sign of the determinant alone misses pairs of them.",
          von_mises_truss.case,
-         _and_mirrored(_bifurcation(0.24776384332, UNSTABLE, 1e-7), *_limits(0.78448392444, tolerance=1e-7),
-                       _bifurcation(0.75461835122, STABLE, 1e-7)),
+         and_mirrored(bifurcation(0.24776384332, UNSTABLE, 1e-7), *limits(0.78448392444, tolerance=1e-7),
+                       bifurcation(0.75461835122, STABLE, 1e-7)),
          "closed form: l^3 = L l^2 - L b^2 sideways and l^3 = b^2 L at limits, for half-span b and bars L"),
     Trap("load-reversed",
          "The apex is moved instead of loaded: the load is negative from the start, its extremes are no critical "
          "points, and the reaction's multiplier adds a negative pivot.",
          lambda: _under_motion(von_mises_truss.case(), "apex"),
-         _and_mirrored(_bifurcation(-0.24776384332, None, 1e-7), _bifurcation(-0.75461835122, None, 1e-7)),
+         and_mirrored(bifurcation(-0.24776384332, None, 1e-7), bifurcation(-0.75461835122, None, 1e-7)),
          "closed form, as for von-mises-truss"),
     Trap("sinusoidal-arch-before",
          "The arch sways sideways before its limit, by a mode that symmetric loads do not show.",
@@ -207,33 +143,33 @@ TRAPS = {trap.name: trap for trap in (
          "closed forms of the scene; Fung and Kaplan 1952"),
     Trap("column",
          "The path stays straight through every bifurcation: iterations and loads show nothing.",
-         column.case, tuple(_bifurcation(n * n, STABLE, 1.5e-3) for n in (1, 2, 3)), "Euler: n^2"),
+         column.case, tuple(bifurcation(n * n, STABLE, 1.5e-3) for n in (1, 2, 3)), "Euler: n^2"),
     Trap("roorda-frame",
          "Asymmetric bifurcation: the load falls on one side, so that the slightest error decides where a step goes.",
-         partial(roorda_frame.case, elements=80), (_bifurcation(2 * 1.40694, "asymmetric", 1e-3),),
+         partial(roorda_frame.case, elements=80), (bifurcation(2 * 1.40694, "asymmetric", 1e-3),),
          "Koiter 1967; u^2 / (u cot u - 1) = 3 gives u^2 / pi^2 = 1.40694, on the corner and on the strut"),
     Trap("star-dome",
          "Double bifurcations change the number of negative pivots by two, so that the determinant keeps its sign, and "
          "bifurcations and limits lie within 2 % of the load.",
          star_dome.case,
-         _and_mirrored(
-             *_limits(3.0847498020e-4, -2.8141909272e-4, tolerance=1e-7), _bifurcation(0.015556518, "multiple", 1e-7),
-             _bifurcation(0.0165747546, UNSTABLE, 1e-6), *_limits(0.0166969955077, tolerance=1e-7),
-             _bifurcation(0.016507004, "multiple", 1e-6), replace(_limits(0.0, -6.88384113e-3)[1], tolerance=1e-7)),
+         and_mirrored(
+             *limits(3.0847498020e-4, -2.8141909272e-4, tolerance=1e-7), bifurcation(0.015556518, "multiple", 1e-7),
+             bifurcation(0.0165747546, UNSTABLE, 1e-6), *limits(0.0166969955077, tolerance=1e-7),
+             bifurcation(0.016507004, "multiple", 1e-6), replace(limits(0.0, -6.88384113e-3)[1], tolerance=1e-7)),
          "an independent truss, tests/truss.py; geometry of Hangai and Kawamata 1973"),
     Trap("star-dome-all-nodes",
          "As star-dome, with bifurcations and the limit closer together: a cluster within 1 %.",
          partial(star_dome.case, 1.0),
-         _and_mirrored(
-             *_limits(7 * 4.5698172314e-4, -7 * 2.2567584241e-4, tolerance=1e-7),
-             _bifurcation(7 * 2.7269263e-3, "multiple", 1e-6), _bifurcation(7 * 2.9734492e-3, UNSTABLE, 1e-6),
-             *_limits(7 * 2.9903485158e-3, tolerance=1e-7), _bifurcation(7 * 2.978977972e-3, "multiple", 1e-6),
-             replace(_limits(0.0, -7 * 3.8351423263e-3)[1], tolerance=1e-7)),
+         and_mirrored(
+             *limits(7 * 4.5698172314e-4, -7 * 2.2567584241e-4, tolerance=1e-7),
+             bifurcation(7 * 2.7269263e-3, "multiple", 1e-6), bifurcation(7 * 2.9734492e-3, UNSTABLE, 1e-6),
+             *limits(7 * 2.9903485158e-3, tolerance=1e-7), bifurcation(7 * 2.978977972e-3, "multiple", 1e-6),
+             replace(limits(0.0, -7 * 3.8351423263e-3)[1], tolerance=1e-7)),
          "an independent truss, tests/truss.py"),
     Trap("cylinder-panel",
          "Modes with different numbers of waves buckle within 0.4 % of the load.",
          partial(cylinder_panel.case, cells=(8, 4)),
-         tuple(_bifurcation(load, UNSTABLE, 1e-3) for load in (0.82968, 0.83311, 0.88286)), "14 x 9 cells"),
+         tuple(bifurcation(load, UNSTABLE, 1e-3) for load in (0.82968, 0.83311, 0.88286)), "14 x 9 cells"),
     Trap("roll-up",
          "Rotations pass 2 pi twice: rotation vectors that are added up are singular there.",
          partial(roll_up.case, turns=2), (), "exact circle; the tangent stays definite"),
@@ -243,8 +179,8 @@ TRAPS = {trap.name: trap for trap in (
     *(_slender_arch(10.0**-n) for n in range(1, 7)),
     Trap("distorted-mesh",
          "Cells with corners far from right angles: elements that lock or are singular on them move the limits.",
-         _distorted_roof, _limits(2220.93, 505.68, tolerance=3e-3), "16 x 16 cells without distortion"),
+         _distorted_roof, limits(2220.93, 505.68, tolerance=3e-3), "16 x 16 cells without distortion"),
     Trap("redundant-supports",
          "Components are fixed by several supports: multipliers for each would make the tangent singular.",
-         _held_twice, _limits(18556.7, -9414.4, tolerance=2e-4), "as lee-frame"),
-)}
+         _held_twice, limits(18556.7, -9414.4, tolerance=2e-4), "as lee-frame"),
+)
