@@ -22,7 +22,8 @@ def assert_points(trap: Trap, case: Case):
         assert expected.name in (None, point.name)
 
 
-@pytest.mark.parametrize("name", TRAPS)
+@pytest.mark.parametrize("name", [pytest.param(t.name, marks=pytest.mark.slow) if t.slow else t.name
+                                  for t in TRAPS.values()])
 def test_all_critical_points_and_no_others_are_found(name):
     assert_points(TRAPS[name], TRAPS[name].case())
 

@@ -137,7 +137,7 @@ MODES = (
          "Galerkin's method with eight half waves; Everall and Hunt 1999"),
     Trap("closed-path",
          "The path is closed: each turn of the arm leads through the same states, and the monitored angle goes on.",
-         crank, limits(*2 * (0.9780450326, 0.6041232828, 1.7004298595, -2.6514959357), tolerance=1e-5),
+         crank, limits(*2 * (0.9780450326, 0.6041232828, 1.7004308595, -2.6514959357), tolerance=1e-5),
          "closed form: moment of two springs on a circle"),
     Trap("half-loop",
          "The path follows half of the loop that joins two bifurcations of the perfect truss; the other is an isola.",
