@@ -88,7 +88,7 @@ def failure_map(
         if not cells:
             raise ValueError("map: no method applies; those of contact need traps with contact")
     write_map(cells, output / "map.csv")
-    draw_map(cells).savefig(output / "map.png", dpi=110)
+    draw_map(cells).savefig(output / "map.png", dpi=200)
     typer.echo(f"results in {output}")
 
 

@@ -14,8 +14,9 @@ from sheetfx.archive import Archive
 from sheetfx.continuation.state import CriticalPoint
 from sheetfx.path import Path, Until
 from sheetfx.scenes import arch
-from sheetfx.studies.failure_map import REFERENCE, choose, trace, within
+from sheetfx.studies.failure_map import REFERENCE, Cell, choose, trace, within
 from sheetfx.studies.judgement import BACK, JUMPED, PASSED, STALLED, WRONG, Judge, Trail
+from sheetfx.studies.map_picture import explanations
 from sheetfx.studies.methods import METHODS
 from sheetfx.studies.traps import TRAPS, Expected, Trap
 
@@ -146,6 +147,20 @@ def test_unknown_names_are_refused():
         choose("trap", "lee", TRAPS)
     with pytest.raises(ValueError, match="no method 'newton'; choose from default, load"):
         choose("method", "load,newton", METHODS)
+
+
+def test_failures_of_one_kind_have_one_letter():
+    """Their reasons differ in numbers only; the more frequent kind comes first, and what passed has no letter."""
+    def failed(outcome, reason):
+        return Cell("lee-frame", "load", outcome, reason, 1.0, 2)
+
+    reasons = ["stops at load 1.3e-05, deflection -2, does not converge even with a step of 7.7e-07",
+               "is still at load 0.3, deflection 9 after 30 s",
+               "stops at load -4, deflection 0.5, does not converge even with a step of 0.001"]
+    letters = explanations([failed(PASSED, ""), *(failed(STALLED, r) for r in reasons), failed(JUMPED, reasons[1])])
+    assert letters == {(JUMPED, "is still at a state after … s"): "a",
+                       (STALLED, "stops at a state, does not converge even with a step of …"): "b",
+                       (STALLED, "is still at a state after … s"): "c"}
 
 
 def test_map_of_the_command_line(tmp_path):

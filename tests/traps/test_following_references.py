@@ -17,7 +17,7 @@ def test_column_under_following_axial_forces():
 
 
 def test_partly_following_force():
-    """The determinant of w = 1, x, cos k x, sin k x: w = w' = 0, w'' = 0 and w''' + (1 - share) k^2 w' = 0 at the tip."""
+    """Sums of 1, x, cos k x and sin k x with w = w' = 0, and w'' = w''' + (1 - share) k^2 w' = 0 at the tip."""
     rest = 1 - 0.49
 
     def determinant(load):

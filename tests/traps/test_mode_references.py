@@ -50,8 +50,8 @@ def test_pyramid(name, half_span):
         assert loads(name)[1] / loads(name)[0] - 1 == pytest.approx(share, rel=0.04)
 
 
-@pytest.mark.parametrize(("name", "ratio", "tilt"), [("augusti-5-percent", 0.95, 0.01),
-                                                     ("augusti-0.1-percent", 0.999, 3e-5), ("augusti-exact", 1.0, 1e-3)])
+@pytest.mark.parametrize(("name", "ratio", "tilt"), [
+    ("augusti-5-percent", 0.95, 0.01), ("augusti-0.1-percent", 0.999, 3e-5), ("augusti-exact", 1.0, 1e-3)])
 def test_augusti(name, ratio, tilt):
     """Forces s (x, z) in a strut of length l = EA / (s + EA): s x = x - tilt, and s = ratio at the bifurcation."""
     def load(x):
@@ -127,6 +127,7 @@ def test_offset_load():
         b, c = (alpha - load) / (1 - thrust), part * load / (16 - 4 * thrust)
         return b**2 + 4 * c**2 + thrust - alpha**2, 2 * b**2 / (1 - thrust) + 32 * c**2 / (16 - 4 * thrust) + 1
 
-    found = [fsolve(lambda z: off(*z), start, xtol=1e-12) for start in ((3.8, 8.3), (5.5, -4.1), (5.5, 9.7), (3.9, -2.9))]
+    starts = (3.8, 8.3), (5.5, -4.1), (5.5, 9.7), (3.9, -2.9)
+    found = [fsolve(lambda z: off(*z), start, xtol=1e-12) for start in starts]
     assert all(np.allclose(off(*z), 0.0, atol=1e-8) for z in found)
     assert loads("offset-load") == pytest.approx([load for _, load in found], rel=1e-7)
