@@ -16,6 +16,7 @@ SYMBOLS = {PASSED: "\u2713", WRONG: "\u2260", JUMPED: "\u21af", BACK: "\u21a9", 
 WIDTH, HEIGHT = 8.27, 11.69  # inches of a page (A4); the picture is as high as its rows ask
 ROW, COLUMN, NAMES, COSTS, HEAD, MARGIN = 0.168, 0.235, 1.45, 0.9, 1.1, 0.1
 SMALL, LETTERS = 6.5, 36  # size of the text in points, and letters on a line of the table
+LINE, GAP, OUTCOME = 0.107, 0.035, ROW + 0.08  # height of a line, gap below a reason, height of the name of an outcome
 NUMBER = r"-?\d+(\.\d+)?(e[+-]?\d+)?"
 
 
@@ -28,8 +29,8 @@ def draw_map(cells: Sequence[Cell]):
     letters = explanations(cells)
     table = [(outcome, letters.get((outcome, kind), ""), kind) for outcome, kind in _in_order(cells)]
     left = NAMES + COLUMN * len(methods) + COSTS
-    lines = sum(len(wrap(kind, LETTERS)) or 1 for _, _, kind in table) + 0.4 * len(table)
-    width, height = max(WIDTH, left + 2.2), HEAD + MARGIN + max(ROW * len(traps), 0.115 * (lines + 2))
+    explained = sum(_height(kind) for *_, kind in table) + OUTCOME * len({outcome for outcome, *_ in table})
+    width, height = max(WIDTH, left + 2.2), HEAD + MARGIN + max(ROW * len(traps), explained)
     figure = Figure(figsize=(width, height))
     FigureCanvasAgg(figure)
     axes = figure.add_axes((0, 0, 1, 1))
@@ -52,6 +53,11 @@ def kind_of(reason: str) -> str:
     """A reason without its numbers, so that failures of one kind have one."""
     text = re.sub(f"load {NUMBER}, deflection {NUMBER}", "a state", reason)
     return re.sub(rf"(?<![\w]){NUMBER}", "…", text)
+
+
+def _height(kind: str) -> float:
+    """Of a reason in the table."""
+    return LINE * len(wrap(kind, LETTERS)) + GAP if kind else 0.0
 
 
 def _in_order(cells: Sequence[Cell]) -> list[tuple[str, str]]:
@@ -91,15 +97,13 @@ def _draw_costs(axes, cells: Sequence[Cell], traps: Sequence[str], x: float) -> 
 
 def _draw_table(axes, table: Sequence[tuple[str, str, str]], x: float) -> None:
     """What symbols and letters mean, from the top down."""
-    y, shown = HEAD, ""
+    y, shown = HEAD, None
     for outcome, letter, kind in table:
         if outcome != shown:
-            y += 0.05 if shown else 0.0
             _draw_cell(axes, x, y, outcome, "")
             axes.text(x + COLUMN + 0.06, y + ROW / 2, outcome, fontsize=SMALL, weight="bold", va="center_baseline")
-            y, shown = y + ROW + 0.03, outcome
+            y, shown = y + OUTCOME, outcome
         if kind:
             axes.text(x + COLUMN / 2, y, letter, fontsize=SMALL, ha="center", va="top")
-            rows = wrap(kind, LETTERS)
-            axes.text(x + COLUMN + 0.06, y, "\n".join(rows), fontsize=SMALL, va="top", linespacing=1.1)
-            y += 0.107 * len(rows) + 0.035
+            axes.text(x + COLUMN + 0.06, y, "\n".join(wrap(kind, LETTERS)), fontsize=SMALL, va="top", linespacing=1.1)
+            y += _height(kind)
