@@ -117,7 +117,7 @@ class Judge:
     def conclude(self, found: Sequence[CriticalPoint]) -> tuple[str, str]:
         """Outcome and reason of a path that reached its end: are all expected points, and no others, found?"""
         expected = self._expected
-        for kind, outcome in (("limit", JUMPED), ("bifurcation", WRONG)):
+        for kind, outcome in (("limit", JUMPED), ("bifurcation", WRONG), ("flutter", WRONG)):
             wanted, got = ([p for p in points if p.kind == kind] for points in (expected, found))
             if len(got) < len(wanted):
                 missed = next((w for w, g in zip(wanted, got, strict=False) if not _agree(w, g)), wanted[len(got)])

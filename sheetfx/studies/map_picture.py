@@ -87,7 +87,8 @@ def _draw_costs(axes, cells: Sequence[Cell], traps: Sequence[str], x: float) -> 
     """CPU seconds and factorisations of the first method, where it passed."""
     first = cells[0].method
     for column, name in ((0.45, "seconds"), (COSTS, "factorisations")):
-        axes.text(x + column - 0.05, HEAD - 0.05, f"{first}, {name}", fontsize=SMALL, rotation=55, rotation_mode="anchor")
+        axes.text(x + column - 0.05, HEAD - 0.05, f"{first}, {name}", rotation=55, fontsize=SMALL, ha="left",
+                  va="bottom", rotation_mode="anchor")
     for cell in cells:
         if cell.method == first and cell.outcome == PASSED:
             y = HEAD + ROW * (traps.index(cell.trap) + 0.5)

@@ -8,7 +8,7 @@ import pytest
 
 import sheetfx as fx
 from sheetfx.case import Case, trace
-from sheetfx.studies.traps import TRAPS, Trap
+from sheetfx.studies.traps import FAMILIES, TRAPS, Trap
 
 SMALL = [t.name for t in TRAPS.values() if not t.slow and t.points and not t.name.startswith(("punch", "slenderness"))]
 
@@ -20,6 +20,10 @@ def assert_points(trap: Trap, case: Case):
         assert point.load == pytest.approx(expected.load, rel=expected.tolerance)
         assert point.multiplicity == expected.multiplicity
         assert expected.name in (None, point.name)
+
+
+def test_every_trap_has_a_name_of_its_own():
+    assert len(TRAPS) == sum(map(len, FAMILIES))
 
 
 @pytest.mark.parametrize("name", [pytest.param(t.name, marks=pytest.mark.slow) if t.slow else t.name

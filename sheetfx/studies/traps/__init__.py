@@ -12,6 +12,7 @@ from .plates import PLATES
 from .pressure import PRESSURE
 from .trap import Expected, Trap
 
-__all__ = ["TRAPS", "Expected", "Trap"]
+__all__ = ["FAMILIES", "TRAPS", "Expected", "Trap"]
 
-TRAPS = {trap.name: trap for trap in (*CLASSICAL, *MODES, *FOLLOWING, *PLATES, *PRESSURE)}
+FAMILIES = CLASSICAL, MODES, FOLLOWING, PLATES, PRESSURE
+TRAPS = {trap.name: trap for family in FAMILIES for trap in family}

@@ -5,20 +5,20 @@ Bending stiffness and length (or radius) are 1.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import replace
 from functools import partial
 from math import pi
 
 import numpy as np
 
-from ... import forms, meshes
+from ... import meshes
 from ...case import Case
 from ...continuation.control import LoadControl
 from ...mesh.reader import NamedMesh, read
 from ...model.beam import Beam
+from ...model.following import FollowerForce, LinePressure
 from ...model.joints import Spring
-from ...model.loads import LineForce, Load, Moment, PointForce
-from ...model.pressure import LinePressure
+from ...model.loads import LineForce, Moment, PointForce
 from ...model.scene import Monitor, Scene
 from ...model.section import Elastic, Rectangle, round_bar
 from ...model.supports import Support, clamp, pin, symmetry
@@ -26,25 +26,6 @@ from .trap import Expected, Trap, bifurcation
 
 DEPTH = 0.003
 SECTION, MATERIAL = Rectangle(1.0, DEPTH), Elastic(12 / DEPTH**3)
-
-
-@dataclass(frozen=True)
-class TipForce(Load):
-    """Force at a named end of a beam that turns with it, given by components on the frame of the beam."""
-
-    beam: Beam
-    at: str
-    force: tuple[float, ...]
-    conservative = False
-
-    def work(self, fields):
-        mesh, force = self.beam.mesh, [fields.factor * c for c in self.force]
-        density = forms.load.follower_force(force, self.beam.frame(), fields.rotation(mesh), fields.displacement(mesh),
-                                            fields.vary)
-        return density * mesh.facet_measure(self.at)
-
-    def total(self, fields) -> float:
-        return float(np.linalg.norm(self.force))
 
 
 def half_ring(to: float, step: float, elements: int = 40) -> Case:
@@ -99,9 +80,9 @@ def hinged_pflueger(to: float, step: float) -> Case:
 
 
 def partly_following(share: float, to: float, step: float) -> Case:
-    """Cantilever under a force at its tip of which a share turns with it (Dzhanelidze 1958)."""
-    beam = Beam(mesh := straight(), SECTION, MATERIAL)
-    loads = [PointForce(mesh, "top", (share - 1, 0.0)), TipForce(beam, "top", (-share, 0.0))]
+    """Cantilever with mass under a force at its tip of which a share turns with it (Dzhanelidze 1958)."""
+    beam = Beam(mesh := straight(), SECTION, replace(MATERIAL, density=1 / DEPTH))
+    loads = [PointForce(mesh, "top", (share - 1, 0.0)), FollowerForce(mesh, "top", (-share, 0.0))]
     return Case(Scene([beam], [clamp(mesh, "base")], loads, Monitor(mesh, "top", "x", -1.0)),
                 LoadControl(step=step, target=to))
 
@@ -155,9 +136,10 @@ FOLLOWING = (
          partial(hinged_pflueger, 200.0, 3.0), _divergence(18.95626, 81.88658, 189.22093, tolerance=2e-4),
          "zeros of the Bessel function of order 1/3; Pflueger 1950"),
     Trap("partly-following",
-         "Half a percent less than half of the load turns with the tip: the column buckles, and becomes stable again, "
-         "before it would flutter; two real eigenvalues of an unsymmetric tangent nearly meet.",
-         partial(partly_following, 0.49, 30.0, 0.7), _divergence(8.183108, 11.713999, tolerance=1e-3),
+         "A little less than half of the load turns with the tip: the column buckles, becomes stable again, and "
+         "flutters while its tangent stays regular.",
+         partial(partly_following, 0.49, 30.0, 0.7),
+         (*_divergence(8.183108, 11.713999, tolerance=1e-3), Expected("flutter", 16.055016, 1e-3, name="begins")),
          "cos(sqrt(P)) = share / (share - 1) (Dzhanelidze 1958)"),
     Trap("twisted-shaft",
          "Moments about axes that do not turn have no potential in space; the bifurcation is double, and the ends have "

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...case import Case
 from ...continuation.control import ArcLength, LoadControl
-from ...model.pressure import Pressure
+from ...model.following import Pressure
 from ...model.scene import Monitor, Scene
 from ...model.section import Elastic, Plate
 from ...model.shell import Shell

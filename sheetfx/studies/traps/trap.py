@@ -16,7 +16,7 @@ class Expected:
 
     Attributes
     ----------
-    kind : "limit" or "bifurcation"
+    kind : "limit", "bifurcation" or "flutter"
     load : total load on the whole structure
     tolerance : of the load, relative; it holds the error of the trap's coarse mesh
     multiplicity : number of null vectors of the tangent
