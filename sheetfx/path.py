@@ -18,7 +18,7 @@ from typing import Any
 from .checks import require_positive
 from .continuation.control import ArcLength, DisplacementControl, LoadControl, StepRule
 from .continuation.events import Event, end_at, occurrences
-from .continuation.segment import Jump
+from .continuation.segment import Jump, Missed
 from .continuation.state import CriticalPoint, State
 from .continuation.tracer import Tracer
 from .discrete.discretisation import Discretisation
@@ -222,6 +222,8 @@ class Path:
             self._refusal = f"it turns off the path by {turn:.2g} radians, more than {self.control.turn:g}"
         except Jump as jump:
             self._refusal = str(jump)
+        except Missed:
+            self._refusal = "it skips states in between"
         self.tracer.back_to(before)
         return None
 

@@ -77,10 +77,7 @@ def _near_zero(segment: Segment, event: Event) -> float:
         found = event.value(segment[length])
         return 0.0 if abs(found) <= event.near else found
 
-    try:
-        return float(brentq(value, 0.0, segment.after.length, xtol=1e-12 * segment.after.length))
-    except Missed:
-        return segment.after.length
+    return float(brentq(value, 0.0, segment.after.length, xtol=1e-12 * segment.after.length))
 
 
 def _bisected(segment: Segment, event: Event) -> float:
