@@ -14,6 +14,7 @@ from .state import State
 
 TURNING = 0.4  # radians between chord and tangents of a piece of path, from which its middle is looked at
 UNEXPLAINED = 0.25  # of the load or the reactions by the steeper tangent, likewise
+MINOR = 1e-6  # of the forces that an increment adds, reactions that matter little: those of ties that are not pulled
 NOISE = 1e-12  # of reactions, over what the stiffest unknown would take: structures that move without strain
 SAMPLES = 6  # states that are interpolated between
 IN_BALANCE = 1e-6  # residual over the load of an interpolated state
@@ -158,18 +159,21 @@ class Segment:
         return (all(self.tracer.angle(chord, t) <= TURNING for t in tangents)
                 and self._follows(chord[0], [t[0] for t in tangents], distance)
                 and self._follows(self._reactions(chord[1]), [self._reactions(t[1]) for t in tangents], distance,
-                                  self._reaction_noise(chord[1])))
+                                  self._reaction_noise(*chord)))
 
     def _reactions(self, increment: np.ndarray) -> np.ndarray:
         """Multipliers of prescribed motions, which the inner product does not weigh, on all processes."""
         system = self.tracer.system
         return np.concatenate(system.comm.allgather(increment[system.multiplier_rows]))
 
-    def _reaction_noise(self, increment: np.ndarray) -> float:
-        """Rounding of reactions along an increment."""
+    def _reaction_noise(self, load_increment: float, increment: np.ndarray) -> float:
+        """Rounding of reactions along an increment, and what matters little beside the forces that are added in it."""
         system = self.tracer.system
+        added = self.tracer.load_vector()
+        added.array[system.multiplier_rows] = 0.0
+        small = MINOR * abs(load_increment) * added.norm()
         moves = np.abs(np.delete(increment, system.multiplier_rows)).max(initial=0.0)
-        return NOISE * system.comm.allreduce(float(moves), op=MPI.MAX) * system.matrix.getDiagonal().norm(
+        return small + NOISE * system.comm.allreduce(float(moves), op=MPI.MAX) * system.matrix.getDiagonal().norm(
             PETSc.NormType.INFINITY)
 
     @staticmethod
