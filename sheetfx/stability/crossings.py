@@ -191,13 +191,15 @@ class _Border:
         return np.sort([brentq(lambda s, number=number: self._eigenvalues(border(s))[number], *ends,
                                xtol=1e-14 * self._segment.after.length, rtol=1e-15) for number in self.numbers])
 
-    def null_vector(self, length: float, nearest: float) -> np.ndarray:
-        """About the null vector of the tangent at a crossing, from the solutions at the nearest state."""
-        _, vectors = np.linalg.eigh((self.at(nearest) + self.at(nearest).T) / 2)
-        values = np.abs(self._eigenvalues(self.at(nearest)))
-        share = self.at(nearest) @ vectors[:, int(np.argmin(values))]
-        mode = sum(float(c) * v for c, v in zip(share, self._known[nearest][1], strict=True))
-        return mode.array / self._tracer.distance(0.0, mode.array)
+    def null_vectors(self, nearest: float) -> list[np.ndarray]:
+        """About the null vectors of the tangent at crossings, from the solutions at a near state, the nearest first."""
+        values, vectors = np.linalg.eigh((self.at(nearest) + self.at(nearest).T) / 2)
+        found = []
+        for number in sorted(self.numbers, key=lambda number: abs(values[number])):
+            share = self.at(nearest) @ vectors[:, number]
+            mode = sum(float(c) * v for c, v in zip(share, self._known[nearest][1], strict=True))
+            found.append(mode.array / self._tracer.distance(0.0, mode.array))
+        return found
 
 
 def _orthonormal(weights: PETSc.Vec, vectors: Sequence[PETSc.Vec]) -> list[PETSc.Vec]:
@@ -227,11 +229,13 @@ def _compare_sides(segment: Segment, roots: np.ndarray, samples: Sequence[float]
     if left is None or right is None:
         return
     nearest = min((left, right), key=lambda s: min(abs(s - root) for root in roots))
-    mode = border.null_vector(roots[0], nearest)
-    moved, led = segment.along(mode, left, right)
-    distance, size = segment.distance(left, right), max(abs(moved), abs(led))
-    critical = KroghInterpolator(samples, [segment[s].factor for s in samples])(roots[0])
-    grown = sum(abs(critical / (segment[s].factor - critical)) for s in (left, right))
-    strays = (abs(moved - led) > size / 2 and size > NOISE * distance + ROUNDED * grown) or abs(moved) > FOLD * distance
-    if strays and size > 10 * max(segment.uncertainty(segment[s]) for s in (left, right)):
-        raise Jump("the path bends away from a bifurcation that the step passes")
+    factors = KroghInterpolator(samples, [segment[s].factor for s in samples])
+    noise = 10 * max(segment.uncertainty(segment[s]) for s in (left, right))
+    distance = segment.distance(left, right)
+    for root, mode in zip(sorted(roots, key=lambda s: abs(s - nearest)), border.null_vectors(nearest), strict=True):
+        moved, led = segment.along(mode, left, right)
+        size, critical = max(abs(moved), abs(led)), factors(root)
+        grown = sum(abs(critical / (segment[s].factor - critical)) for s in (left, right))
+        strays = abs(moved - led) > size / 2 and size > NOISE * distance + ROUNDED * grown
+        if (strays or abs(moved) > FOLD * distance) and size > noise:
+            raise Jump("the path bends away from a bifurcation that the step passes")
