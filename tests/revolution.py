@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.interpolate import BSpline
+from scipy.interpolate import BSpline, CubicSpline
 from scipy.linalg import eigh, null_space
 from scipy.optimize import brentq
 
@@ -115,8 +115,19 @@ class Revolution:
         """Coefficients of the three components."""
         return np.zeros((3, self._splines.c.shape[1]))
 
+    @cached_property
+    def _known(self) -> dict:
+        """Bases by numbers of waves, and states by pressures."""
+        return {"bases": {}, "states": {}}
+
     def _admissible(self, waves: int) -> np.ndarray:
         """Displacements that satisfy the conditions, as columns of coefficients; without waves none around."""
+        bases = self._known["bases"]
+        if waves not in bases:
+            bases[waves] = self._basis(waves)
+        return bases[waves]
+
+    def _basis(self, waves: int) -> np.ndarray:
         rows = []
         for condition in self.held(waves):
             row = np.zeros_like(self.unloaded)
@@ -211,11 +222,12 @@ class Revolution:
 
     def bifurcation(self, waves: int, pressures: Sequence[float]) -> float:
         """First pressure at which the tangent of the nonlinear state is singular, among those that are passed."""
-        states: dict[float, np.ndarray] = {}
+        states = self._known["states"]
 
         def lowest(pressure):
-            nearest = min(states, key=lambda known: abs(known - pressure), default=None)
-            states[pressure] = self.prebuckled(pressure, states.get(nearest))
+            if pressure not in states:
+                nearest = min(states, key=lambda known: abs(known - pressure), default=None)
+                states[pressure] = self.prebuckled(pressure, states.get(nearest))
             return eigh(self.tangent(states[pressure], waves, pressure), eigvals_only=True, subset_by_index=[0, 0])[0]
 
         before = None
@@ -225,3 +237,29 @@ class Revolution:
                 return brentq(lowest, before[0], pressure, rtol=1e-9)
             before = pressure, value
         raise ArithmeticError(f"no bifurcation with {waves} waves")
+
+    def limit(self, deflections: Sequence[float], pressure: float) -> float:
+        """Largest pressure of the state without waves, which is led by its axial displacement at the start.
+
+        Parameters
+        ----------
+        deflections : of rising size, beyond that at the limit
+        pressure : a guess at the first
+        """
+        free, state, found = self._admissible(0), self.unloaded.copy(), []
+        row = np.zeros_like(self.unloaded)
+        row[W] = self._splines(0.0)
+        row = row.ravel() @ free
+        for deflection in deflections:
+            for _ in range(25):
+                force, matrix = self._derivatives(state, 0, pressure)
+                load = (force - self._derivatives(state, 0, pressure - 1.0)[0]) @ free
+                bordered = np.block([[free.T @ matrix @ free, load[:, None]], [row[None, :], np.zeros((1, 1))]])
+                missing = deflection - self._splines(0.0) @ state[W]
+                *step, change = np.linalg.solve(bordered, [*(-force @ free), missing])
+                state, pressure = state + (free @ step).reshape(state.shape), pressure + change
+                if abs(change) < 1e-9 * abs(pressure):
+                    break
+            found.append(abs(pressure))
+        curve = CubicSpline(np.abs(deflections), found)
+        return float(max(curve(root) for root in curve.derivative().roots(extrapolate=False)))

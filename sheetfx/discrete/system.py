@@ -239,6 +239,22 @@ class System:
         """First-order change of the values of each field by a further step."""
         return [f.change(array) for f, array in self._layout.fields(self._layout.arrays(step))]
 
+    def motions(self, step: PETSc.Vec) -> list[np.ndarray]:
+        """Displacements and spins of the nodes of each field by a further step, along the directions of space."""
+        found = []
+        for f, array in self._layout.fields(self._layout.arrays(step)):
+            own, along = array[f.dofs].reshape(-1, f.width), f.motions()
+            found.append(own if along is None else np.einsum("nij,nj->ni", along, own))
+        return found
+
+    def step_by(self, motions: Sequence[np.ndarray]) -> PETSc.Vec:
+        """The further step from the last converged state that gives `motions`; its axes may differ from theirs."""
+        arrays, step = self._layout.zeros(), self.create_vector()
+        for (f, array), motion in zip(self._layout.fields(arrays), motions, strict=True):
+            array[f.dofs] = f.inward(motion.ravel())
+        self._layout.put(arrays, step)
+        return step
+
     def snapshot(self) -> dict[str, np.ndarray]:
         """All that a state consists of on this process: fields, history, stage and load factor."""
         return self.history.snapshot() | {"load": np.array([self.factors.stage, self.factors.now])}

@@ -83,10 +83,12 @@ def buckling(path, state: State, count: int = 6, *, supports: Sequence | None = 
         If the number of loads found about a stable state contradicts the inertia of the tangent.
     """
     discretisation = path.discretisation
+    with discretisation.visiting(state.fields):
+        motions = discretisation.system.motions(discretisation.system.create_vector(state.response))
     if supports is not None:
         discretisation = Discretisation(replace(discretisation.scene, supports=supports))
     with discretisation.visiting(state.fields):
-        problem = _Problem(discretisation, state, state.step > 0 if prebuckling is None else prebuckling)
+        problem = _Problem(discretisation, state, motions, state.step > 0 if prebuckling is None else prebuckling)
         found = _complete(problem, count, tolerance)
         return problem.describe(found, tolerance)
 
@@ -94,9 +96,9 @@ def buckling(path, state: State, count: int = 6, *, supports: Sequence | None = 
 class _Problem:
     """LoadResponse of a state, its derivative along the response, and the eigenproblem of both."""
 
-    def __init__(self, discretisation: Discretisation, state: State, prebuckling: bool):
+    def __init__(self, discretisation: Discretisation, state: State, motions: Sequence, prebuckling: bool):
         self.discretisation, self.system, self.state = discretisation, discretisation.system, state
-        self.response = self.system.create_vector(state.response)
+        self.response = self.system.step_by(motions)
         length = (self.system.weights * self.response).dot(self.response) ** 0.5
         if not length > 0:
             raise ValueError("buckling: the structure does not respond to its load; check loads and supports")
