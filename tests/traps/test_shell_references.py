@@ -27,7 +27,10 @@ def test_plates(name, aspect, across, to):
 
 
 def test_angle_ply():
-    """Jones 1975, equations 5.72 to 5.74, for a square; without coupling the first load would be twice as large."""
+    """Jones (1975, chapter 5) for antisymmetric angle-ply laminates, for a square.
+
+    Without coupling the first load would be twice as large.
+    """
     stiffness = layers((45.0, -45.0), 1.0, 1.0)
     a, b, d = (np.array(block) for block in (stiffness.membrane, stiffness.coupling, stiffness.bending))
     assert np.allclose(a[:2, 2], 0) and np.allclose(d[:2, 2], 0) and np.allclose(b[:2, :2], 0)

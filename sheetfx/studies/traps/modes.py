@@ -134,7 +134,7 @@ MODES = (
     Trap("mode-jump",
          "The strut has buckled in one half wave, smoothly, before it loses stability to two: loads do not show it.",
          founded_strut, (bifurcation(5.65226, None, 5e-4),),
-         "Galerkin's method with eight half waves; Everall and Hunt 1999"),
+         "Galerkin's method with eight half waves; Everall and Hunt 2000"),
     Trap("closed-path",
          "The path is closed: each turn of the arm leads through the same states, and the monitored angle goes on.",
          crank, limits(*2 * (0.9780450326, 0.6041232828, 1.7004308595, -2.6514959357), tolerance=1e-5),

@@ -124,7 +124,7 @@ PLATES = (
          "Layers at 45 and -45 degrees: stretching is coupled with twisting, which lowers the loads.",
          partial(angle_ply, 1.0, (4, 4), 25.0),
          tuple(bifurcation(load, STABLE, 4e-3) for load in (9.066418, 12.643517, 20.387367)),
-         "Jones 1975, section 5.5.3", slow=True),
+         "Jones 1975, chapter 5: antisymmetric angle-ply laminates", slow=True),
     Trap("angle-column",
          "Two plates that meet at a junction: it turns in one family of modes and holds in the other, whose loads "
          "meet within 0.2 %.",
