@@ -17,6 +17,9 @@ UNEXPLAINED = 0.25  # of the load or the reactions by the steeper tangent, likew
 NOISE = 1e-12  # of reactions, over what the stiffest unknown would take: structures that move without strain
 SAMPLES = 6  # states that are interpolated between
 IN_BALANCE = 1e-6  # residual over the load of an interpolated state
+DEFECT = 0.006  # of the length of a piece, correction that its interpolation asks for at a place, likewise
+INSIDE = 0.875  # of a piece, that place: near the end whose tangent is factored
+CLOSE = 0.02  # of the distance between its neighbours, by which a state misses an interpolation that is good enough
 STRAY = 0.3  # of the distance between its neighbours, by which a state may miss their interpolation
 
 
@@ -41,6 +44,7 @@ class Segment:
         self.guarded = tracer.control.guarded and not self.wavering
         self.states = {0.0: before, after.length: after}
         self._spectra: dict[float, tuple[list[float], list]] = {}
+        self._close: set[float] = set()
 
     def __getitem__(self, length: float) -> State:
         """State at a length of the step.
@@ -62,6 +66,8 @@ class Segment:
                     raise Missed
                 raise Jump("a state within the step is off the path")
             self.states[length] = state
+            if self._off(state, guess) <= CLOSE * self.distance(left, right):
+                self._close.add(length)
         return self.states[length]
 
     def reach(self, length: float) -> bool:
@@ -152,13 +158,38 @@ class Segment:
         return distance + tracer.stepper.rounding * mode.norm() / abs(value)
 
     def explained(self, left: float, right: float) -> bool:
-        """Whether the tangents at the ends of a piece lead along it, and their mean gives its load and reactions."""
+        """Whether the tangents at the ends of a piece lead along it, their mean gives its load and reactions, and the
+        place between that they interpolate is near equilibrium.
+        """
         chord, tangents = self._chord(left, right), [self.states[s].tangent for s in (left, right)]
         distance = self.distance(left, right)
         return (all(self.tracer.angle(chord, t) <= TURNING for t in tangents)
                 and self._follows(chord[0], [t[0] for t in tangents], distance)
                 and self._follows(self._reactions(chord[1]), [self._reactions(t[1]) for t in tangents], distance,
-                                  self._reaction_noise(chord[1])))
+                                  self._reaction_noise(chord[1]))
+                and self._in_equilibrium(left, right))
+
+    def _in_equilibrium(self, left: float, right: float) -> bool:
+        """Whether a place inside of a piece, as its ends interpolate it, needs a small correction only.
+
+        A defect between the points that an interpolation is made for shows what it misses (Kierzenka and Shampine
+        2001): a loop, or another path that runs alongside. It is corrected off the path, by the factor at hand.
+        """
+        if self._close & {left, right}:
+            return True
+        tracer, system = self.tracer, self.tracer.system
+        load, increment = self._interpolated(left, right, left + INSIDE * (right - left))
+        tracer.back_to(self.before)
+        residual, correction = system.create_vector(), system.create_vector()
+        system.configure(system.create_vector(increment), self.before.factor + load)
+        system.residual(residual)
+        system.configure(tracer.x, self.before.factor)
+        tracer.stepper.linear.solve(residual, correction)
+        response = self.states[right].response
+        share = tracer.inner((0.0, correction.array), (0.0, response)) / tracer.inner((0.0, response), (0.0, response))
+        off = tracer.distance(0.0, correction.array - share * response)
+        return off <= DEFECT * self.distance(left, right) or off <= 10 * max(
+            self.uncertainty(self.states[s]) for s in (left, right))
 
     def _reactions(self, increment: np.ndarray) -> np.ndarray:
         """Multipliers of prescribed motions, which the inner product does not weigh, on all processes."""
@@ -190,8 +221,17 @@ class Segment:
                 return True
         elif not self.guarded:
             return False
-        off = self.tracer.distance(off, state.increment - guess[1])
+        off = self._off(state, guess)
         return off > STRAY * distance and (self.wavering or off > 10 * self.uncertainty(state))
+
+    def _off(self, state: State, guess: tuple[float, np.ndarray]) -> float:
+        """Distance of a state from where it was expected."""
+        return self.tracer.distance(state.load_increment - guess[0], state.increment - guess[1])
+
+    def forget(self, length: float, near: float) -> None:
+        """Drop the states within a distance of a length, but for the ends: rounding decides where they lie."""
+        ends = (0.0, self.after.length)
+        self.states = {s: state for s, state in self.states.items() if s in ends or abs(s - length) > near}
 
     def spectrum(self, length: float, count: int) -> tuple[list[float], list]:
         """Eigenvalues of the tangent nearest to zero, and modes, at a length."""
