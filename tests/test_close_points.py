@@ -21,7 +21,7 @@ def pyramid(gap: float) -> Structure:
     nodes = {"apex": (0.0, 0.0, RISE), "east": (1.0, 0.0, 0.0), "west": (-1.0, 0.0, 0.0), "north": (0.0, 1.0, 0.0),
              "south": (0.0, -1.0, 0.0)}
     members = [("apex", "east", 0), ("apex", "west", 0), ("apex", "north", 1), ("apex", "south", 1)]
-    return Structure("pyramid", nodes, members, [1.0, 1.0 + gap], {name: "x y z" for name in list(nodes)[1:]},
+    return Structure("pyramid", nodes, members, [1.0, 1.0 + gap], dict.fromkeys(list(nodes)[1:], "x y z"),
                      {"apex": (0.0, 0.0, -1.0)}, ("apex", "z", -1.0), 2.2 * RISE)
 
 
