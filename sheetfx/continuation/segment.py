@@ -158,18 +158,15 @@ class Segment:
         return distance + tracer.stepper.rounding * mode.norm() / abs(value)
 
     def explained(self, left: float, right: float) -> bool:
-        """Whether the tangents at the ends of a piece lead along it, their mean gives its load and reactions, and the
-        place between that they interpolate is near equilibrium.
-        """
+        """Whether the tangents at the ends of a piece lead along it, and their mean gives its load and reactions."""
         chord, tangents = self._chord(left, right), [self.states[s].tangent for s in (left, right)]
         distance = self.distance(left, right)
         return (all(self.tracer.angle(chord, t) <= TURNING for t in tangents)
                 and self._follows(chord[0], [t[0] for t in tangents], distance)
                 and self._follows(self._reactions(chord[1]), [self._reactions(t[1]) for t in tangents], distance,
-                                  self._reaction_noise(chord[1]))
-                and self._in_equilibrium(left, right))
+                                  self._reaction_noise(chord[1])))
 
-    def _in_equilibrium(self, left: float, right: float) -> bool:
+    def interpolates(self, left: float, right: float) -> bool:
         """Whether a place inside of a piece, as its ends interpolate it, needs a small correction only.
 
         A defect between the points that an interpolation is made for shows what it misses (Kierzenka and Shampine
@@ -240,6 +237,11 @@ class Segment:
             self.tracer.factorise_at(self[length])
             found = self._spectra[length] = self.tracer.spectrum(count)
         return found
+
+    @property
+    def softest(self) -> float:
+        """Largest size, over the states whose spectra are known, of the eigenvalue nearest to zero."""
+        return max(min(map(abs, values)) for values, _ in self._spectra.values())
 
     def root(self, function: Callable[[float], float], left: float, right: float, exact: float) -> dict[float, float]:
         """Values of a function of the state, at lengths that close in on its root between two others.

@@ -19,6 +19,7 @@ TOGETHER = 1e-3  # of a step, distance of the crossings of one multiple point
 CROWDED = 4  # bifurcations, more of which are too many for one step
 CLUSTER = 0.01  # relative difference of the loads of a step that may hold any number
 SHORTEST = 1 / 64  # of a step, piece that must be explained
+SINGULAR = 0.05  # eigenvalues of a bifurcation, over those nearest to zero at the ends of the step
 STATIONARY = 1e-3  # load rate at a limit point, over those where it is looked for
 
 
@@ -101,7 +102,7 @@ def state_at(path, before: State, after: State, point: CriticalPoint) -> State:
     return state
 
 
-def _surround(segment: Segment, length: float, reaches: Sequence[float] = REACHES[:3]) -> None:
+def _surround(segment: Segment, length: float, reaches: Sequence[float] = REACHES[:2]) -> None:
     """Have states on both sides of a bifurcation, from which its own is interpolated."""
     for reach in reaches:
         for wanted in (length - reach * segment.after.length, length + reach * segment.after.length):
@@ -110,11 +111,11 @@ def _surround(segment: Segment, length: float, reaches: Sequence[float] = REACHE
 
 
 def _check(segment: Segment) -> None:
-    """Look into the middle of pieces that turn, or whose load the tangents at their ends do not explain."""
+    """Look into the middle of pieces that turn, or that the tangents at their ends do not explain or interpolate."""
     pieces = segment.pairs()
     while pieces:
         left, right = pieces.pop()
-        if not segment.explained(left, right):
+        if not (segment.explained(left, right) and segment.interpolates(left, right)):
             if right - left < SHORTEST * segment.after.length:
                 raise Jump("tangents within the step do not explain its load")
             middle = (left + right) / 2
@@ -152,7 +153,7 @@ def _returns(segment: Segment, length: float) -> bool:
     reach = REACHES[1] * segment.after.length
     if not stiff(reach):
         return False
-    _surround(segment, length)
+    _surround(segment, length, REACHES[:3])
     one, other = sides(reach / 2)
     if one.unstable_modes != other.unstable_modes or not stiff(reach / 2):
         return False
@@ -286,5 +287,8 @@ def _bifurcation(segment: Segment, crossings: list[Crossing]) -> CriticalPoint:
         return point
     values, modes = segment.spectrum(first.length, count)
     tracer.factorise_at(state)
-    null = [modes[i] for i in np.argsort(np.abs(values))[:count]]
+    nearest = np.argsort(np.abs(values))[:count]
+    if segment.guarded and np.abs(values)[nearest].max() > SINGULAR * segment.softest:
+        raise Jump("the tangent is not singular where eigenvalues seem to pass zero")
+    null = [modes[i] for i in nearest]
     return postbuckling(tracer, state, null, point, [segment.before, segment.after])

@@ -76,9 +76,12 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
         coarser, finer = border.roots(samples[:-1]), border.roots(samples)
         if not _counted(segment, lengths, finer):
             return _pieces(segment, left, right)
-        roots, error = finer, _load_change(segment, samples[0], float(np.abs(finer - coarser).max()))
+        error, drift = (_load_change(segment, samples[0], float(np.abs(finer - other).max()))
+                        for other in (coarser, roots))
+        roots = finer
         if error <= EXACT:
             break
+        error = max(error, drift)
     if not error <= ROUGH:
         if segment.guarded:
             raise Jump("eigenvalues pass zero in the step, but not smoothly")
