@@ -1,15 +1,18 @@
 """Critical points that lie close together: told apart, named rightly, none of them invented."""
 
+import re
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 from dense_path import DensePath
 from random_structures import DenseTruss, Structure, scene
-from scipy.optimize import brentq, fsolve
+from scipy.optimize import brentq
 
 import sheetfx as fx
 from sheetfx.continuation.segment import Segment
+from sheetfx.continuation.state import State
 from sheetfx.stability.critical import unresolved
 
 RISE = 3.0
@@ -34,7 +37,10 @@ def loads(gap: float) -> dict[str, float]:
         path.step()
 
     def on_branch(x: float, z: float) -> float:
-        return float(fsolve(lambda z: truss.derivatives(np.array([x, 0.0, z[0]]))[0][0] / x, z, xtol=1e-13)[0])
+        for _ in range(20):
+            gradient, hessian = truss.derivatives(np.array([x, 0.0, z]))
+            z -= gradient[0] / hessian[0, 2]
+        return float(z)
 
     def across(x: float, z: float) -> float:
         return truss.derivatives(np.array([x, 0.0, on_branch(x, z)]))[1][1, 1]
@@ -48,7 +54,7 @@ def loads(gap: float) -> dict[str, float]:
 
 
 @pytest.mark.parametrize("gap", [0.05, 1e-3])
-@pytest.mark.parametrize("times", [1 / 16, 1 / 4, 1, 4, 16])
+@pytest.mark.parametrize("times", [1, 4, *(pytest.param(t, marks=pytest.mark.slow) for t in (1 / 16, 1 / 4, 16))])
 def test_branch_that_returns_beside_another_mode(gap, times):
     """A closed branch passes through both bifurcations it ends at, and before and behind sways across itself."""
     case = fx.Case(scene(pyramid(gap)), until=fx.Until(deflection=0.5))
@@ -64,12 +70,11 @@ def test_branch_that_returns_beside_another_mode(gap, times):
     assert [(p.kind, p.multiplicity) for p in found] == len(found) * [("bifurcation", 1)]
     cycle = [(sign, kind) for sign in (1, -1) for kind in ("across", "return", "across")]
     signs = [(int(np.sign(p.load)), next(kind for kind in NAMES if NAMES[kind] == p.name)) for p in found]
-    first = signs.index((signs[0][0], "return")) if signs[0][1] == "across" and signs[0] == signs[1] else 0
-    assert signs in [[(2 * cycle)[(k + i) % 6] for i in range(len(found))] for k in range(6)], (first, signs)
+    assert signs in [[cycle[(k + i) % 6] for i in range(len(found))] for k in range(6)]
     assert [abs(p.load) for p in found] == pytest.approx([loads(gap)[kind] for _, kind in signs], rel=2e-7)
 
 
-def test_what_cannot_be_told_apart_has_a_spread_instead_of_a_number():
+def test_what_cannot_be_told_apart_has_a_spread_instead_of_a_number(tmp_path):
     """Two of the pyramid's points, as if they could not be resolved."""
     record = fx.trace(fx.Case(scene(pyramid(1e-3)), until=fx.Until(deflection=0.5)))
     first, second = [p for p in record.critical_points if p.kind == "bifurcation"]
@@ -78,3 +83,7 @@ def test_what_cannot_be_told_apart_has_a_spread_instead_of_a_number():
     crossings = unresolved(segment, 0.0, after.length, 2)
     assert crossings[0].spread == (before.load, after.load)
     assert before.load < first.load < after.load
+    point = replace(first, multiplicity=2, name="", spread=crossings[0].spread)
+    assert re.match(r"bifurcation points \(at least 2, not told apart, between the loads .* and .*\)", point.title)
+    replace(after, critical=(point,)).save(tmp_path / "state.npz")
+    assert State.load_from(tmp_path / "state.npz").critical == (point,)

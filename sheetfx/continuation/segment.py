@@ -238,10 +238,9 @@ class Segment:
             found = self._spectra[length] = self.tracer.spectrum(count)
         return found
 
-    @property
-    def softest(self) -> float:
-        """Largest size, over the states whose spectra are known, of the eigenvalue nearest to zero."""
-        return max(min(map(abs, values)) for values, _ in self._spectra.values())
+    def softest_beside(self, length: float) -> float:
+        """Largest size of the eigenvalue nearest to zero, over other states whose spectra are known; infinite: none."""
+        return max((min(map(abs, values)) for s, (values, _) in self._spectra.items() if s != length), default=np.inf)
 
     def root(self, function: Callable[[float], float], left: float, right: float, exact: float) -> dict[float, float]:
         """Values of a function of the state, at lengths that close in on its root between two others.

@@ -288,7 +288,7 @@ def _bifurcation(segment: Segment, crossings: list[Crossing]) -> CriticalPoint:
     values, modes = segment.spectrum(first.length, count)
     tracer.factorise_at(state)
     nearest = np.argsort(np.abs(values))[:count]
-    if segment.guarded and np.abs(values)[nearest].max() > SINGULAR * segment.softest:
+    if segment.guarded and np.abs(values)[nearest].max() > SINGULAR * segment.softest_beside(first.length):
         raise Jump("the tangent is not singular where eigenvalues seem to pass zero")
     null = [modes[i] for i in nearest]
     return postbuckling(tracer, state, null, point, [segment.before, segment.after])
