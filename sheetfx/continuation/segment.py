@@ -18,6 +18,9 @@ MINOR = 1e-6  # of the forces that an increment adds, reactions that matter litt
 NOISE = 1e-12  # of reactions, over what the stiffest unknown would take: structures that move without strain
 SAMPLES = 6  # states that are interpolated between
 IN_BALANCE = 1e-6  # residual over the load of an interpolated state
+DEFECT = 0.006  # of the length of a piece, correction that its interpolation asks for at a place, likewise
+INSIDE = 0.875  # of a piece, that place: near the end whose tangent is factored
+CLOSE = 0.02  # of the distance between its neighbours, by which a state misses an interpolation that is good enough
 STRAY = 0.3  # of the distance between its neighbours, by which a state may miss their interpolation
 
 
@@ -42,6 +45,7 @@ class Segment:
         self.guarded = tracer.control.guarded and not self.wavering
         self.states = {0.0: before, after.length: after}
         self._spectra: dict[float, tuple[list[float], list]] = {}
+        self._close: set[float] = set()
 
     def __getitem__(self, length: float) -> State:
         """State at a length of the step.
@@ -63,6 +67,8 @@ class Segment:
                     raise Missed
                 raise Jump("a state within the step is off the path")
             self.states[length] = state
+            if self._off(state, guess) <= CLOSE * self.distance(left, right):
+                self._close.add(length)
         return self.states[length]
 
     def reach(self, length: float) -> bool:
@@ -161,6 +167,28 @@ class Segment:
                 and self._follows(self._reactions(chord[1]), [self._reactions(t[1]) for t in tangents], distance,
                                   self._reaction_noise(*chord)))
 
+    def interpolates(self, left: float, right: float) -> bool:
+        """Whether a place inside of a piece, as its ends interpolate it, needs a small correction only.
+
+        A defect between the points that an interpolation is made for shows what it misses (Kierzenka and Shampine
+        2001): a loop, or another path that runs alongside. It is corrected off the path, by the factor at hand.
+        """
+        if self._close & {left, right}:
+            return True
+        tracer, system = self.tracer, self.tracer.system
+        load, increment = self._interpolated(left, right, left + INSIDE * (right - left))
+        tracer.back_to(self.before)
+        residual, correction = system.create_vector(), system.create_vector()
+        system.configure(system.create_vector(increment), self.before.factor + load)
+        system.residual(residual)
+        system.configure(tracer.x, self.before.factor)
+        tracer.stepper.linear.solve(residual, correction)
+        response = self.states[right].response
+        share = tracer.inner((0.0, correction.array), (0.0, response)) / tracer.inner((0.0, response), (0.0, response))
+        off = tracer.distance(0.0, correction.array - share * response)
+        return off <= DEFECT * self.distance(left, right) or off <= 10 * max(
+            self.uncertainty(self.states[s]) for s in (left, right))
+
     def _reactions(self, increment: np.ndarray) -> np.ndarray:
         """Multipliers of prescribed motions, which the inner product does not weigh, on all processes."""
         system = self.tracer.system
@@ -194,8 +222,17 @@ class Segment:
                 return True
         elif not self.guarded:
             return False
-        off = self.tracer.distance(off, state.increment - guess[1])
+        off = self._off(state, guess)
         return off > STRAY * distance and (self.wavering or off > 10 * self.uncertainty(state))
+
+    def _off(self, state: State, guess: tuple[float, np.ndarray]) -> float:
+        """Distance of a state from where it was expected."""
+        return self.tracer.distance(state.load_increment - guess[0], state.increment - guess[1])
+
+    def forget(self, length: float, near: float) -> None:
+        """Drop the states within a distance of a length, but for the ends: rounding decides where they lie."""
+        ends = (0.0, self.after.length)
+        self.states = {s: state for s, state in self.states.items() if s in ends or abs(s - length) > near}
 
     def spectrum(self, length: float, count: int) -> tuple[list[float], list]:
         """Eigenvalues of the tangent nearest to zero, and modes, at a length."""
@@ -204,6 +241,10 @@ class Segment:
             self.tracer.factorise_at(self[length])
             found = self._spectra[length] = self.tracer.spectrum(count)
         return found
+
+    def softest_beside(self, length: float) -> float:
+        """Largest size of the eigenvalue nearest to zero, over other states whose spectra are known; infinite: none."""
+        return max((min(map(abs, values)) for s, (values, _) in self._spectra.items() if s != length), default=np.inf)
 
     def root(self, function: Callable[[float], float], left: float, right: float, exact: float) -> dict[float, float]:
         """Values of a function of the state, at lengths that close in on its root between two others.

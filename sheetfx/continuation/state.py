@@ -31,6 +31,8 @@ class CriticalPoint:
     slope, curvature : Koiter's a and b of a simple bifurcation, factor = critical factor (1 + a xi + b xi^2), where the
         load factor is that of forces or of a prescribed motion, and xi is the mode's largest displacement, its largest
         component being positive; None: not known
+    spread : loads between which bifurcations lie that could not be told apart, of which `multiplicity` is the least
+        number and `load` about their middle; None: the load is exact
     """
 
     kind: str
@@ -42,12 +44,16 @@ class CriticalPoint:
     name: str = ""
     slope: float | None = None
     curvature: float | None = None
+    spread: tuple[float, float] | None = None
 
     @property
     def title(self) -> str:
         """Kind and name in words, for example "limit point (maximum)"."""
         if self.kind == "event":
             return self.name
+        if self.spread:
+            return (f"{self.kind} points (at least {self.multiplicity}, not told apart, between the loads "
+                    f"{self.spread[0]:.8g} and {self.spread[1]:.8g})")
         name = f"{self.multiplicity}-fold" if self.multiplicity > 1 else self.name
         return f"{self.kind} point" + (f" ({name})" if name else "")
 
@@ -130,7 +136,8 @@ class State:
             fields = {k.removeprefix("field "): archive[k] for k in archive.files if k.startswith("field ")}
             vectors = {k: archive[k] for k in ("increment", "response")}
         numbers = {RENAMED.get(name, name): value for name, value in numbers.items()}
-        numbers["critical"] = tuple(CriticalPoint(**c) for c in numbers["critical"])
+        numbers["critical"] = tuple(CriticalPoint(**c | {"spread": c.get("spread") and tuple(c["spread"])})
+                                    for c in numbers["critical"])
         numbers["reference"] = tuple(numbers["reference"])
         fields.setdefault("load", np.array([0, numbers["factor"]]))  # files of version 0.1 have it in the numbers only
         return cls(**numbers, **vectors, fields=fields)

@@ -5,18 +5,22 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from scipy.optimize import minimize_scalar
+from scipy.interpolate import KroghInterpolator
+from scipy.optimize import brentq, minimize_scalar
 
-from ..continuation.segment import Jump, Missed, Segment
+from ..continuation.segment import SAMPLES, Jump, Missed, Segment
 from ..continuation.state import CriticalPoint, State
 from ..continuation.tracer import tracer_of
-from .crossings import REACHES, Crossing, pass_zero
+from .crossings import EXACT, REACHES, Crossing, pass_zero, unresolved
 from .koiter import postbuckling
 
 SAME = 1e-6  # relative difference of loads of one multiple point
+TOGETHER = 1e-3  # of a step, distance of the crossings of one multiple point
 CROWDED = 4  # bifurcations, more of which are too many for one step
 CLUSTER = 0.01  # relative difference of the loads of a step that may hold any number
 SHORTEST = 1 / 64  # of a step, piece that must be explained
+SINGULAR = 0.05  # eigenvalues of a bifurcation, over those nearest to zero at the ends of the step
+STATIONARY = 1e-3  # load rate at a limit point, over those where it is looked for
 
 
 def locate(tracer, earlier: State | None, before: State, after: State,
@@ -43,7 +47,7 @@ def locate(tracer, earlier: State | None, before: State, after: State,
     """
     segment = Segment(tracer, before, after)
     if segment.guarded and _crowded(before, after):
-        raise Jump(f"{_hidden(before, after)} bifurcations lie in one step")
+        raise Jump("too many bifurcations lie in one step")
     if not tracer.system.smooth:
         limits = _turning_loads(segment, earlier)
     else:
@@ -53,12 +57,17 @@ def locate(tracer, earlier: State | None, before: State, after: State,
                   if segment[pair[0]].load_rate * segment[pair[1]].load_rate < 0]
     if limits and segment.guarded and not tracer.control.passes_limits:
         raise Jump("a limit point lies in a step that prescribes the load")
+    returns = []
+    if tracer.system.smooth and tracer.system.conservative:
+        returns = [found for found in limits if _returns(segment, found[1])]
+        limits = [found for found in limits if found not in returns]
     points = [_limit(*found) for found in limits]
     crossings = _bifurcations(segment, [length for s, length, _ in limits if s is segment])
-    points += [_bifurcation(segment, cluster) for cluster in _clusters(crossings)]
+    crossings += [_return(segment, length) for _, length, _ in returns]
+    points += [_bifurcation(segment, cluster) for cluster in _clusters(crossings, TOGETHER * after.length)]
     for other in others:
         points += other(segment)
-    if len(segment.states) > 2 or points:
+    if tracer.state is not after:
         tracer.back_to(after)
     return tuple(sorted(points, key=lambda p: (p.step, p.length)))
 
@@ -93,20 +102,20 @@ def state_at(path, before: State, after: State, point: CriticalPoint) -> State:
     return state
 
 
-def _surround(segment: Segment, length: float) -> None:
+def _surround(segment: Segment, length: float, reaches: Sequence[float] = REACHES[:2]) -> None:
     """Have states on both sides of a bifurcation, from which its own is interpolated."""
-    for reach in REACHES[:2]:
+    for reach in reaches:
         for wanted in (length - reach * segment.after.length, length + reach * segment.after.length):
             if 0 < wanted < segment.after.length:
                 segment.reach(wanted)
 
 
 def _check(segment: Segment) -> None:
-    """Look into the middle of pieces that turn, or whose load the tangents at their ends do not explain."""
+    """Look into the middle of pieces that turn, or that the tangents at their ends do not explain or interpolate."""
     pieces = segment.pairs()
     while pieces:
         left, right = pieces.pop()
-        if not segment.explained(left, right):
+        if not (segment.explained(left, right) and segment.interpolates(left, right)):
             if right - left < SHORTEST * segment.after.length:
                 raise Jump("tangents within the step do not explain its load")
             middle = (left + right) / 2
@@ -118,7 +127,57 @@ def _check(segment: Segment) -> None:
 def _stationary_load(segment: Segment, left: float, right: float) -> tuple[Segment, float, bool]:
     """Where the load rate is zero between two lengths, and whether the load rises before."""
     values = segment.root(lambda s: segment[s].load_rate, left, right, 1e-12)
-    return segment, next(iter(values)), segment[left].load_rate > 0
+    length, least = next(iter(values.items()))
+    if segment.guarded and abs(least) > STATIONARY * max(abs(segment[s].load_rate) for s in (left, right)):
+        raise Jump("the load turns between two states without being stationary")
+    return segment, length, segment[left].load_rate > 0
+
+
+def _returns(segment: Segment, length: float) -> bool:
+    """Whether the path comes back here to the one that it branched off, and the load turns at that bifurcation.
+
+    A branch that is symmetric about the bifurcation leads through it to its mirror image: load and the displacement
+    that it works on turn together. At a limit point the load alone turns, and the current stiffness passes zero. The
+    states on both sides that say so stay, those nearer are dropped.
+    """
+    def sides(reach: float) -> list[State]:
+        wanted = (length - reach, length + reach)
+        near = (max((s for s in segment.states if s <= wanted[0]), default=0.0),
+                min((s for s in segment.states if s >= wanted[1]), default=segment.after.length))
+        return [segment[s] for s in near]
+
+    def stiff(reach: float) -> bool:
+        one, other = sides(reach)
+        return one.current_stiffness * other.current_stiffness > 0
+
+    reach = REACHES[1] * segment.after.length
+    if not stiff(reach):
+        return False
+    _surround(segment, length, REACHES[:3])
+    one, other = sides(reach / 2)
+    if one.unstable_modes != other.unstable_modes or not stiff(reach / 2):
+        return False
+    segment.forget(length, REACHES[2] * segment.after.length / 2)
+    return True
+
+
+def _return(segment: Segment, length: float) -> Crossing:
+    """The bifurcation that the path returns to, interpolated between states on both sides."""
+    coarser, finer = (_stationary(segment, length, count) for count in (SAMPLES - 2, SAMPLES))
+    if abs(finer.load - coarser.load) > EXACT * abs(finer.load):
+        _surround(segment, length, REACHES[-1:])
+        finer = _stationary(segment, length, SAMPLES)
+    return finer
+
+
+def _stationary(segment: Segment, length: float, count: int) -> Crossing:
+    """Where the load rate is zero by an interpolation between the nearest states."""
+    samples = sorted(segment.states, key=lambda s: abs(s - length))[:count]
+    table = KroghInterpolator(samples, [(segment[s].load_rate, segment[s].load, segment[s].deflection)
+                                        for s in samples])
+    left, right = max(s for s in samples if s < length), min(s for s in samples if s > length)
+    found = brentq(lambda s: table(s)[0], left, right, xtol=1e-14 * segment.after.length)
+    return Crossing(float(found), *map(float, table(found)[1:]))
 
 
 def _limit(segment: Segment, length: float, rising: bool) -> CriticalPoint:
@@ -158,44 +217,55 @@ def _bifurcations(segment: Segment, limits: list[float]) -> list[Crossing]:
         return []
     candidates = sorted(segment.states) if system.smooth else [0.0, segment.after.length]
     lengths = [s for s in candidates if all(abs(s - limit) > near for limit in limits)]
-    found = [c for pair in zip(lengths[:-1], lengths[1:], strict=True) for c in _crossings(segment, *pair, near)]
-    return sorted(found, key=lambda c: c.length)
+    found = []
+    for pair in zip(lengths[:-1], lengths[1:], strict=True):
+        limit = (any(pair[0] < length < pair[1] for length in limits) if system.smooth else
+                 segment[pair[0]].load_rate * segment[pair[1]].load_rate < 0)
+        found += _crossings(segment, *pair, near, limit)
+    return found
 
 
-def _hidden(one: State, other: State) -> int:
+def _hidden(one: State, other: State, limit: bool) -> int:
     """Least number of bifurcations between two states: a limit point changes the unstable directions by one."""
     if one.unstable_modes is None or other.unstable_modes is None:
         return 0
     change = abs(one.unstable_modes - other.unstable_modes)
-    return abs(change - 1) if one.load_rate * other.load_rate < 0 else change
+    return abs(change - 1) if limit else change
 
 
 def _crowded(before: State, after: State) -> bool:
     """Whether so many bifurcations lie between two states that these should be nearer to each other."""
     apart = abs(after.factor - before.factor) > CLUSTER * max(abs(after.factor), abs(before.factor))
-    return apart and _hidden(before, after) > CROWDED
+    return apart and _hidden(before, after, before.load_rate * after.load_rate < 0) > CROWDED
 
 
-def _crossings(segment: Segment, left: float, right: float, near: float) -> list[Crossing]:
+def _crossings(segment: Segment, left: float, right: float, near: float, limit: bool) -> list[Crossing]:
+    """Crossings between two states, between which a limit point lies or not."""
     one, other = segment[left], segment[right]
-    count = _hidden(one, other)
+    count = _hidden(one, other, limit)
     if not count:
         return []
-    if one.load_rate * other.load_rate < 0:
-        middle = (left + right) / 2
-        if right - left <= 3 * near:
-            return [Crossing(left, one.load, one.deflection)] * count
-        if not segment.reach(middle):
-            return []
-        return _crossings(segment, left, middle, near) + _crossings(segment, middle, right, near)
-    return pass_zero(segment, left, right, count)
+    if not limit:
+        return pass_zero(segment, left, right, count)
+    middle = (left + right) / 2
+    if right - left <= 3 * near:
+        return unresolved(segment, left, right, count)
+    if not segment.reach(middle):
+        if segment.guarded:
+            raise Jump("the states about a limit point do not converge")
+        return unresolved(segment, left, right, count)
+    before = one.load_rate * segment[middle].load_rate < 0
+    return (_crossings(segment, left, middle, near, before)
+            + _crossings(segment, middle, right, near, not before))
 
 
-def _clusters(crossings: list[Crossing]) -> list[list[Crossing]]:
-    """Crossings at equal loads together."""
+def _clusters(crossings: list[Crossing], near: float) -> list[list[Crossing]]:
+    """Crossings at equal loads together, in the order of their lengths, unless these differ by more than `near`."""
     clusters: list[list[Crossing]] = []
-    for crossing in crossings:
-        if clusters and abs(crossing.load - clusters[-1][-1].load) <= SAME * abs(crossing.load):
+    for crossing in sorted(crossings, key=lambda c: c.length):
+        last = clusters[-1][-1] if clusters else None
+        if (last and crossing.spread == last.spread and crossing.length - last.length <= near
+                and abs(crossing.load - last.load) <= SAME * abs(crossing.load)):
             clusters[-1].append(crossing)
         else:
             clusters.append([crossing])
@@ -205,11 +275,20 @@ def _clusters(crossings: list[Crossing]) -> list[list[Crossing]]:
 def _bifurcation(segment: Segment, crossings: list[Crossing]) -> CriticalPoint:
     """A simple or multiple bifurcation, classified."""
     first, count, tracer = crossings[0], len(crossings), segment.tracer
-    point = CriticalPoint("bifurcation", first.load, first.deflection, segment.after.step, first.length, count)
-    if not tracer.system.smooth or not tracer.system.conservative:
+    point = CriticalPoint("bifurcation", first.load, first.deflection, segment.after.step, first.length, count,
+                          spread=first.spread)
+    if not tracer.system.smooth or not tracer.system.conservative or first.spread:
         return point
-    state = segment.on_path(first.length)
+    try:
+        state = segment.on_path(first.length)
+    except Missed:
+        if segment.guarded:
+            raise Jump("the state of a bifurcation does not converge") from None
+        return point
     values, modes = segment.spectrum(first.length, count)
     tracer.factorise_at(state)
-    null = [modes[i] for i in np.argsort(np.abs(values))[:count]]
+    nearest = np.argsort(np.abs(values))[:count]
+    if segment.guarded and np.abs(values)[nearest].max() > SINGULAR * segment.softest_beside(first.length):
+        raise Jump("the tangent is not singular where eigenvalues seem to pass zero")
+    null = [modes[i] for i in nearest]
     return postbuckling(tracer, state, null, point, [segment.before, segment.after])

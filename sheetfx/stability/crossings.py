@@ -23,8 +23,9 @@ from scipy.optimize import brentq
 from ..continuation.segment import Jump, Segment
 
 REACHES = (0.1, 0.03, 0.01, 0.003)  # of a piece of path, distances from crossings of the states that are looked at
-EXACT = 1e-8  # relative error of the load at which to stop
+EXACT, ROUGH = 1e-8, 1e-5  # relative error of the load at which to stop, and which is too large
 SAMPLES = 6  # states that are interpolated between
+CLOSEST = 1e-4  # of a step, piece that is not divided any more
 APART = 0.1  # of a piece of path, distance of crossings that are looked for one by one
 FOLD = 0.9  # of the length of a piece of path, motion along the mode where a limit point is
 NOISE = 1e-6  # of the length of a piece of path, motion along a mode that does not count
@@ -39,6 +40,14 @@ class Crossing:
     length: float
     load: float
     deflection: float
+    spread: tuple[float, float] | None = None
+
+
+def unresolved(segment: Segment, left: float, right: float, count: int) -> list[Crossing]:
+    """Crossings that are known to lie between two lengths, and no more."""
+    one, other = segment[left], segment[right]
+    low, high = sorted((one.load, other.load))
+    return [Crossing(left, (low + high) / 2, (one.deflection + other.deflection) / 2, (low, high))] * count
 
 
 def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[Crossing]:
@@ -50,25 +59,33 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
         If the path does not lead through one of them, or they are not found.
     """
     border, lengths = _Border(segment, left, right, count), [left, right]
-    if not border.numbers and not segment.guarded:
-        return []
-    if len(border.numbers) != count and segment.guarded:
+    if len(border.numbers) != count and not segment.guarded:
+        return unresolved(segment, left, right, count)
+    if len(border.numbers) != count:
         raise Jump(f"{count} eigenvalues pass zero in the step, of which {len(border.numbers)} are found")
     roots = border.roots(lengths)
+    error = np.inf
     for reach in REACHES:
         gaps = np.diff(roots)
         if len(gaps) and gaps.max() > APART * (right - left):
             middle = float(roots[np.argmax(gaps)] + gaps.max() / 2)
             if segment.reach(middle):
-                return _halves(segment, left, middle, right)
+                return _pieces(segment, left, right)
         lengths = _sampled(segment, lengths, roots, reach * (right - left))
         samples = _nearest(lengths, roots)
         coarser, finer = border.roots(samples[:-1]), border.roots(samples)
-        if not np.isfinite(finer).all():
-            break
+        if not _counted(segment, lengths, finer):
+            return _pieces(segment, left, right)
+        error, drift = (_load_change(segment, samples[0], float(np.abs(finer - other).max()))
+                        for other in (coarser, roots))
         roots = finer
-        if _load_change(segment, samples[0], float(np.abs(roots - coarser).max())) <= EXACT:
+        if error <= EXACT:
             break
+        error = max(error, drift)
+    if not error <= ROUGH:
+        if segment.guarded:
+            raise Jump("eigenvalues pass zero in the step, but not smoothly")
+        return unresolved(segment, left, right, count)
     if segment.guarded:
         _compare_sides(segment, roots, samples, border)
     table = KroghInterpolator(samples, [(segment[s].load, segment[s].deflection) for s in samples])
@@ -81,13 +98,33 @@ def _load_change(segment: Segment, near: float, change: float) -> float:
     return segment.load_change(segment[near], change) / size
 
 
-def _halves(segment: Segment, left: float, middle: float, right: float) -> list[Crossing]:
-    """Crossings in two halves of a piece."""
+def _counted(segment: Segment, lengths: Sequence[float], roots: np.ndarray) -> bool:
+    """Whether between neighbouring states as many crossings lie as their numbers of unstable modes differ by.
+
+    Where a mode that is not among the vectors becomes soft, G has a pole, through which eigenvalues change sign too.
+    """
+    counts = [segment[s].unstable_modes for s in lengths]
+    return list(np.abs(np.diff(counts))) == list(np.histogram(roots, lengths)[0])
+
+
+def _pieces(segment: Segment, left: float, right: float) -> list[Crossing]:
+    """Crossings between two lengths, between neighbouring states each.
+
+    Raises
+    ------
+    Jump
+        If none lies between, or they are too close to each other.
+    """
+    lengths = [s for s in sorted(segment.states) if left <= s <= right]
+    counts = [segment[s].unstable_modes for s in lengths]
+    if len(lengths) < 3 or right - left < CLOSEST * segment.after.length:
+        if segment.guarded:
+            raise Jump("eigenvalues pass zero in the step, but not smoothly")
+        return unresolved(segment, left, right, abs(counts[0] - counts[-1]))
     found = []
-    for one, other in ((left, middle), (middle, right)):
-        count = abs(segment[one].unstable_modes - segment[other].unstable_modes)
+    for one, other, count in zip(lengths[:-1], lengths[1:], np.abs(np.diff(counts)), strict=True):
         if count:
-            found += pass_zero(segment, one, other, count)
+            found += pass_zero(segment, one, other, int(count))
     return found
 
 

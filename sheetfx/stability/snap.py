@@ -111,7 +111,7 @@ def _check(tracer, state: State, hold: str, side: int) -> None:
         raise ValueError(f"snap: hold is {hold!r}; it must be one of {', '.join(HOLDS)}")
     if side not in (1, -1):
         raise ValueError(f"snap: side is {side!r}; it must be 1 or -1")
-    if state.unstable_modes is None:
+    if state.unstable_modes is None or not tracer.system.conservative:
         raise ValueError("snap: the structure has no energy that could fall (friction, pressure, follower forces or "
                          "moments in space make its tangent unsymmetric), or its tangent is not factored with its "
                          "inertia; use loads of fixed direction, contact without friction, and the default solver")

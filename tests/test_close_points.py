@@ -1,0 +1,89 @@
+"""Critical points that lie close together: told apart, named rightly, none of them invented."""
+
+import re
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from dense_path import DensePath
+from random_structures import DenseTruss, Structure, scene
+from scipy.optimize import brentq
+
+import sheetfx as fx
+from sheetfx.continuation.segment import Segment
+from sheetfx.continuation.state import State
+from sheetfx.stability.critical import unresolved
+
+RISE = 3.0
+NAMES = {"across": "stable symmetric", "return": "unstable symmetric"}
+
+
+def pyramid(gap: float) -> Structure:
+    """Four legs, of which one pair is stiffer by a share: its apex sways along either pair."""
+    nodes = {"apex": (0.0, 0.0, RISE), "east": (1.0, 0.0, 0.0), "west": (-1.0, 0.0, 0.0), "north": (0.0, 1.0, 0.0),
+             "south": (0.0, -1.0, 0.0)}
+    members = [("apex", "east", 0), ("apex", "west", 0), ("apex", "north", 1), ("apex", "south", 1)]
+    return Structure("pyramid", nodes, members, [1.0, 1.0 + gap], dict.fromkeys(list(nodes)[1:], "x y z"),
+                     {"apex": (0.0, 0.0, -1.0)}, ("apex", "z", -1.0), 2.2 * RISE)
+
+
+@cache
+def loads(gap: float) -> dict[str, float]:
+    """Loads of the first bifurcation, where its branch returns, and on this branch that of the sway across it."""
+    truss = DenseTruss(pyramid(gap))
+    path = DensePath(truss, 0.05, 0.05)
+    while not path.points:
+        path.step()
+
+    def on_branch(x: float, z: float) -> float:
+        for _ in range(20):
+            gradient, hessian = truss.derivatives(np.array([x, 0.0, z]))
+            z -= gradient[0] / hessian[0, 2]
+        return float(z)
+
+    def across(x: float, z: float) -> float:
+        return truss.derivatives(np.array([x, 0.0, on_branch(x, z)]))[1][1, 1]
+
+    z, x, step = float(path.places[-1].z[2]), 1e-3, 0.01
+    while across(x, z) * across(x + step, z) > 0:
+        x, z = x + step, on_branch(x + step, z)
+    x = brentq(across, x, x + step, args=(z,), xtol=1e-14)
+    return {"return": path.points[0].factor,
+            "across": -float(truss.derivatives(np.array([x, 0.0, on_branch(x, z)]))[0][2])}
+
+
+@pytest.mark.parametrize("gap", [0.05, 1e-3])
+@pytest.mark.parametrize("times", [1, 4, *(pytest.param(t, marks=pytest.mark.slow) for t in (1 / 16, 1 / 4, 16))])
+def test_branch_that_returns_beside_another_mode(gap, times):
+    """A closed branch passes through both bifurcations it ends at, and before and behind sways across itself."""
+    case = fx.Case(scene(pyramid(gap)), until=fx.Until(deflection=0.5))
+    record = fx.trace(case)
+    point = next(p for p in record.critical_points if p.kind == "bifurcation")
+    start = fx.branches(record.path, record.states, point)[0].start
+    control = fx.ArcLength(0.01 * times, largest=8 / min(times, 1.0))
+    found = []
+    for state in fx.Path(case.scene, control, fx.Until(steps=200), start=[start]):
+        found += state.critical
+        if len(found) >= 7:
+            break
+    assert [(p.kind, p.multiplicity) for p in found] == len(found) * [("bifurcation", 1)]
+    cycle = [(sign, kind) for sign in (1, -1) for kind in ("across", "return", "across")]
+    signs = [(int(np.sign(p.load)), next(kind for kind in NAMES if NAMES[kind] == p.name)) for p in found]
+    assert signs in [[cycle[(k + i) % 6] for i in range(len(found))] for k in range(6)]
+    assert [abs(p.load) for p in found] == pytest.approx([loads(gap)[kind] for _, kind in signs], rel=2e-7)
+
+
+def test_what_cannot_be_told_apart_has_a_spread_instead_of_a_number(tmp_path):
+    """Two of the pyramid's points, as if they could not be resolved."""
+    record = fx.trace(fx.Case(scene(pyramid(1e-3)), until=fx.Until(deflection=0.5)))
+    first, second = [p for p in record.critical_points if p.kind == "bifurcation"]
+    before, after = record.states[first.step - 1], record.states[first.step]
+    segment = Segment(record.path.tracer, before, after)
+    crossings = unresolved(segment, 0.0, after.length, 2)
+    assert crossings[0].spread == (before.load, after.load)
+    assert before.load < first.load < after.load
+    point = replace(first, multiplicity=2, name="", spread=crossings[0].spread)
+    assert re.match(r"bifurcation points \(at least 2, not told apart, between the loads .* and .*\)", point.title)
+    replace(after, critical=(point,)).save(tmp_path / "state.npz")
+    assert State.load_from(tmp_path / "state.npz").critical == (point,)
