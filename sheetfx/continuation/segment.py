@@ -15,11 +15,13 @@ from .state import State
 TURNING = 0.4  # radians between chord and tangents of a piece of path, from which its middle is looked at
 UNEXPLAINED = 0.25  # of the load or the reactions by the steeper tangent, likewise
 MINOR = 1e-6  # of the forces that an increment adds, reactions that matter little: those of ties that are not pulled
+STEEPEST = 2.5  # rate of the load over that of the chord, likewise
 NOISE = 1e-12  # of reactions, over what the stiffest unknown would take: structures that move without strain
 SAMPLES = 6  # states that are interpolated between
 IN_BALANCE = 1e-6  # residual over the load of an interpolated state
 DEFECT = 0.006  # of the length of a piece, correction that its interpolation asks for at a place, likewise
 INSIDE = 0.875  # of a piece, that place: near the end whose tangent is factored
+ROUNDED = 1e-6  # of the structure's size, correction that rounding may ask for
 CLOSE = 0.02  # of the distance between its neighbours, by which a state misses an interpolation that is good enough
 STRAY = 0.3  # of the distance between its neighbours, by which a state may miss their interpolation
 
@@ -164,6 +166,7 @@ class Segment:
         distance = self.distance(left, right)
         return (all(self.tracer.angle(chord, t) <= TURNING for t in tangents)
                 and self._follows(chord[0], [t[0] for t in tangents], distance)
+                and not self._bulges(chord[0], [t[0] for t in tangents], distance)
                 and self._follows(self._reactions(chord[1]), [self._reactions(t[1]) for t in tangents], distance,
                                   self._reaction_noise(*chord)))
 
@@ -186,7 +189,7 @@ class Segment:
         response = self.states[right].response
         share = tracer.inner((0.0, correction.array), (0.0, response)) / tracer.inner((0.0, response), (0.0, response))
         off = tracer.distance(0.0, correction.array - share * response)
-        return off <= DEFECT * self.distance(left, right) or off <= 10 * max(
+        return off <= DEFECT * self.distance(left, right) or off <= ROUNDED and off <= 10 * max(
             self.uncertainty(self.states[s]) for s in (left, right))
 
     def _reactions(self, increment: np.ndarray) -> np.ndarray:
@@ -209,6 +212,15 @@ class Segment:
         """Whether a change along a piece is what the mean of its rates at both ends makes of it, but for noise."""
         error = np.linalg.norm(change - distance * (rates[0] + rates[1]) / 2)
         return error <= UNEXPLAINED * distance * max(map(np.linalg.norm, rates)) + noise
+
+    @staticmethod
+    def _bulges(change: float, rates: Sequence[float], distance: float) -> bool:
+        """Whether a value that changes to one side at both ends may turn twice between (Fritsch and Carlson 1980).
+
+        A cubic with a rate beyond three times that of the chord can; a parabola has twice that rate at one end.
+        """
+        steepest = max(rates, key=abs)
+        return rates[0] * rates[1] > 0 and abs(steepest) * distance > STEEPEST * change * np.sign(steepest)
 
     def _strays(self, state: State, guess, left: float, right: float) -> bool:
         """Whether a state is further from the interpolation between its neighbours than they explain, and rounding.
