@@ -174,23 +174,36 @@ class Segment:
         """Whether a place inside of a piece, as its ends interpolate it, needs a small correction only.
 
         A defect between the points that an interpolation is made for shows what it misses (Kierzenka and Shampine
-        2001): a loop, or another path that runs alongside. It is corrected off the path, by the factor at hand.
+        2001): a loop, or another path that runs alongside. It is corrected off the path, by the factor at hand, and if
+        that asks for much, as in slender parts that have turned, by the tangent of that place.
         """
         if self._close & {left, right}:
             return True
         tracer, system = self.tracer, self.tracer.system
         load, increment = self._interpolated(left, right, left + INSIDE * (right - left))
         tracer.back_to(self.before)
-        residual, correction = system.create_vector(), system.create_vector()
-        system.configure(system.create_vector(increment), self.before.factor + load)
+        place, residual, response = system.create_vector(increment), system.create_vector(), system.create_vector()
+        system.configure(place, self.before.factor + load)
         system.residual(residual)
+        response.array[:] = self.states[right].response
+        small = DEFECT * self.distance(left, right)
+        off = self._across(residual, response)
+        if off > max(small, ROUNDED):
+            system.extrapolate_stress()
+            tracer.stepper.factorise(tracer.snes, place)
+            push = tracer.load_vector()
+            tracer.stepper.linear.solve(push, response)
+            off = self._across(residual, response)
         system.configure(tracer.x, self.before.factor)
-        tracer.stepper.linear.solve(residual, correction)
-        response = self.states[right].response
-        share = tracer.inner((0.0, correction.array), (0.0, response)) / tracer.inner((0.0, response), (0.0, response))
-        off = tracer.distance(0.0, correction.array - share * response)
-        return off <= DEFECT * self.distance(left, right) or off <= ROUNDED and off <= 10 * max(
-            self.uncertainty(self.states[s]) for s in (left, right))
+        return off <= small or (off <= ROUNDED and off <= 10 * max(
+            self.uncertainty(self.states[s]) for s in (left, right)))
+
+    def _across(self, residual: PETSc.Vec, response: PETSc.Vec) -> float:
+        """Length of the correction by the factor at hand, off the response to the load."""
+        correction, inner = residual.duplicate(), self.tracer.tangent.inner
+        self.tracer.stepper.linear.solve(residual, correction)
+        correction.axpy(-inner(correction, response) / inner(response, response), response)
+        return inner(correction, correction) ** 0.5
 
     def _reactions(self, increment: np.ndarray) -> np.ndarray:
         """Multipliers of prescribed motions, which the inner product does not weigh, on all processes."""

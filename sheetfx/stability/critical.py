@@ -14,7 +14,7 @@ from ..continuation.tracer import tracer_of
 from .crossings import EXACT, REACHES, Crossing, pass_zero, unresolved
 from .koiter import postbuckling
 
-SAME = 1e-6  # relative difference of loads of one multiple point
+SAME = 3e-7  # relative difference of loads of one multiple point
 TOGETHER = 1e-3  # of a step, distance of the crossings of one multiple point
 CROWDED = 4  # bifurcations, more of which are too many for one step
 CLUSTER = 0.01  # relative difference of the loads of a step that may hold any number
