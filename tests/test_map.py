@@ -55,6 +55,7 @@ def cell(folder):
     (TRAPS["punch-arch"], "load", JUMPED, "205.6"),  # over the limit, to the stable state behind it
     (TRAPS["punch-arch"], "penalty-small", WRONG, "drifts"),  # by its penetration
     (TRAPS["punch-arch"], "penalty", PASSED, ""),
+    (TRAPS["closed-path"], "cylindrical", PASSED, ""),  # the second turn is not taken for the first
     (TILTING, "cylindrical", PASSED, ""),
     (TILTING, "determinant", BACK, "returns"),  # behind the bifurcation
 ], ids=lambda value: value.name if isinstance(value, Trap) else None)

@@ -77,7 +77,12 @@ def _near_zero(segment: Segment, event: Event) -> float:
         found = event.value(segment[length])
         return 0.0 if abs(found) <= event.near else found
 
-    return float(brentq(value, 0.0, segment.after.length, xtol=1e-12 * segment.after.length))
+    try:
+        return float(brentq(value, 0.0, segment.after.length, xtol=1e-12 * segment.after.length))
+    except Missed:
+        if segment.guarded:
+            raise
+        return segment.after.length
 
 
 def _bisected(segment: Segment, event: Event) -> float:

@@ -40,10 +40,15 @@ class Trail:
     def place(self, state: State) -> np.ndarray:
         return np.append(_displacements(state) / self._size, state.factor / self._load)
 
-    def project(self, state: State) -> tuple[float, float, float]:
-        """Length along the curve of the nearest place, distance from there, and the distance that is still close."""
+    def project(self, state: State, after: float = 0.0) -> tuple[float, float, float]:
+        """Length along the curve of the nearest place, distance from there, and the distance that is still close.
+
+        Where the curve passes a place several times, as a closed one does, that nearest to the length `after` counts.
+        """
         distances = np.linalg.norm(self._curve - self.place(state), axis=1)
-        nearest = int(np.argmin(distances))
+        padded = np.pad(distances, 1, constant_values=np.inf)
+        passes = (distances <= padded[:-2]) & (distances <= padded[2:]) & (distances <= distances.min() + OFF / 2)
+        nearest = int(min(np.flatnonzero(passes), key=lambda n: abs(self._lengths[n] - after)))
         step = self.steps[min(nearest // PIECES, len(self.steps) - 1)]
         return float(self._lengths[nearest]), float(distances[nearest]), OFF + 0.05 * float(step)
 
@@ -92,7 +97,7 @@ class Judge:
         trail, before = self._trail, self._before
         if trail is None:
             return None
-        along, distance, close = trail.project(state)
+        along, distance, close = trail.project(state, self._along)
         beyond = trail.beyond(state) if along in (0.0, trail.length) else 0
         if beyond > 0:
             return None
