@@ -58,7 +58,7 @@ def locate(tracer, earlier: State | None, before: State, after: State,
     if limits and segment.guarded and not tracer.control.passes_limits:
         raise Jump("a limit point lies in a step that prescribes the load")
     returns = []
-    if tracer.system.smooth and tracer.system.conservative:
+    if segment.guarded and tracer.system.conservative:
         returns = [found for found in limits if _returns(segment, found[1])]
         limits = [found for found in limits if found not in returns]
     points = [_limit(*found) for found in limits]
