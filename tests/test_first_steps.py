@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import pi
 
 import pytest
+from helpers import on_two_processes
 
 import sheetfx as fx
 
@@ -55,6 +56,19 @@ def test_first_step_over_many_critical_loads_is_cut(control, depth):
     kept = [p for state in path for p in state.critical]
     assert [p.load for p in kept] == pytest.approx([n * n for n in range(1, 7)], rel=4e-2)
     assert all(p.name == "stable symmetric" for p in kept)
+
+
+@pytest.mark.slow
+def test_slender_columns_on_two_processes():
+    """Their critical points as on one process."""
+    script = """
+from test_first_steps import column, found
+for depth in (1e-2, 1e-5):
+    print(*(f"{load:.9g}" for *_, load in found(column(depth))))
+"""
+    for line, depth in zip(on_two_processes(script), (1e-2, 1e-5), strict=True):
+        both, alone = [float(word) for word in line.split()], [load for *_, load in found(column(depth))]
+        assert both == pytest.approx(alone, rel=1e-6)
 
 
 def test_displacement_control_has_a_first_step_in_any_units():

@@ -291,6 +291,21 @@ def test_frame_with_other_first_steps(whole):
         _assert_same(found(scene, until, control), expected)
 
 
+@pytest.mark.slow
+def test_columns_and_frames_on_two_processes():
+    script = '''
+import sheetfx as fx
+from test_following import found, pflueger, right_angle_frame
+for scene, end in ((pflueger(), 250.0), (right_angle_frame(False), 1300.0), (right_angle_frame(True), 2600.0)):
+    print(*(f"{kind} {load:.9g} {number}" for kind, load, number in found(scene, fx.Until(load=end))))
+'''
+    scenes = (pflueger(), 250.0), (right_angle_frame(False), 1300.0), (right_angle_frame(True), 2600.0)
+    for line, (scene, end) in zip(on_two_processes(script), scenes, strict=True):
+        words = line.split()
+        both = [(words[n], float(words[n + 1]), int(words[n + 2])) for n in range(0, len(words), 3)]
+        _assert_same(both, found(scene, fx.Until(load=end)))
+
+
 def test_free_moments_have_no_potential():
     """The same moment where the end of a leg turns about all axes."""
     scene = right_angle_frame(False)

@@ -55,7 +55,7 @@ def cell(folder):
     (TRAPS["punch-arch"], "load", JUMPED, "205.6"),  # over the limit, to the stable state behind it
     (TRAPS["punch-arch"], "penalty-small", WRONG, "drifts"),  # by its penetration
     (TRAPS["punch-arch"], "penalty", PASSED, ""),
-    (TRAPS["closed-path"], "cylindrical", PASSED, ""),  # the second turn is not taken for the first
+    pytest.param(TRAPS["closed-path"], "cylindrical", PASSED, "", marks=pytest.mark.slow),  # two turns are told apart
     (TILTING, "cylindrical", PASSED, ""),
     (TILTING, "determinant", BACK, "returns"),  # behind the bifurcation
 ], ids=lambda value: value.name if isinstance(value, Trap) else None)
@@ -67,6 +67,7 @@ def test_classical_failures(cell, trap, method, outcome, words):
     assert found.factorisations > 0
 
 
+@pytest.mark.slow
 def test_a_penalty_too_large_fails(cell):
     """Contact points take turns: which failure they bring depends on rounding."""
     assert cell(TRAPS["punch-arch"], "penalty-large").outcome in (JUMPED, STALLED, WRONG, BACK)

@@ -16,7 +16,8 @@ from sheetfx.forms.section import linear_shell
 from sheetfx.forms.shell import ShellStrains
 from sheetfx.mesh.numbers import as_constants
 from sheetfx.mesh.reader import read
-from sheetfx.model.loads import EdgeForce, PointForce, Pressure, SurfaceForce
+from sheetfx.model.following import Pressure
+from sheetfx.model.loads import EdgeForce, PointForce, SurfaceForce
 from sheetfx.model.scene import Monitor, Scene
 from sheetfx.model.section import Elastic, GivenPlate, Plate, ShellStiffness
 from sheetfx.model.shell import FORMS, TRIANGLE, Shell, is_coupled

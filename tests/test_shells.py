@@ -48,6 +48,7 @@ def test_end_values_on_a_coarse_mesh(module, parameters, tolerance):
     assert largest_error(values, module.REFERENCE) < tolerance
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("thickness", "limits"), [(12.7, (2220.93, 505.68)), (6.35, (583.83, -384.66))])
 def test_roof_keeps_its_path_for_steps_over_a_factor_of_16(thickness, limits):
     """Both limit points of two paths to 1e-5, and those of 16 cells to 1e-3; the thin roof snaps back."""
@@ -66,7 +67,7 @@ def test_roof_keeps_its_path_for_steps_over_a_factor_of_16(thickness, limits):
     (cantilever, {"cells": 8, "steps": 20}, 1.5e-3),
     (slit_annulus, {"cells": 15, "steps": 20}, 5e-3),
     (hemisphere, {"cells": 8, "steps": 20}, 1.2e-2),
-    (pull_out, {"cells": 8, "steps": 20}, 1e-2),
+    pytest.param(pull_out, {"cells": 8, "steps": 20}, 1e-2, marks=pytest.mark.slow),
     (semi_cylinder, {"cells": 8, "step": 0.01}, 1.5e-2),
 ])
 def test_published_points_lie_on_the_path(module, parameters, tolerance):
