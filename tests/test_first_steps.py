@@ -68,7 +68,7 @@ for depth in (1e-2, 1e-5):
 """
     for line, depth in zip(on_two_processes(script), (1e-2, 1e-5), strict=True):
         both, alone = [float(word) for word in line.split()], [load for *_, load in found(column(depth))]
-        assert both == pytest.approx(alone, rel=1e-6)
+        assert both == pytest.approx(alone, rel=1e-5), "rounding in the axial force of slender parts"
 
 
 def test_displacement_control_has_a_first_step_in_any_units():

@@ -17,7 +17,7 @@ UNEXPLAINED = 0.25  # of the load or the reactions by the steeper tangent, likew
 MINOR = 1e-6  # of the forces that an increment adds, reactions that matter little: those of ties that are not pulled
 STEEPEST = 2.5  # rate of the load over that of the chord, likewise
 NOISE = 1e-12  # of reactions, over what the stiffest unknown would take: structures that move without strain
-SAMPLES = 6  # states that are interpolated between
+SAMPLES, FEWEST = 6, 4  # states that are interpolated between, at most and at least
 IN_BALANCE = 1e-6  # residual over the load of an interpolated state
 DEFECT = 0.006  # of the length of a piece, correction that its interpolation asks for at a place, likewise
 INSIDE = 0.875  # of a piece, that place: near the end whose tangent is factored
@@ -92,7 +92,7 @@ class Segment:
         Jump, Missed
         """
         nearest = sorted(self.states, key=lambda s: abs(s - length))[:SAMPLES]
-        if self.wavering or len(nearest) < SAMPLES or length in self.states:
+        if self.wavering or len(nearest) < FEWEST or length in self.states:
             return self[length]
         table = [np.append(x, load) for load, x in map(self._increments, nearest)]
         found, tracer = KroghInterpolator(nearest, table)(length), self.tracer
