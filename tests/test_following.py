@@ -204,6 +204,13 @@ print(*(f"{kind} {load:.9g}" for kind, load, _ in found(column(beck, CLAMPED), f
     assert (kind, float(load)) == (alone, pytest.approx(expected, rel=1e-6))
 
 
+def test_smallest_structure_under_a_load_that_follows():
+    """Two elements, fewer unknowns than eigenvalues are asked for: Pfluger's column on a coarse mesh."""
+    kept = found(column(along_axis, PINNED, cells=2), fx.Until(load=25.0))
+    assert [(kind, number) for kind, _, number in kept] == [("bifurcation", 1)]
+    assert kept[0][1] == pytest.approx(18.956, rel=0.05)
+
+
 def becks_equation(load, frequency):
     """Zero for the frequencies of Beck's column (Beck 1952; Bolotin 1963, eq. 2.20), with EI, length and mass 1."""
     root = sqrt(load**2 / 4 + frequency**2)

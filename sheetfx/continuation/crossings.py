@@ -123,14 +123,15 @@ def crossings(solver: DirectSolver, earlier: PETSc.Mat, weights: PETSc.Vec, sign
     change.axpy(-1.0, earlier, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
     if not change.norm() > 0:
         return 0
-    asked, most = FEW, min(MANY, change.getSize()[0])
-    while True:
+    size = change.getSize()[0]
+    asked = min(FEW, size)
+    values = _reciprocal(_solver(solver, change, asked))
+    while asked == len(values) < min(MANY, size) and np.abs(values).min() >= 1:
+        asked = min(2 * asked, MANY, size)
         values = _reciprocal(_solver(solver, change, asked))
-        if len(values) < asked or np.min(np.abs(values)) < 1 or asked == most:
-            break
-        asked = min(2 * asked, most)
     passed = [v for v in values if _passes(v)]
-    if (-1) ** len(passed) != signs or (asked == most and np.min(np.abs(values)) >= 1):
+    complete = np.abs(values).min() < 1 or len(values) == size
+    if not complete or (-1) ** len(passed) != signs:
         raise Uncounted("the tangent changes too much for the eigenvalues that pass zero to be counted")
     return _towards_negative(solver, change, weights, asked, passed) if passed else 0
 
