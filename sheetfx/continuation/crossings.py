@@ -130,8 +130,8 @@ def crossings(solver: DirectSolver, earlier: PETSc.Mat, weights: PETSc.Vec, sign
         asked = min(2 * asked, MANY, size)
         values = _reciprocal(_solver(solver, change, asked))
     passed = [v for v in values if _passes(v)]
-    complete = np.abs(values).min() < 1 or len(values) == size
-    if not complete or (-1) ** len(passed) != signs:
+    too_many = len(values) >= MANY and np.abs(values).min() >= 1
+    if too_many or (-1) ** len(passed) != signs:
         raise Uncounted("the tangent changes too much for the eigenvalues that pass zero to be counted")
     return _towards_negative(solver, change, weights, asked, passed) if passed else 0
 
