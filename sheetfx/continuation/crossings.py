@@ -17,7 +17,7 @@ from petsc4py import PETSc
 from slepc4py import SLEPc
 
 from .linear import DirectSolver
-from .spectrum import invert_at_zero
+from .spectrum import about_zero
 from .state import State
 
 PREFIX = "sheetfx_crossings_"
@@ -125,15 +125,17 @@ def crossings(solver: DirectSolver, earlier: PETSc.Mat, weights: PETSc.Vec, sign
         return 0
     size = change.getSize()[0]
     asked = min(FEW, size)
-    values = _reciprocal(_solver(solver, change, asked))
+    eps = _solver(solver, change, asked)
+    values = _reciprocal(eps)
     while asked == len(values) < min(MANY, size) and np.abs(values).min() >= 1:
         asked = min(2 * asked, MANY, size)
-        values = _reciprocal(_solver(solver, change, asked))
+        eps = _solver(solver, change, asked)
+        values = _reciprocal(eps)
     passed = [v for v in values if _passes(v)]
     too_many = len(values) >= MANY and np.abs(values).min() >= 1
     if too_many or (-1) ** len(passed) != signs:
         raise Uncounted("the tangent changes too much for the eigenvalues that pass zero to be counted")
-    return _towards_negative(solver, change, weights, asked, passed) if passed else 0
+    return _towards_negative(eps, solver, change, weights, asked) if passed else 0
 
 
 def first_passing(solver: DirectSolver, change: PETSc.Mat) -> float:
@@ -156,13 +158,10 @@ def _passes(value: complex) -> bool:
 
 def _solver(solver: DirectSolver | _Transposed, change: PETSc.Mat, count: int, tolerance: float = 1e-6) -> SLEPc.EPS:
     """Solved eigenproblem K1 mode = (1 - s) (K1 - K0) mode for the values nearest to zero."""
-    eps = SLEPc.EPS().create(change.comm)
-    eps.setOptionsPrefix(PREFIX)
-    eps.setOperators(solver.matrix, change)
+    eps = about_zero(solver, change, PREFIX)
     eps.setProblemType(SLEPc.EPS.ProblemType.GNHEP)
     eps.setDimensions(count, min(max(2 * count + 8, 20), change.getSize()[0]))
     eps.setTolerances(tolerance, 30)
-    invert_at_zero(eps, solver)
     eps.setFromOptions()
     eps.solve()
     return eps
@@ -174,16 +173,16 @@ def _reciprocal(eps: SLEPc.EPS) -> np.ndarray:
     return 1 / values if len(values) else np.zeros(1)
 
 
-def _towards_negative(solver: DirectSolver, change: PETSc.Mat, weights: PETSc.Vec, asked: int, passed: list) -> int:
+def _towards_negative(eps: SLEPc.EPS, solver: DirectSolver, change: PETSc.Mat, weights: PETSc.Vec, asked: int) -> int:
     """Number of eigenvalues that become negative less that of those that become positive.
 
     A simple eigenvalue of K0 + s (K1 - K0) changes at zero by (left mode) (K1 - K0) (mode) over their inner product;
     several together by the eigenvalues of the same with matrices.
     """
-    right = [pair for pair in _modes(_solver(solver, change, asked)) if _passes(pair[0])]
+    right = [pair for pair in _modes(eps) if _passes(pair[0])]
     left = _modes(_solver(_Transposed(solver), change.transpose(PETSc.Mat()), asked))
-    if len(left) < len(right) or len(right) != len(passed):
-        raise Uncounted("not all eigenvalues that pass zero converge again")
+    if len(left) < len(right):
+        raise Uncounted("not all eigenvalues of the transposed tangent that pass zero converge")
     count, group = 0, []
     for n, (value, mode) in enumerate(right):
         group.append((mode, left.pop(int(np.argmin([abs(other - value) for other, _ in left])))[1]))

@@ -61,14 +61,10 @@ def nearest_pairs(solver: DirectSolver, mass: PETSc.Mat, count: int,
 
 def _solved(solver: DirectSolver, mass: PETSc.Mat, count: int, tolerance: float) -> SLEPc.EPS:
     """Solved eigenproblem for the values nearest to zero."""
-    eps = SLEPc.EPS().create(mass.comm)
-    eps.setOptionsPrefix(PREFIX)
-    eps.setOperators(solver.matrix, mass)
-    kinds = SLEPc.EPS.ProblemType
+    eps, kinds = about_zero(solver, mass, PREFIX), SLEPc.EPS.ProblemType
     eps.setProblemType(kinds.GHEP if solver.symmetric else kinds.GNHEP)
     eps.setDimensions(count, min(max(2 * count + 8, 12), mass.getSize()[0]))
     eps.setTolerances(tolerance, 300)
-    invert_at_zero(eps, solver)
     eps.setFromOptions()
     eps.solve()
     return eps
@@ -106,8 +102,11 @@ def _normed(mode: PETSc.Vec, mass: PETSc.Mat) -> PETSc.Vec:
     return mode
 
 
-def invert_at_zero(eps: SLEPc.EPS, solver: DirectSolver) -> None:
-    """Let an eigensolver find eigenvalues about zero with a factor that is there."""
+def about_zero(solver: DirectSolver, right: PETSc.Mat, prefix: str) -> SLEPc.EPS:
+    """Eigensolver of K mode = value (right) mode for values about zero, with the factor of K that is there."""
+    eps = SLEPc.EPS().create(right.comm)
+    eps.setOptionsPrefix(prefix)
+    eps.setOperators(solver.matrix, right)
     eps.setTarget(0.0)
     eps.setWhichEigenpairs(SLEPc.EPS.Which.TARGET_MAGNITUDE)
     transformation = eps.getST()
@@ -116,6 +115,7 @@ def invert_at_zero(eps: SLEPc.EPS, solver: DirectSolver) -> None:
     ksp.setType(PETSc.KSP.Type.PREONLY)
     ksp.getPC().setType(PETSc.PC.Type.PYTHON)
     ksp.getPC().setPythonContext(_Factored(solver))
+    return eps
 
 
 class _Factored:
