@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from math import inf
 
+import numpy as np
 from scipy.optimize import brentq
 
 from ..continuation.segment import Missed, Segment
@@ -17,6 +18,7 @@ from ..continuation.state import CriticalPoint, State
 from .vibration import is_complex, mass_matrix
 
 COUNT = 6  # squares of frequencies, those nearest to zero, among which pairs are looked for
+SAME = 1e-3  # relative difference of pairs that meet at one point
 EXACT = 1e-9  # of a step, length within which frequencies meet
 
 
@@ -44,11 +46,12 @@ class Flutter:
             return []
         more, sign = (pairs[1], 1) if len(pairs[1]) > len(pairs[0]) else (pairs[0], -1)
         meeting = min(more, key=lambda pair: abs(pair.imag) / abs(pair))
-        length = self._meet(segment, meeting.real)
+        number = sum(abs(pair - meeting) <= SAME * abs(meeting) for pair in more)
+        length = self._meet(segment, meeting.real, number)
         if length is None:
             return []
         state = segment[length]
-        return [CriticalPoint("flutter", state.load, state.deflection, segment.after.step, length,
+        return [CriticalPoint("flutter", state.load, state.deflection, segment.after.step, length, number,
                               name="begins" if sign > 0 else "ends")]
 
     def _squares(self, segment: Segment, length: float) -> list[complex]:
@@ -59,17 +62,20 @@ class Flutter:
         tracer.factorise_at(state)
         return [value for value, *_ in nearest_pairs(tracer.stepper.linear, self._mass(), COUNT)]
 
-    def _meet(self, segment: Segment, near: float) -> float | None:
-        """Length at which two frequencies meet: the square of half their difference passes zero."""
+    def _meet(self, segment: Segment, near: float, number: int) -> float | None:
+        """Length at which frequencies meet: the square of half the difference of both passes zero.
+
+        Where several pairs meet at once, as in columns that are the same in two planes, the means of both count.
+        """
         def discriminant(length):
             values = self._squares(segment, length)
             pairs = [v for v in values if v.imag > 0 and is_complex(v)]
             if pairs:
                 return -min(pairs, key=lambda v: abs(v.real - near)).imag ** 2
-            real = sorted(v.real for v in values)
-            gaps = zip(real[:-1], real[1:], strict=True)
-            one, other = min(gaps, key=lambda gap: abs(sum(gap) / 2 - near))
-            return ((other - one) / 2) ** 2
+            real = np.sort([v.real for v in values])
+            groups = [real[n: n + 2 * number] for n in range(len(real) - 2 * number + 1)]
+            group = min(groups, key=lambda g: abs(g.mean() - near))
+            return ((group[number:].mean() - group[:number].mean()) / 2) ** 2
 
         try:
             return float(brentq(discriminant, 0.0, segment.after.length, xtol=EXACT * segment.after.length))
