@@ -16,7 +16,7 @@ _ROOMS = {
     "mesh.imperfection": "imperfect measured random_field",
     "model.beam": "Bar Beam",
     "model.contact": "Contact",
-    "model.joints": "Foundation Joint Spring Tie Uniform hinge weld",
+    "model.joints": "Compatible Foundation Joint Spring Tie Uniform hinge weld",
     "model.loads": "EdgeForce LineForce Load Moment "
                    "ObstacleForce PointForce PrescribedDisplacement PrescribedRotation SurfaceForce",
     "model.obstacles": "RigidCylinder RigidPlane",

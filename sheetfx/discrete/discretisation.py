@@ -28,6 +28,7 @@ from .load_work import works_of_loads
 from .nodal import FixedIncrements
 from .number import NumberField
 from .potential import look_for_potentials
+from .sharing import check_sharings, share_axes
 from .supports import fixed_dofs, turn_nodes
 from .system import System
 from .timing import Stopwatch
@@ -50,6 +51,9 @@ class Discretisation:
         fields = self.fields = Fields(scene)
         for mesh in scene.meshes:
             turn_nodes(self.kinematics(mesh), [s for s in scene.supports if s.mesh is mesh])
+        sharings = [sharing for joint in scene.joints for sharing in joint.shared(fields)]
+        check_sharings(sharings)
+        share_axes(sharings)
         self._add_travels()
         for thing in (*scene.all_loads, *scene.joints):
             thing.unknowns(fields)
@@ -57,7 +61,7 @@ class Discretisation:
         fields.blocks += [c.block for c in self.contacts if c.block is not None]
         self.unknowns = fields.unknowns = Unknowns(fields.blocks)
         self._close_contacts()
-        fixed = [fixed_dofs(fields, block) for block in fields.blocks]
+        fixed = fixed_dofs(fields, sharings)
         changes = [None if isinstance(f, NumberField) else fem.Function(f.value.function_space)
                    for f in self.unknowns.fields] if mixed_points else None
         with self.clock("compile"):
@@ -65,7 +69,7 @@ class Discretisation:
             others = [*self._of_contacts(), *self._of_joints(), *chain(*(works for _, works in loads)),
                       FixedIncrements()]
             contributions = [*self._of_parts(changes), *others]
-        layout = Layout(scene.parts[0].mesh.domain.comm, fields.blocks, fixed)
+        layout = Layout(scene.parts[0].mesh.domain.comm, fields.blocks, fixed, sharings)
         self.follower = look_for_potentials(loads, self.unknowns, layout, fields.factors, self.clock)
         self.system = System(self.unknowns, contributions, layout, fields.factors, changes, self.clock)
         self._totals = [[load.total(fields.at_stage(n)) for load in stage.loads]

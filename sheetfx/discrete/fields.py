@@ -18,6 +18,7 @@ from .load_factors import LoadFactors
 from .nodal_field import AdditiveField
 from .number import NumberField, shared_by_all
 from .points import PointLaw, PointWork, Trace
+from .sharing import Sharing, same_places
 from .unknowns import Block, Unknowns
 
 QUANTITIES = "displacement", "rotation"
@@ -180,6 +181,23 @@ class Fields:
                 comm.size > 1)
             raise ValueError(f"joint at {at!r}: its nodes do not match those that it is joined to{others}; join "
                              "points, or edges whose nodes have the same places")
+        return found
+
+    def sharings(self, mesh: NamedMesh, to: NamedMesh, at: str | None, quantities: Sequence[str]) -> list[Sharing]:
+        """Nodes of a mesh, or of a named place of it, that are to have the unknowns of those of another at their place.
+
+        Raises
+        ------
+        ValueError
+            If no node stands at another's.
+        """
+        turning = self.spin(mesh) is not None and self.spin(to) is not None
+        near = SAME_PLACE * max(mesh.size, to.size)
+        found = [same_places(mesh, self._field(mesh, q), self._field(to, q), at, near)
+                 for q in quantities if turning or q == "displacement"]
+        if not mesh.domain.comm.allreduce(sum(len(s.nodes) for s in found)):
+            raise ValueError(f"Compatible: no node of {at or ', '.join(mesh.cells)} stands at a node of "
+                             f"{', '.join(to.cells)}; mesh them with common nodes, or weld them")
         return found
 
     def _field(self, mesh: NamedMesh, quantity: str) -> AdditiveField:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
+from itertools import chain
 
 import numpy as np
 from dolfinx import la
@@ -13,34 +14,43 @@ from petsc4py import PETSc
 
 from .. import compat
 from .nodal_field import AdditiveField
+from .sharing import Sharing
 from .unknowns import Block
 
 
 class Layout:
     """Rows of the solver's vector: blocks one behind the other on each process.
 
-    Vectors are taken apart into arrays, one for each block with the entries of this process and its ghosts.
+    Vectors are taken apart into arrays, one for each block with the entries of this process and its ghosts. Rows of
+    unknowns that are shared with other nodes stay zero: arrays have the values of those, and forces go there.
 
     Parameters
     ----------
     blocks : in their order
     fixed : for each block the local dofs whose increment is zero; None: none
+    sharings : nodes that have the unknowns of others
 
     Attributes
     ----------
     comm : of all processes
     size, start : number of rows of this process, and global number of the first
-    fixed : rows of this process whose increment is zero, counted from its first
+    fixed : rows of this process whose increment is zero or that of another row, counted from its first
     """
 
-    def __init__(self, comm: MPI.Comm, blocks: Sequence[Block], fixed: Sequence[np.ndarray] | None = None):
+    def __init__(self, comm: MPI.Comm, blocks: Sequence[Block], fixed: Sequence[np.ndarray] | None = None,
+                 sharings: Sequence[Sharing] = ()):
         self._blocks, self.comm = blocks, comm
         self._maps = [(b.index_map, b.width) for b in blocks]
         self._owned = [index_map.size_local * width for index_map, width in self._maps]
         self._offsets = np.concatenate(([0], np.cumsum(self._owned)))
         self.size = int(self._offsets[-1])
         self.start = self.comm.scan(self.size) - self.size
-        self.fixed = self.rows(fixed) if fixed is not None else np.empty(0, dtype=np.int32)
+        self._shared = [s.entries(blocks) for s in sharings]
+        fixed = list(fixed) if fixed is not None else [np.empty(0, dtype=np.int64) for _ in blocks]
+        self._zero = self.rows(fixed)
+        for block, dofs, _, _ in self._shared:
+            fixed[block] = np.union1d(fixed[block], dofs)
+        self.fixed = self.rows(fixed)
 
     def create_vector(self, values: np.ndarray | None = None) -> PETSc.Vec:
         """A vector, zero or with this process's part given."""
@@ -56,11 +66,23 @@ class Layout:
     def arrays(self, vector: PETSc.Vec) -> list[np.ndarray]:
         """Arrays with the entries of a vector, whose ghosts are updated."""
         vector.ghostUpdate(addv=PETSc.InsertMode.INSERT, mode=PETSc.ScatterMode.FORWARD)
-        return get_local_vectors(vector, self._maps)
+        arrays = get_local_vectors(vector, self._maps)
+        for block, dofs, of_block, of_dofs in self._shared:
+            arrays[block][dofs] = arrays[of_block][of_dofs]
+        return arrays
 
     def put(self, arrays: Sequence[np.ndarray], vector: PETSc.Vec) -> None:
-        """Write arrays into a vector and its ghosts on this process."""
+        """Write arrays of increments into a vector and its ghosts on this process."""
+        for block, dofs, _, _ in self._shared:
+            arrays[block][dofs] = 0.0
         scatter_local_vectors(vector, arrays, self._maps)
+
+    def gather(self, arrays: Sequence[np.ndarray], vector: PETSc.Vec) -> None:
+        """Add up the forces on increments that the processes have in arrays, in a vector."""
+        for block, dofs, of_block, of_dofs in self._shared:
+            np.add.at(arrays[of_block], of_dofs, arrays[block][dofs])
+        self.put(arrays, vector)
+        vector.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
 
     def fields(self, *arrays: Sequence[np.ndarray]) -> list[tuple[AdditiveField, ...]]:
         """Each field with the arrays of its block."""
@@ -88,12 +110,25 @@ class Layout:
         return [array[f.dofs].reshape(-1, f.width) for f, array in self.fields(self.numbers)]
 
     def free(self, numbers: np.ndarray) -> np.ndarray:
-        """Global numbers with -1 in the place of those whose increment is zero, which matrices leave out."""
-        return np.where(np.isin(numbers, self._all_fixed), -1, numbers)
+        """Global numbers of the unknowns themselves; -1, which matrices leave out, where the increment is zero."""
+        own, others = self._all_shared
+        if len(own):
+            place = np.minimum(np.searchsorted(own, numbers), len(own) - 1)
+            numbers = np.where(own[place] == numbers, others[place], numbers)
+        return np.where(np.isin(numbers, self._all_zero), -1, numbers)
 
     @cached_property
-    def _all_fixed(self) -> np.ndarray:
-        return np.concatenate(self.comm.allgather(self.fixed + self.start))
+    def _all_zero(self) -> np.ndarray:
+        return np.concatenate(self.comm.allgather(self._zero + self.start))
+
+    @cached_property
+    def _all_shared(self) -> tuple[np.ndarray, np.ndarray]:
+        """Global numbers of entries that share the unknowns of others, in ascending order, and of these."""
+        pairs = [np.column_stack((self.numbers[block][dofs], self.numbers[of_block][of_dofs]))
+                 for block, dofs, of_block, of_dofs in self._shared]
+        pairs = np.concatenate([np.empty((0, 2), dtype=np.int64), *chain(*self.comm.allgather(pairs))])
+        own, first = np.unique(pairs[:, 0], return_index=True)
+        return own, pairs[first, 1]
 
     @cached_property
     def free_numbers(self) -> list[np.ndarray]:

@@ -13,7 +13,7 @@ from .fields import Fields
 from .kinematics import Kinematics
 from .nodal_field import AdditiveField, QuaternionField
 from .partly_fixed import PartlyFixed, directions_of_edges
-from .unknowns import Block
+from .sharing import Sharing, share_marks
 
 
 def turn_nodes(kinematics: Kinematics, supports: Sequence[Support]) -> None:
@@ -31,32 +31,39 @@ def turn_nodes(kinematics: Kinematics, supports: Sequence[Support]) -> None:
             turned[nodes] = True
 
 
-def fixed_dofs(fields: Fields, block: Block) -> np.ndarray:
-    """Local dofs of a block that supports fix, or that those who added the block have fixed.
+def fixed_dofs(fields: Fields, sharings: Sequence[Sharing]) -> list[np.ndarray]:
+    """Local dofs of each block that supports fix, or that those who added the block have fixed.
 
     Rotations of which one component is fixed then turn as `PartlyFixed` says.
     """
-    dofs = [np.empty(0, dtype=np.int64), *fields.fixed.get(block, [])]
-    for mesh in fields.meshes:
-        kinematics = fields.kinematics(mesh)
-        if kinematics.block is block:
-            dofs += [_fixed_by(kinematics, s) for s in fields.scene.supports if s.mesh is mesh]
-            turning = next((f for f in block.fields if f.curved), None)
-            if turning is not None:
-                _hold(turning, np.isin(turning.dofs, np.concatenate(dofs)), mesh, fields.scene.supports)
-    return np.unique(np.concatenate(dofs))
+    kinematics = {mesh: fields.kinematics(mesh) for mesh in fields.meshes}
+    by_supports = {k.block: [_fixed_by(k, s) for s in fields.scene.supports if s.mesh is mesh]
+                   for mesh, k in kinematics.items()}
+    dofs = [np.unique(np.concatenate([np.empty(0, dtype=np.int64), *fields.fixed.get(block, []),
+                                      *by_supports.get(block, [])])) for block in fields.blocks]
+    dofs = share_marks(sharings, fields.blocks, dofs)
+    fixed = dict(zip(fields.blocks, dofs, strict=True))
+    turning = {f: mesh for mesh, k in kinematics.items() for f in k.block.fields if f.curved}
+    _hold(turning, {f: np.isin(f.dofs, fixed[kinematics[mesh].block]).reshape(-1, 3) for f, mesh in turning.items()},
+          fields.scene.supports, sharings)
+    return dofs
 
 
-def _hold(field: QuaternionField, fixed: np.ndarray, mesh: NamedMesh, supports: Sequence[Support]) -> None:
-    """Let the nodes of a field of which one component is fixed turn as `PartlyFixed` says."""
-    fixed = fixed.reshape(-1, 3)
-    nodes = np.flatnonzero(fixed.sum(axis=1) == 1)
-    if not mesh.domain.comm.allreduce(len(nodes)):
-        return
-    edges = {s.at for s in supports if s.mesh is mesh and s.at in mesh.edges and _turns(s)}
-    directions = directions_of_edges(mesh, sorted(edges), field.value.function_space)
-    axes = np.broadcast_to(np.eye(3), (len(nodes), 3, 3)) if field.axes is None else field.axes[nodes]
-    field.hold(PartlyFixed(nodes, fixed[nodes].argmax(axis=1), axes, directions[nodes]))
+def _hold(turning: dict[QuaternionField, NamedMesh], fixed: dict[QuaternionField, np.ndarray],
+          supports: Sequence[Support], sharings: Sequence[Sharing]) -> None:
+    """Let the nodes of fields of which one component is fixed turn as `PartlyFixed` says."""
+    directions = {}
+    for field, mesh in turning.items():
+        if mesh.domain.comm.allreduce(int((fixed[field].sum(axis=1) == 1).sum())):
+            edges = {s.at for s in supports if s.mesh is mesh and s.at in mesh.edges and _turns(s)}
+            directions[field] = directions_of_edges(mesh, sorted(edges), field.value.function_space)
+    for sharing in sharings:
+        if sharing.field in directions and sharing.of in directions:
+            directions[sharing.field][sharing.nodes] = directions[sharing.of][sharing.of_nodes]
+    for field, along in directions.items():
+        nodes = np.flatnonzero(fixed[field].sum(axis=1) == 1)
+        axes = np.broadcast_to(np.eye(3), (len(nodes), 3, 3)) if field.axes is None else field.axes[nodes]
+        field.hold(PartlyFixed(nodes, fixed[field][nodes].argmax(axis=1), axes, along[nodes]))
 
 
 def _fixed_by(kinematics: Kinematics, support: Support) -> np.ndarray:

@@ -175,8 +175,7 @@ class System:
             force = forces.given(number)
             if force is not None:
                 array[f.dofs] += f.pull(force)
-        self._layout.put(arrays, out)
-        out.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
+        self._layout.gather(arrays, out)
         support = out.array[self.fixed_rows]
         out.array[self.fixed_rows] = 0
         return support
@@ -191,7 +190,7 @@ class System:
         arrays, vector = self._layout.zeros(), self.create_vector()
         arrays[self.unknowns.blocks.index(block)][dofs] = value
         self._turn_inward(arrays)
-        self._layout.put(arrays, vector)
+        self._layout.gather(arrays, vector)
         return vector
 
     def bilinear(self, form) -> Callable[[], PETSc.Mat]:

@@ -10,8 +10,13 @@ from ..compat import geometry_nodes
 from .reader import NamedMesh
 
 
-def pieces_without(mesh: NamedMesh, places: list[str]) -> list[str]:
-    """Names of groups and points on each connected piece of a mesh that has none of the named places."""
+def pieces_without(mesh: NamedMesh, places: list[str | None]) -> list[str]:
+    """Names of groups and points on each connected piece of a mesh that has none of the named places.
+
+    None among them stands for the whole mesh.
+    """
+    if None in places:
+        return []
     topology, comm = mesh.domain.topology, mesh.domain.comm
     vertices, corners = topology.index_map(0), topology.connectivity(topology.dim, 0)
     cells = corners.array.reshape(corners.num_nodes, -1) if corners.num_nodes else np.empty((0, 2), dtype=np.int32)
@@ -32,7 +37,7 @@ def pieces_without(mesh: NamedMesh, places: list[str]) -> list[str]:
 
     names = {repr(n): pieces_of(cells[c].ravel()) for n, c in mesh.cells.items()}
     names |= {repr(n): at(n) for n in (*mesh.edges, *mesh.points)}
-    held = set().union(*map(at, places))
+    held = set().union(*(at(place) for place in places if place is not None))
     return [", ".join(n for n, on in names.items() if piece in on) for piece in sorted(set(pieces.tolist()) - held)]
 
 

@@ -23,8 +23,15 @@ class Joint(Acting):
     """
 
     @property
-    def points(self) -> Sequence[tuple[NamedMesh, str]]:
-        """Named points that it connects; meshes that no joint connects are told when the scene is made."""
+    def points(self) -> Sequence[tuple[NamedMesh, str | None]]:
+        """Named points that it connects; meshes that no joint connects are told when the scene is made.
+
+        None in the place of a name stands for the whole mesh.
+        """
+        return ()
+
+    def shared(self, fields) -> Sequence:
+        """Nodes that have no unknowns of their own, but those of other nodes (`discrete.sharing.Sharing`)."""
         return ()
 
 
@@ -236,3 +243,40 @@ class Uniform(Joint):
             return forms.interface.with_multipliers([u[index] - motion[0]], [multiplier])
 
         yield fields.point_work(traces, strains, forms.interface.tied)
+
+
+@dataclass(frozen=True, eq=False)
+class Compatible(Joint):
+    """Full compatibility: nodes of a mesh that stand at nodes of another one have the same unknowns as these.
+
+    The shared unknowns are eliminated, no equation is added. Nodes without a partner keep their own: triangles of
+    which rotations live at the middles of edges share them with the middle nodes of beams of degree 2.
+
+    Attributes
+    ----------
+    mesh, to : the two meshes, such as bars and the panels whose edges they run along
+    at : group of cells, edge or point of `mesh` where nodes are shared; None: wherever they stand at one place
+    rotations : whether rotations are shared too; otherwise displacements are, as at a hinge
+    """
+
+    mesh: NamedMesh
+    to: NamedMesh
+    at: str | None = None
+    rotations: bool = True
+
+    def __post_init__(self):
+        if self.mesh is self.to:
+            raise ValueError("Compatible: joins a mesh to itself; name another one in `to`")
+        if self.at is not None and self.at not in self.mesh.cells:
+            self.mesh.at(self.at)
+        if self.to.dimension != self.mesh.dimension:
+            raise ValueError(f"Compatible: joins a mesh in {self.mesh.dimension} with one in {self.to.dimension} "
+                             "dimensions; read both with the same")
+
+    @property
+    def points(self) -> Sequence[tuple[NamedMesh, str | None]]:
+        return [(self.mesh, None), (self.to, None)]
+
+    def shared(self, fields) -> Sequence:
+        quantities = ("displacement", "rotation") if self.rotations else ("displacement",)
+        return fields.sharings(self.mesh, self.to, self.at, quantities)
