@@ -61,9 +61,9 @@ class ContactFields:
         self.scale = contact.scale or _default_scale(contact, stiffness)
         cell, shape = domain.basix_cell(), (2,) if contact.friction else ()
         if contact.points == "nodes":
-            rule = {"quadrature_rule": "GLL", "quadrature_degree": degree}
+            rule = {"quadrature_rule": "GLL", "quadrature_degree": 2 * degree - 1}
             element = basix.ufl.element("P", cell, degree, shape=shape)
-            weights = {1: (1 / 2, 1 / 2), 2: (1 / 6, 1 / 6, 2 / 3)}[degree]
+            weights = {1: (1 / 2, 1 / 2), 2: (1 / 6, 1 / 6, 2 / 3), 3: (1 / 12, 1 / 12, 5 / 12, 5 / 12)}[degree]
             points = basix.ufl.element("P", cell, degree).basix_element.points
         else:
             rule = {"quadrature_degree": 2 * count - 1}

@@ -10,6 +10,19 @@ def translation(mass, rate, variation):
     return mass * ufl.inner(rate, variation)
 
 
+def carried(change, spin, arm):
+    """Rate or variation of a point at the end of an arm that turns with the cross-section or the director.
+
+    Parameters
+    ----------
+    change, spin : of the start of the arm; the spin a UFL scalar in the plane
+    arm : UFL vector, as it points now (length)
+    """
+    if spin.ufl_shape == ():
+        return change + spin * ufl.as_vector([-arm[1], arm[0]])
+    return change + ufl.cross(spin, arm)
+
+
 def section(inertia, spin_rate, spin_variation, rotation, frame):
     """Work of the rotary inertia of a beam's section on its turned axes (Simo and Vu-Quoc 1988).
 

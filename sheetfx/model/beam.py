@@ -8,8 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from .. import forms
+from ..checks import require_components, require_finite
+from ..mesh.cellwise import cellwise
 from ..mesh.numbers import as_constants
-from ..mesh.quadrature import gauss
+from ..mesh.quadrature import Rule, gauss
 from ..mesh.reader import NamedMesh
 from .gradient import require_gradient
 from .section import Elastic, Section
@@ -29,10 +31,14 @@ class Beam:
     strains : function (u, rotation, frame) -> generalised strains
     law : function (strains, stiffness) -> stress resultants
     group : physical group of the curves; None: all
-    degree : of displacement and rotation, 1 or 2; integrated with `degree` Gauss points, which
-        keeps both free of shear and membrane locking
+    degree : of displacement and rotation, 1, 2 or 3; integrated with `degree` Gauss points, which
+        keeps all free of shear and membrane locking
     up : direction of the section's depth, in space
     shear_rigidity : factor on the shear stiffness
+    offset : of the section's centroid from the meshed line, so that a stiffener stands beside the mid-surface whose
+        nodes it shares: along the depth (in the plane to the left of the line's direction), in space also along the
+        width, which is tangent x depth; it turns with the cross-section. Loads, supports, contacts and displacements
+        are those of the meshed line, forces and moments those of the centroid
     """
 
     mesh: NamedMesh
@@ -44,10 +50,14 @@ class Beam:
     degree: int = 2
     up: tuple[float, float, float] = (0.0, 0.0, 1.0)
     shear_rigidity: float = 1.0
+    offset: float | tuple[float, float] = 0.0
 
     def __post_init__(self):
-        if self.degree not in (1, 2):
-            raise ValueError(f"Beam: degree is {self.degree}; it must be 1 or 2")
+        if self.degree not in (1, 2, 3):
+            raise ValueError(f"Beam: degree is {self.degree}; it must be 1, 2 or 3")
+        if np.ravel(self.offset).tolist() != [0.0]:
+            require_components("Beam: offset", np.ravel(self.offset), self.mesh.dimension - 1)
+        require_finite(self, "offset")
         if self.mesh.dimension == 3:
             self._check_up()
         stiffness = self.section.stiffness(self.material, self.mesh.dimension, self.shear_rigidity)
@@ -75,14 +85,34 @@ class Beam:
         """Integral along the beams, for loads."""
         return self.mesh.integral({"quadrature_degree": 2 * self.degree - 1}, self.group)
 
+    def eccentricity(self) -> tuple[list, object]:
+        """Offset as UFL components on the cross-section's axes, empty where there is none, and the length of the line
+        of centroids per length of the meshed line.
+        """
+        if not np.any(self.offset):
+            return [], 1.0
+        domain, curved = self.mesh.domain, self.mesh.degree > 1
+        offset = as_constants(domain, np.ravel(self.offset).tolist())
+        direction = cellwise(domain, forms.beam.unit_tangent(domain)) if curved else None
+        return offset, forms.beam.curve_frame(domain, self.up, direction).length_at(offset)
+
+    def _strains_and_law(self, u, rotation):
+        """Strains of the line of centroids, and the section law."""
+        offset, length = self.eccentricity()
+        strains, law = _of_the_mesh(self, u, rotation, self.section.stiffness(
+            self.material, self.mesh.dimension, self.shear_rigidity))
+        return forms.beam.off_the_line(strains, offset, length) if offset else strains, law
+
     def internal(self, u, rotation) -> Internal:
         """Internal virtual work."""
-        stiffness = self.section.stiffness(self.material, self.mesh.dimension, self.shear_rigidity)
-        return _internal(self, u, rotation, stiffness)
+        offset, length = self.eccentricity()
+        strains, law = self._strains_and_law(u, rotation)
+        return _integrated(self, strains, (lambda e: length * law(e)) if offset else law)
 
     def resultants(self, u, rotation):
         """Forces and moments as a UFL vector, and the points of a cell at which they are exact."""
-        return _resultants(self.internal(u, rotation))
+        strains, law = self._strains_and_law(u, rotation)
+        return law(strains), _rule(self).points
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,23 +150,28 @@ class Bar:
         """Integral along the bars, for loads."""
         return self.mesh.integral({"quadrature_degree": 2 * self.degree - 1}, self.group)
 
+    def _strains_and_law(self, u, rotation):
+        return _of_the_mesh(self, u, rotation, [self.material.modulus * self.section.area])
+
     def internal(self, u, rotation) -> Internal:
         """Internal virtual work."""
-        return _internal(self, u, rotation, [self.material.modulus * self.section.area])
+        return _integrated(self, *self._strains_and_law(u, rotation))
 
     def resultants(self, u, rotation):
         """Axial force as a UFL vector, and the point of a cell at which it is exact."""
-        return _resultants(self.internal(u, rotation))
+        strains, law = self._strains_and_law(u, rotation)
+        return law(strains), _rule(self).points
 
 
-def _resultants(internal: Internal):
-    (term,) = internal.terms
-    return term.law(term.strains), term.rule.points
+def _of_the_mesh(part: Beam | Bar, u, rotation, stiffness):
+    """Strains of the meshed line, and the section law with its stiffness as constants."""
+    stiffness = as_constants(part.mesh.domain, stiffness)
+    return part.strains(u, rotation, part.frame()), lambda strains: part.law(strains, stiffness)
 
 
-def _internal(part: Beam | Bar, u, rotation, stiffness) -> Internal:
-    domain = part.mesh.domain
-    stiffness = as_constants(domain, stiffness)
-    term = Term(strains=part.strains(u, rotation, part.frame()), law=lambda strains: part.law(strains, stiffness),
-                rule=gauss(domain.basix_cell(), part.degree))
-    return Internal([term], domain, part.mesh.group(part.group))
+def _rule(part: Beam | Bar) -> Rule:
+    return gauss(part.mesh.domain.basix_cell(), part.degree)
+
+
+def _integrated(part: Beam | Bar, strains, law) -> Internal:
+    return Internal([Term(strains, law, _rule(part))], part.mesh.domain, part.mesh.group(part.group))

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import basix
 import ufl
-from dolfinx import fem
 from ufl.algorithms.expand_indices import IndexExpander
 
 from .. import forms
-from ..compat import JIT, geometry_degree, interpolation_points
+from ..compat import geometry_degree
+from ..mesh.cellwise import cellwise
 from ..mesh.numbers import as_constants
 from ..mesh.quadrature import Rule, gauss, simplex
 from ..mesh.reader import NamedMesh
@@ -175,14 +175,9 @@ class Shell:
 
 def surface_frame(domain) -> forms.shell.SurfaceFrame:
     """Frame of a surface with its normals interpolated at the nodes of each cell."""
-    degree = geometry_degree(domain)
-    if domain.basix_cell() == TRIANGLE and degree == 1:
+    if domain.basix_cell() == TRIANGLE and geometry_degree(domain) == 1:
         return forms.shell.surface_frame(domain)
-    family = "DG" if domain.basix_cell() == TRIANGLE else "DQ"
-    director = fem.Function(fem.functionspace(domain, (family, degree, (3,))))
-    points = interpolation_points(director.function_space)
-    director.interpolate(fem.Expression(forms.shell.unit_normal(domain), points, jit_options=JIT))
-    return forms.shell.surface_frame(domain, director)
+    return forms.shell.surface_frame(domain, cellwise(domain, forms.shell.unit_normal(domain)))
 
 
 def is_coupled(law, domain) -> bool:

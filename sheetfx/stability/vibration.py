@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from math import pi
 
 import numpy as np
-import ufl
 from petsc4py import PETSc
 
 from .. import forms
@@ -124,10 +123,9 @@ def _shell_inertia(discretisation: Discretisation, shell: Shell):
     k, unknowns, domain = discretisation.kinematics(shell.mesh), discretisation.unknowns, shell.mesh.domain
     mass, rotary, offset = as_constants(domain, [*shell.section.inertia(shell.material), shell.offset])
     normal = k.total_rotation.rotate(surface_frame(domain).director)
-    spins = unknowns.linearise(k.spin), unknowns.vary(k.spin)
-    translations = [change(k.u) + offset * ufl.cross(spin, normal)
-                    for change, spin in zip((unknowns.linearise, unknowns.vary), spins, strict=True)]
-    work = forms.inertia.translation(mass, *translations) + forms.inertia.director(rotary, *spins, normal)
+    changes, spins = _changes(unknowns, k.u), _changes(unknowns, k.spin)
+    work = forms.inertia.translation(mass, *_carried(changes, spins, offset * normal))
+    work += forms.inertia.director(rotary, *spins, normal)
     return work * shell.measure()
 
 
@@ -135,8 +133,24 @@ def _bar_inertia(discretisation: Discretisation, part):
     """Of a part on curves; those without a field of rotations have no rotary inertia."""
     k, unknowns, mesh = discretisation.kinematics(part.mesh), discretisation.unknowns, part.mesh
     mass, *rotary = as_constants(mesh.domain, part.section.inertia(part.material, mesh.dimension))
-    work = forms.inertia.translation(mass, unknowns.linearise(k.u), unknowns.vary(k.u))
-    if k.spin is not None:
-        work += forms.inertia.section(rotary, unknowns.linearise(k.spin), unknowns.vary(k.spin), k.total_rotation,
-                                      part.frame())
-    return work * mesh.integral({"quadrature_degree": 2 * part.degree}, part.group)
+    changes = _changes(unknowns, k.u)
+    integral = mesh.integral({"quadrature_degree": 2 * part.degree}, part.group)
+    if k.spin is None:
+        return forms.inertia.translation(mass, *changes) * integral
+    spins, frame, (offset, length) = _changes(unknowns, k.spin), part.frame(), part.eccentricity()
+    if offset:
+        arm = sum(c * k.total_rotation.rotate(axis) for c, axis in zip(offset, frame.axes[1:], strict=True))
+        changes = _carried(changes, spins, arm)
+    work = forms.inertia.translation(mass, *changes)
+    work += forms.inertia.section(rotary, *spins, k.total_rotation, frame)
+    return length * work * integral
+
+
+def _changes(unknowns, field):
+    """Rate and variation of a field."""
+    return unknowns.linearise(field), unknowns.vary(field)
+
+
+def _carried(changes, spins, arm):
+    """Rate and variation of what stands at the end of an arm."""
+    return [forms.inertia.carried(change, spin, arm) for change, spin in zip(changes, spins, strict=True)]
