@@ -45,7 +45,7 @@ def cantilever(mesh: NamedMesh, loads, component: str = "y", **beam) -> Scene:
 
 def shallow_arch(elements: int, degree: int = 2) -> Scene:
     """Symmetric half of the clamped shallow arch under a point load (thesis, section 4.5.2)."""
-    mesh = read(lambda: meshes.arc(3380.6, 0.0, radians(7.338), elements, {"crown": 0.0}), 2, min(degree, 2))
+    mesh = read(lambda: meshes.arc(3380.6, 0.0, radians(7.338), elements, {"crown": 0.0}), 2, degree)
     beam = Beam(mesh, Rectangle(25.4, 4.7625), Elastic(72395.0), degree=degree)
     return Scene([beam], [clamp(mesh, "end"), symmetry(mesh, "crown")],
                  [PointForce(mesh, "crown", (0.0, -0.5))], Monitor(mesh, "crown", "y", -1.0), symmetry_factor=2)

@@ -6,9 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from dolfinx import fem
+from mpi4py import MPI
 
 from .. import forms
 from ..checks import require_components, require_finite
+from ..compat import JIT
 from ..mesh.cellwise import cellwise
 from ..mesh.numbers import as_constants
 from ..mesh.quadrature import Rule, gauss
@@ -55,11 +58,9 @@ class Beam:
     def __post_init__(self):
         if self.degree not in (1, 2, 3):
             raise ValueError(f"Beam: degree is {self.degree}; it must be 1, 2 or 3")
-        if np.ravel(self.offset).tolist() != [0.0]:
-            require_components("Beam: offset", np.ravel(self.offset), self.mesh.dimension - 1)
-        require_finite(self, "offset")
         if self.mesh.dimension == 3:
             self._check_up()
+        self._check_offset()
         stiffness = self.section.stiffness(self.material, self.mesh.dimension, self.shear_rigidity)
         if self.strains is forms.beam.simo_reissner:
             require_gradient("Beam", self.law, stiffness, len(stiffness))
@@ -72,6 +73,19 @@ class Beam:
         if parallel:
             raise ValueError(f"Beam: up is {tuple(map(float, self.up))}, parallel to {parallel} cells of group "
                              f"{self.group or 'all'!r}; give a direction across them, or a Beam for each group")
+
+    def _check_offset(self) -> None:
+        """Refuse an offset of the wrong space, or beyond the centre of a curve."""
+        if np.ravel(self.offset).tolist() != [0.0]:
+            require_components("Beam: offset", np.ravel(self.offset), self.mesh.dimension - 1)
+        require_finite(self, "offset")
+        domain, (_, length) = self.mesh.domain, self.eccentricity()
+        if not isinstance(length, float):
+            at_points = fem.Expression(length, _rule(self).points, jit_options=JIT)
+            lengths = at_points.eval(domain, self.mesh.group(self.group))
+            if domain.comm.allreduce(lengths.min(initial=np.inf), op=MPI.MIN) <= 0:
+                raise ValueError(f"Beam: offset {np.ravel(self.offset).tolist()} lies beyond the centre of curvature "
+                                 f"of group {self.group or 'all'!r}; make it smaller")
 
     @property
     def spaces(self) -> tuple[tuple[str, int], tuple[str, int]]:
