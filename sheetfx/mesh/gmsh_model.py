@@ -230,7 +230,8 @@ def _places(model, used: np.ndarray, what: str, place: Callable | None) -> np.nd
     placed[used] = table[used] if place is None else place(table[used])
     finite = np.isfinite(placed[used]).all(axis=1)
     if not finite.all():
-        raise ValueError(f"{what}: place gives no finite coordinates for {table[used][~finite][0]}; correct the function")
+        raise ValueError(f"{what}: place gives no finite coordinates for {table[used][~finite][0]}; correct the "
+                         "function")
     return placed
 
 

@@ -227,7 +227,7 @@ def _nodes_of_vertices(domain: Mesh) -> np.ndarray:
     corners = domain.topology.connectivity(domain.topology.dim, 0)
     vertices = corners.array.reshape(corners.num_nodes, len(basix.topology(domain.basix_cell())[0]))
     nodes = geometry_nodes(domain)[: len(vertices), : vertices.shape[1]]
-    numbers = np.empty(domain.topology.index_map(0).size_local + domain.topology.index_map(0).num_ghosts, dtype=np.int64)
+    numbers = np.empty(vertices.max(initial=-1) + 1, dtype=np.int64)
     numbers[vertices] = domain.geometry.input_global_indices[nodes]
     return numbers
 
