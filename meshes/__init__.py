@@ -1,7 +1,9 @@
-"""Geometry of the scenes, as gmsh scripts with named physical groups."""
+"""Geometry of the scenes, as gmsh scripts with named physical groups, and tables of structures."""
 
 from .curves import arc, frame
 from .profiles import profile
+from .structures import structure
 from .surfaces import panels, rectangle
+from .tables import Table, dome, read_table
 
-__all__ = ["arc", "frame", "panels", "profile", "rectangle"]
+__all__ = ["Table", "arc", "dome", "frame", "panels", "profile", "read_table", "rectangle", "structure"]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import pairwise
 
 import gmsh
 
@@ -65,35 +66,66 @@ def panels(
         are cut in three
     triangles : triangular cells
     """
-    cut = not triangles and any(len(corners) == 3 for corners in faces.values())
-    if cut:
-        if cells % 2:
-            raise ValueError(f"panels: {cells} cells along the edges of panels of three nodes; the number must be even")
-        gmsh.option.setNumber("Mesh.SubdivisionAlgorithm", 1)
     geo = gmsh.model.geo
     used = {name for corners in faces.values() for name in corners}
     tags = {name: geo.addPoint(*x) for name, x in nodes.items() if name in used}
-    lines: dict[tuple[str, str], int] = {}
-
-    def line(a, b):
-        if (b, a) in lines:
-            return -lines[b, a]
-        if (a, b) not in lines:
-            lines[a, b] = geo.addLine(tags[a], tags[b])
-            geo.mesh.setTransfiniteCurve(lines[a, b], (cells // 2 if cut else cells) + 1)
-        return lines[a, b]
-
-    groups = {}
-    for name, corners in faces.items():
-        loop = geo.addCurveLoop([line(a, b) for a, b in zip(corners, [*corners[1:], corners[0]], strict=True)])
-        groups[name] = geo.addPlaneSurface([loop])
-        geo.mesh.setTransfiniteSurface(groups[name], "Left", [tags[c] for c in corners])
-        if not triangles and len(corners) == 4:
-            geo.mesh.setRecombine(2, groups[name])
+    lines = Lines(tags, pieces(faces.values(), cells, triangles))
+    groups = {name: lines.fill(corners, triangles) for name, corners in faces.items()}
     geo.synchronize()
     for name, surface in groups.items():
         gmsh.model.addPhysicalGroup(2, [surface], name=name)
-    for (a, b), edge in lines.items():
+    for (a, b), edge in lines.made.items():
         gmsh.model.addPhysicalGroup(1, [edge], name=f"{a}-{b}")
     for name, tag in tags.items():
         gmsh.model.addPhysicalGroup(0, [tag], name=name)
+
+
+def pieces(faces: Iterable[Sequence[str]], cells: int, triangles: bool) -> int:
+    """Number of pieces to give lines, for so many cells along the edges of panels of three or four nodes."""
+    gmsh.option.setNumber("Mesh.TransfiniteTri", 1)
+    if cells < 1:
+        raise ValueError(f"panels: {cells} cells along their edges; the number must be 1 or more")
+    if triangles or all(len(corners) == 4 for corners in faces):
+        return cells
+    if cells % 2:
+        raise ValueError(f"panels: {cells} cells along the edges of panels of three nodes, in quadrilaterals; the "
+                         "number must be even, or the cells triangles")
+    gmsh.option.setNumber("Mesh.SubdivisionAlgorithm", 1)
+    return cells // 2
+
+
+class Lines:
+    """Straight lines between named points, each made once, and flat surfaces between them.
+
+    Parameters
+    ----------
+    tags : name -> gmsh's point
+    pieces : number of cells on each line
+    """
+
+    def __init__(self, tags: Mapping[str, int], pieces: int):
+        self._tags, self._pieces = tags, pieces
+        self.made: dict[tuple[str, str], int] = {}
+
+    def line(self, a: str, b: str) -> int:
+        """gmsh's curve from one point to another, negative where it is made the other way."""
+        if (b, a) in self.made:
+            return -self.made[b, a]
+        if (a, b) not in self.made:
+            self.made[a, b] = gmsh.model.geo.addLine(self._tags[a], self._tags[b])
+            gmsh.model.geo.mesh.setTransfiniteCurve(self.made[a, b], self._pieces + 1)
+        return self.made[a, b]
+
+    def fill(self, corners: Sequence[str], triangles: bool) -> int:
+        """gmsh's surface between three or four points, in regular cells."""
+        geo = gmsh.model.geo
+        surface = geo.addPlaneSurface([geo.addCurveLoop([self.line(a, b) for a, b in around(corners)])])
+        geo.mesh.setTransfiniteSurface(surface, "Left", [self._tags[c] for c in corners])
+        if not triangles and len(corners) == 4:
+            geo.mesh.setRecombine(2, surface)
+        return surface
+
+
+def around(corners: Sequence[str]) -> list[tuple[str, str]]:
+    """Pairs of nodes at the ends of the edges of a panel."""
+    return list(pairwise([*corners, corners[0]]))

@@ -13,6 +13,7 @@ except ModuleNotFoundError:  # DOLFINx from another source
 
 _ROOMS = {
     "mesh.reader": "NamedMesh read",
+    "mesh.mixed": "MixedMesh read_mixed",
     "mesh.imperfection": "imperfect measured random_field",
     "model.beam": "Bar Beam",
     "model.contact": "Contact",

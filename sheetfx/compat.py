@@ -44,12 +44,17 @@ def default_partition(comm, parts, cell_types, cells):
     return partitioner(comm, parts, cell_types, cells)
 
 
-def model_to_mesh(model, comm, dimension, partitioner):
-    """Mesh, cell tags and point (or facet) tags of the current gmsh model of process 0: a tuple in DOLFINx 0.9."""
-    result = _gmshio.model_to_mesh(model, comm, 0, gdim=dimension, partitioner=partitioner, **_JUNCTIONS)
-    if isinstance(result, tuple):
-        return result[:3]
-    return result.mesh, result.cell_tags, result.facet_tags
+def gmsh_mesh(comm, kind, cells, x, partitioner):
+    """Mesh of cells of gmsh, by its number of their kind and with its order of their nodes.
+
+    Parameters
+    ----------
+    cells, x : nodes of each cell, and places of nodes; those of process 0 are distributed
+    partitioner : None: DOLFINx's own
+    """
+    domain = _gmshio.ufl_mesh(kind, x.shape[1], x.dtype)
+    order = _gmshio.cell_perm_array(dolfinx.mesh.to_type(str(domain.ufl_cell())), cells.shape[1])
+    return dolfinx.mesh.create_mesh(comm, cells=cells[:, order], x=x, e=domain, partitioner=partitioner, **_JUNCTIONS)
 
 
 def geometry_degree(mesh):

@@ -1,44 +1,90 @@
-"""Connected pieces of a mesh, by the names of what is on them."""
+"""Connected pieces of meshes, by the names of what is on them."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from itertools import chain
+
 import numpy as np
+from dolfinx.mesh import compute_midpoints
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
 
 from ..compat import geometry_nodes
 from .reader import NamedMesh
 
+Place = tuple[NamedMesh, str]
 
-def pieces_without(mesh: NamedMesh, places: list[str | None]) -> list[str]:
-    """Names of groups and points on each connected piece of a mesh that has none of the named places.
+SAME_PLACE = 1e-6  # distance of vertices that stand at one place, over the size of their mesh
+SHOWN = 6
 
-    None among them stands for the whole mesh.
+
+def loose_pieces(meshes: Sequence[NamedMesh], held: Sequence[Place], joined: Sequence[Sequence[Place]] = (),
+                 compatible: Sequence[tuple[NamedMesh, NamedMesh]] = ()) -> list[str]:
+    """Names of groups and points on each connected piece of some meshes that nothing holds, its own ones first.
+
+    Parameters
+    ----------
+    held : points and edges with supports
+    joined : points and edges that joints connect with each other
+    compatible : meshes that move together where they have vertices at the same places
     """
-    if None in places:
-        return []
-    topology, comm = mesh.domain.topology, mesh.domain.comm
-    vertices, corners = topology.index_map(0), topology.connectivity(topology.dim, 0)
-    cells = corners.array.reshape(corners.num_nodes, -1) if corners.num_nodes else np.empty((0, 2), dtype=np.int32)
-    pairs = [vertices.local_to_global(np.repeat(cells[:, 0], cells.shape[1])), vertices.local_to_global(cells.ravel())]
-    rows, columns = (np.concatenate(comm.allgather(p)) for p in pairs)
-    graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(vertices.size_global,) * 2)
+    comm, vertices = meshes[0].domain.comm, [mesh.domain.topology.index_map(0) for mesh in meshes]
+    starts = np.cumsum([0, *(v.size_global for v in vertices)])
+
+    def numbers(mesh: NamedMesh, local: np.ndarray) -> np.ndarray:
+        index = meshes.index(mesh)
+        return starts[index] + vertices[index].local_to_global(np.asarray(local, dtype=np.int32))
+
+    pairs = [np.empty((0, 2), dtype=np.int64)]
+    for mesh in meshes:
+        corners = numbers(mesh, _corners(mesh).ravel()).reshape(_corners(mesh).shape)
+        pairs += [corners[:, [0, i]] for i in range(1, corners.shape[1])]
+    for extra, places in enumerate(joined, starts[-1]):
+        pairs += [np.insert(numbers(mesh, mesh.vertices(name))[:, None], 0, extra, axis=1) for mesh, name in places]
+    found = [*comm.allgather(np.concatenate(pairs)), *(_at_same_places(*both, numbers) for both in compatible)]
+    edges, size = np.concatenate(found).T, starts[-1] + len(joined)
+    graph = coo_array((np.ones(edges.shape[1]), tuple(edges)), shape=(size, size))
     pieces = connected_components(graph, directed=False)[1]
 
-    def pieces_of(local: np.ndarray) -> set[int]:
-        found = pieces[vertices.local_to_global(np.unique(local).astype(np.int32))]
-        return set().union(*comm.allgather(set(found.tolist())))
+    def pieces_of(mesh: NamedMesh, local: np.ndarray) -> set[int]:
+        return set(pieces[numbers(mesh, local)].tolist())
 
-    def at(name: str) -> set[int]:
-        dimension, entities = mesh.at(name)
-        topology.create_connectivity(dimension, 0)
-        links = topology.connectivity(dimension, 0)
-        return pieces_of(np.concatenate([links.links(e) for e in entities] or [np.empty(0)]))
+    here = [(name, pieces_of(mesh, _corners(mesh)[cells].ravel())) for mesh in meshes
+            for name, cells in mesh.cells.items()]
+    here += [(name, pieces_of(mesh, mesh.vertices(name))) for mesh in meshes for name in (*mesh.edges, *mesh.points)]
+    on: dict[str, set[int]] = {}
+    for name, where in chain.from_iterable(comm.allgather(here)):
+        on.setdefault(name, set()).update(where)
+    tied = set().union(*(pieces_of(mesh, mesh.vertices(at)) for mesh, at in held))
+    loose = set(pieces[:starts[-1]].tolist()).difference(*comm.allgather(tied))
+    named = sorted(on, key=lambda name: len(on[name]))
+    return [_listed([name for name in named if piece in on[name]]) for piece in sorted(loose)]
 
-    names = {repr(n): pieces_of(cells[c].ravel()) for n, c in mesh.cells.items()}
-    names |= {repr(n): at(n) for n in (*mesh.edges, *mesh.points)}
-    held = set().union(*(at(place) for place in places if place is not None))
-    return [", ".join(n for n, on in names.items() if piece in on) for piece in sorted(set(pieces.tolist()) - held)]
+
+def _listed(names: list[str]) -> str:
+    more = len(names) - SHOWN
+    return ", ".join(map(repr, names[:SHOWN])) + (f" and {more} more" if more > 0 else "")
+
+
+def _corners(mesh: NamedMesh) -> np.ndarray:
+    """Vertices of each cell of this process."""
+    corners = mesh.domain.topology.connectivity(mesh.domain.topology.dim, 0)
+    return corners.array.reshape(corners.num_nodes, -1) if corners.num_nodes else np.empty((0, 2), dtype=np.int32)
+
+
+def _at_same_places(one: NamedMesh, other: NamedMesh, numbers: Callable) -> np.ndarray:
+    """Pairs of numbers of vertices of two meshes that stand at one place, of all processes."""
+    comm, known = one.domain.comm, []
+    for mesh in (one, other):
+        owned = np.arange(mesh.domain.topology.index_map(0).size_local, dtype=np.int32)
+        x = compute_midpoints(mesh.domain, 0, owned)
+        known.append([np.concatenate(parts) for parts in zip(*comm.allgather((numbers(mesh, owned), x)), strict=True)])
+    (here, x), (there, y) = known
+    near = cKDTree(x).query_ball_tree(cKDTree(y), SAME_PLACE * max(one.size, other.size))
+    pairs = [(here[i], there[j]) for i, found in enumerate(near) for j in found]
+    return np.array(pairs, dtype=np.int64).reshape(-1, 2)
 
 
 def straight_joints(mesh: NamedMesh) -> int:

@@ -12,11 +12,11 @@ from dolfinx import fem
 from dolfinx.mesh import Mesh
 from mpi4py import MPI
 
-from ..compat import geometry_degree, geometry_nodes, model_to_mesh
+from ..compat import geometry_degree, geometry_nodes, gmsh_mesh
+from .gmsh_model import FLAT, Cells, Model, Source, read_model
 from .partition import keep_junctions_whole
 
 RULES = 8
-ORDERS = 1, 2, 3
 COMPONENTS = {2: ("x", "y", "rz"), 3: ("x", "y", "z", "rx", "ry", "rz")}  # of displacement and rotation, by dimension
 
 
@@ -163,89 +163,74 @@ class NamedMesh:
         return np.array([p for p, c in zip(pairs, claims, strict=True) if c not in taken], dtype=np.int32).ravel()
 
 
-def read(build: Callable[[], None], dimension: int, order: int = 1, place: Callable | None = None,
+def read(source: Source, dimension: int, order: int | None = None, place: Callable | None = None,
          comm: MPI.Comm = MPI.COMM_WORLD) -> NamedMesh:
-    """Mesh the geometry that `build` adds to the current gmsh model.
+    """Mesh of curves, or of surfaces with edges, of a gmsh model.
 
     Parameters
     ----------
-    build : function without arguments that fills the gmsh model and names physical groups
+    source : function without arguments that fills the gmsh model and names physical groups, or path of a .msh file
     dimension : 2 or 3, of the space that the structure lies in
-    order : of the geometry: 1, 2 or 3 (2 or more: curved elements)
+    order : of the geometry: 1, 2 or 3 (2 or more: curved elements); None: 1, or that of the file
     place : function from coordinates in the gmsh model, shape (n, 3), to those in space, shape (n, 3), for
         structures that are meshed in the plane of their parameters
+
+    Raises
+    ------
+    ValueError
+        If the file, a group or a cell cannot be read.
     """
-    import gmsh
-
-    if order not in ORDERS:
-        raise ValueError(f"read: order is {order}; it must be one of {', '.join(map(str, ORDERS))}")
-    gmsh.initialize(interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
-        groups: dict[int, dict[str, list[int]]] = {}
-        nodes: dict[str, list[int]] = {}
-        if comm.rank == 0:
-            gmsh.model.add("model")
-            build()
-            top = max(d for d, _ in gmsh.model.getPhysicalGroups())
-            gmsh.model.mesh.generate(top)
-            gmsh.model.mesh.setOrder(order)
-            nodes = _nodes_of_points(gmsh.model)
-            groups = _group_by_entity(gmsh.model, top)
-        groups, nodes = comm.bcast((groups, nodes), root=0)
-        domain, cell_tags, edge_tags = model_to_mesh(
-            gmsh.model, comm, dimension, keep_junctions_whole if comm.size > 1 else None)
-    finally:
-        gmsh.finalize()
-    top = domain.topology.dim
-    for d in range(top):
-        domain.topology.create_connectivity(d, top)
-    if place is not None:
-        domain.geometry.x[:] = place(domain.geometry.x)
-    owned = domain.topology.index_map(top).size_local
-    cells = {name: _find(cell_tags, tags) for name, tags in groups[top].items()}
-    cells = {name: c[c < owned] for name, c in cells.items()}
-    edges = {name: _find(edge_tags, tags) for name, tags in groups.get(1, {}).items()} if top == 2 else {}
-    vertices = _vertices_of_nodes(domain)
-    points = {name: np.array([vertices[n] for n in tags if n in vertices], dtype=np.int32)
-              for name, tags in nodes.items()}
-    return NamedMesh(domain, cells, edges, points)
+    model = read_model(source, "read", order, place, comm)
+    cells, edges = model.curves, Cells({}, {})
+    if model.surfaces.groups:
+        cells, edges = model.surfaces, model.curves
+    for name in edges.groups:
+        if not model.on_edges(name).all():
+            raise ValueError(f"{model.what}: the curves {name!r} are not on edges of surfaces; read both with "
+                             f"read_mixed(..., bars=[{name!r}])")
+    model.require_points_on(cells)
+    return named_mesh(model, cells, edges, dimension, comm, keep_junctions_whole)
 
 
-def _nodes_of_points(model) -> dict[str, list[int]]:
-    """Names of the groups of points, and the numbers of their nodes."""
-    return {model.getPhysicalName(0, tag): [int(n) - 1 for n in model.mesh.getNodesForPhysicalGroup(0, tag)[0]]
-            for _, tag in model.getPhysicalGroups(0)}
+def named_mesh(model: Model, cells: Cells, edges: Cells, dimension: int, comm: MPI.Comm, partitioner) -> NamedMesh:
+    """Mesh of some cells of a gmsh model.
 
-
-def _vertices_of_nodes(domain: Mesh) -> dict[int, int]:
-    """Vertex of each node of the gmsh mesh that is one, on this process."""
-    top = domain.topology.dim
-    corners = domain.topology.connectivity(top, 0)
-    cells = corners.num_nodes
-    vertices = corners.array.reshape(cells, len(basix.topology(domain.basix_cell())[0]))
-    nodes = geometry_nodes(domain)[:cells, : vertices.shape[1]]
-    numbers = domain.geometry.input_global_indices[nodes]
-    return dict(zip(numbers.ravel().tolist(), vertices.ravel().tolist(), strict=True))
-
-
-def _group_by_entity(model, top: int) -> dict[int, dict[str, list[int]]]:
-    """Give each entity a physical group of its own number, since mesh tags hold one value each.
-
-    Returns, for cells and facets, the names of the groups and the entities in them.
+    Parameters
+    ----------
+    edges : curves on the edges of surfaces; what is not there is left out
+    partitioner : where there are several processes
     """
-    groups: dict[int, dict[str, list[int]]] = {top: {}, top - 1: {}}
-    for d, tag in model.getPhysicalGroups():
-        if d not in groups:
-            continue
-        groups[d][model.getPhysicalName(d, tag)] = [int(e) for e in model.getEntitiesForPhysicalGroup(d, tag)]
-    model.removePhysicalGroups()
-    for d, named in groups.items():
-        for entity in sorted({e for entities in named.values() for e in entities}):
-            model.addPhysicalGroup(d, [entity], tag=entity)
-    return groups
+    entities = sorted(cells.nodes)
+    nodes, x = cells.table(entities), model.x
+    if dimension == 2 and np.abs(x[nodes][..., 2]).max() > FLAT * np.abs(x[nodes]).max():
+        raise ValueError(f"{model.what}: the structure has places out of the x-y plane; read it in 3 dimensions")
+    if comm.rank:
+        nodes, x = nodes[:0], x[:0]
+    domain = gmsh_mesh(comm, cells.kind, nodes, x[:, :dimension], partitioner if comm.size > 1 else None)
+    topology = domain.topology
+    for d in range(topology.dim):
+        topology.create_connectivity(d, topology.dim)
+    source = np.repeat(entities, [len(cells.nodes[e]) for e in entities])
+    owned = source[topology.original_cell_index[: topology.index_map(topology.dim).size_local]]
+    inside = {name: _where(np.isin(owned, on)) for name, on in cells.groups.items()}
+    numbers = _nodes_of_vertices(domain)
+    points = {name: _where(np.isin(numbers, found)) for name, found in model.points_on(cells).items()}
+    along = {}
+    if edges.groups:
+        sides = model.pairs(numbers[topology.connectivity(1, 0).array.reshape(-1, 2)])
+        along = {name: _where(np.isin(sides, model.pairs(edges.corners(on)))) for name, on in edges.groups.items()}
+    return NamedMesh(domain, inside, along, points)
 
 
-def _find(tags, values) -> np.ndarray:
-    found = [tags.find(v) for v in values]
-    return np.unique(np.concatenate(found)).astype(np.int32)
+def _nodes_of_vertices(domain: Mesh) -> np.ndarray:
+    """Number in the gmsh mesh of the node at each vertex of this process."""
+    corners = domain.topology.connectivity(domain.topology.dim, 0)
+    vertices = corners.array.reshape(corners.num_nodes, len(basix.topology(domain.basix_cell())[0]))
+    nodes = geometry_nodes(domain)[: len(vertices), : vertices.shape[1]]
+    numbers = np.empty(vertices.max(initial=-1) + 1, dtype=np.int64)
+    numbers[vertices] = domain.geometry.input_global_indices[nodes]
+    return numbers
+
+
+def _where(chosen: np.ndarray) -> np.ndarray:
+    return np.flatnonzero(chosen).astype(np.int32)

@@ -1,0 +1,250 @@
+"""The gmsh model that meshes are made of: meshed or read from a file, with its groups by name, and checked."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from mpi4py import MPI
+
+Source = Callable[[], None] | str | Path
+
+ORDERS = 1, 2, 3
+INTERVALS, TRIANGLES, QUADRILATERALS = ("intervals", 2), ("triangles", 3), ("quadrilaterals", 4)
+KINDS = {1: INTERVALS, 8: INTERVALS, 26: INTERVALS, 2: TRIANGLES, 9: TRIANGLES, 21: TRIANGLES, 3: QUADRILATERALS,
+         10: QUADRILATERALS, 36: QUADRILATERALS}  # gmsh's numbers of complete cells; names and corners
+DIMENSIONS = {0: "points", 1: "curves", 2: "surfaces", 3: "volumes"}
+FILE = re.compile(rb"^\$(MeshFormat|NOD|PTS)", re.MULTILINE)  # of versions 2 to 4, and 1
+FLAT = 1e-12
+
+
+@dataclass
+class Cells:
+    """Cells of one dimension in a gmsh model.
+
+    Attributes
+    ----------
+    groups : name -> entities
+    nodes : entity -> nodes of its cells in gmsh's order, shape (cells, nodes)
+    kind : gmsh's number of the kind of cell, where there are any
+    """
+
+    groups: dict[str, list[int]]
+    nodes: dict[int, np.ndarray]
+    kind: int | None = None
+
+    def table(self, entities: Iterable[int]) -> np.ndarray:
+        """Nodes of the cells of some entities, one behind the other."""
+        return np.concatenate([self.nodes[e] for e in sorted(set(entities))])
+
+    def corners(self, entities: Iterable[int] | None = None) -> np.ndarray:
+        """Nodes at the corners of the cells of some entities, or of all."""
+        return self.table(self.nodes if entities is None else entities)[:, :KINDS[self.kind][1]]
+
+    def of(self, names: Iterable[str]) -> Cells:
+        """Those of some groups alone."""
+        groups = {name: self.groups[name] for name in names}
+        return Cells(groups, {e: self.nodes[e] for entities in groups.values() for e in entities}, self.kind)
+
+
+@dataclass
+class Model:
+    """What all processes know of a gmsh model.
+
+    Attributes
+    ----------
+    what : what is read, for messages
+    x : places of its nodes in space; those without cells are not numbers
+    curves, surfaces : Cells
+    points : name -> nodes
+    """
+
+    what: str
+    x: np.ndarray
+    curves: Cells
+    surfaces: Cells
+    points: dict[str, np.ndarray]
+
+    def points_on(self, cells: Cells) -> dict[str, np.ndarray]:
+        """Named points that are corners of cells."""
+        corners = np.unique(cells.corners())
+        return {name: found for name, nodes in self.points.items() if len(found := np.intersect1d(nodes, corners))}
+
+    def require_points_on(self, *cells: Cells) -> None:
+        """Refuse named points that no cell has for a corner."""
+        if lost := sorted(self.points.keys() - {name for c in cells for name in self.points_on(c)}):
+            raise ValueError(f"{self.what}: the point {lost[0]!r} is on no cell of a named group; add its curve or "
+                             "surface to a group, or remove the name")
+
+    def on_edges(self, name: str) -> np.ndarray:
+        """Whether each cell of a group of curves is an edge of a surface."""
+        faces = self.surfaces.corners()
+        sides = np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2)
+        return np.isin(self.pairs(self.curves.corners(self.curves.groups[name])), self.pairs(sides))
+
+    def pairs(self, nodes: np.ndarray) -> np.ndarray:
+        """A number for each pair of nodes, whatever its order."""
+        return np.sort(nodes, axis=1) @ np.array([len(self.x), 1])
+
+
+def read_model(source: Source, who: str, order: int | None, place: Callable | None, comm: MPI.Comm) -> Model:
+    """What there is to know of the gmsh model of a source; what goes wrong on process 0 is raised on all.
+
+    Parameters
+    ----------
+    source : function without arguments that fills the gmsh model and names physical groups, or path of a .msh file
+    who : reads it, for messages
+    order : of the geometry; None: 1, or that of the file
+    place : function from coordinates of nodes to those in space; None: the same
+    """
+    what = who if callable(source) else f"{who} {str(source)!r}"
+    if order not in (None, *ORDERS):
+        raise ValueError(f"{what}: order is {order}; it must be one of {', '.join(map(str, ORDERS))}")
+    model = error = None
+    if comm.rank == 0:
+        try:
+            model = _model(source, what, order, place)
+        except Exception as raised:  # other processes wait to be told
+            error = raised
+    model, error = comm.bcast((model, error), root=0)
+    if error is not None:
+        raise error
+    return model
+
+
+def _model(source: Source, what: str, order: int | None, place: Callable | None) -> Model:
+    import gmsh
+
+    gmsh.initialize(interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        _fill(gmsh, source, what, order)
+        curves, surfaces = (_cells(gmsh.model, dimension, what) for dimension in (1, 2))
+        tables = [nodes.ravel() for cells in (curves, surfaces) for nodes in cells.nodes.values()]
+        points = {_name(gmsh.model, 0, tag): gmsh.model.mesh.getNodesForPhysicalGroup(0, tag)[0].astype(np.int64) - 1
+                  for _, tag in gmsh.model.getPhysicalGroups(0)}
+        x = _places(gmsh.model, np.unique(np.concatenate(tables)), what, place)
+    finally:
+        gmsh.finalize()
+    model = Model(what, x, curves, surfaces, points)
+    _check_cells(model)
+    return model
+
+
+def _fill(gmsh, source: Source, what: str, order: int | None) -> None:
+    """Mesh what a function builds, or open a file."""
+    if callable(source):
+        gmsh.model.add("model")
+        source()
+        _check_groups(gmsh.model, what)
+        gmsh.model.mesh.generate(max(d for d, _ in gmsh.model.getPhysicalGroups()))
+        gmsh.model.mesh.setOrder(order or 1)
+        return
+    file = Path(source)
+    if not file.is_file():
+        raise ValueError(f"{what}: there is no such file in {file.parent.resolve()}; give the path of a .msh file")
+    if not FILE.search(file.read_bytes()[:10000]):
+        raise ValueError(f"{what}: the file is none of gmsh's; save the mesh from gmsh as .msh")
+    try:
+        gmsh.open(str(file))
+    except Exception as error:
+        raise ValueError(f"{what}: gmsh cannot read the file ({error}); save the mesh from gmsh again") from error
+    _check_groups(gmsh.model, what)
+    for entity in gmsh.model.getEntities():  # versions 1 and 2 save a cell once for each group that it is in
+        gmsh.model.mesh.removeDuplicateElements([entity])
+    if order:
+        gmsh.model.mesh.setOrder(order)
+    gmsh.model.mesh.renumberNodes()
+
+
+def _check_groups(model, what: str) -> None:
+    """Refuse groups that are not of curves, surfaces and points, each with its own name."""
+    groups = model.getPhysicalGroups()
+    dimensions = {d for d, _ in groups}
+    if not dimensions & {1, 2}:
+        raise ValueError(f"{what}: no physical group of curves or surfaces; name those that belong to the structure "
+                         "(gmsh.model.addPhysicalGroup, or Physical Curve and Physical Surface in a .geo file)")
+    if 3 in dimensions:
+        volumes = next(_name(model, *group) for group in groups if group[0] == 3)
+        raise ValueError(f"{what}: the group {volumes!r} is one of volumes; only curves and surfaces can be read")
+    known: dict[str, int] = {}
+    for d, tag in groups:
+        name = _name(model, d, tag)
+        if known.setdefault(name, d) != d:
+            raise ValueError(f"{what}: the group {name!r} is one of {DIMENSIONS[known[name]]} and of {DIMENSIONS[d]}; "
+                             "give each its own name")
+
+
+def _name(model, dimension: int, tag: int) -> str:
+    """Of a physical group; its number where it has none."""
+    return model.getPhysicalName(dimension, tag) or str(tag)
+
+
+def _cells(model, dimension: int, what: str) -> Cells:
+    """Cells of one kind in the groups of a dimension; nodes count from 0."""
+    cells = Cells({}, {})
+    first = None
+    for _, tag in model.getPhysicalGroups(dimension):
+        name = _name(model, dimension, tag)
+        entities = cells.groups.setdefault(name, [])
+        entities += [int(e) for e in model.getEntitiesForPhysicalGroup(dimension, tag) if e not in entities]
+        for entity in entities:
+            kinds, _, tables = model.mesh.getElements(dimension, entity)
+            if not len(kinds):
+                raise ValueError(f"{what}: a part of the group {name!r} has no cells; mesh it, or remove it")
+            for kind in kinds:
+                label, _, _, size, _, _ = model.mesh.getElementProperties(kind)
+                if kind not in KINDS:
+                    raise ValueError(f"{what}: the group {name!r} has cells {label!r}; only complete intervals, "
+                                     f"triangles and quadrilaterals of order {ORDERS[0]} to {ORDERS[-1]} can be read")
+                first = first or (kind, name, label)
+                if kind != first[0]:
+                    raise ValueError(f"{what}: mixed kinds of cells, {first[2]!r} in the group {first[1]!r} and "
+                                     f"{label!r} in {name!r}; mesh all {DIMENSIONS[dimension]} with one kind")
+            cells.nodes[entity] = tables[0].reshape(-1, size).astype(np.int64) - 1
+            cells.kind = int(kinds[0])
+    _check_doubles(cells, what)
+    return cells
+
+
+def _check_doubles(cells: Cells, what: str) -> None:
+    """Refuse cells that stand in two entities."""
+    seen: dict[tuple[int, ...], int] = {}
+    for entity, table in cells.nodes.items():
+        for cell in map(tuple, np.sort(table, axis=1).tolist()):
+            if seen.setdefault(cell, entity) != entity:
+                here, there = (next(n for n, on in cells.groups.items() if e in on) for e in (seen[cell], entity))
+                raise ValueError(f"{what}: the groups {here!r} and {there!r} have the same cells in two parts of the "
+                                 "model; remove one")
+
+
+def _places(model, used: np.ndarray, what: str, place: Callable | None) -> np.ndarray:
+    """Places of nodes in space, computed once for all meshes that are made of the model."""
+    numbers, x, _ = model.mesh.getNodes()
+    table = np.full((int(numbers.max()), 3), np.nan)
+    table[numbers.astype(np.int64) - 1] = x.reshape(-1, 3)
+    placed = np.full_like(table, np.nan)
+    placed[used] = table[used] if place is None else place(table[used])
+    finite = np.isfinite(placed[used]).all(axis=1)
+    if not finite.all():
+        raise ValueError(f"{what}: place gives no finite coordinates for {table[used][~finite][0]}; correct the "
+                         "function")
+    return placed
+
+
+def _check_cells(model: Model) -> None:
+    """Refuse cells without extent."""
+    extent = np.linalg.norm(np.nanmax(model.x, axis=0) - np.nanmin(model.x, axis=0))
+    for dimension, cells in ((1, model.curves), (2, model.surfaces)):
+        for name, entities in cells.groups.items():
+            x = model.x[cells.corners(entities)]
+            if dimension == 1:
+                measures = np.linalg.norm(x[:, 1] - x[:, 0], axis=1)
+            else:  # diagonals of quadrilaterals, sides of triangles
+                measures = np.linalg.norm(np.cross(x[:, 2] - x[:, 0], x[:, -1] - x[:, 1]), axis=1)
+            if (small := measures <= FLAT * extent**dimension).any():
+                raise ValueError(f"{model.what}: a cell of the group {name!r} at {x[small][0].mean(axis=0)} has no "
+                                 f"{'length' if dimension == 1 else 'area'}; mesh it anew")
