@@ -23,7 +23,7 @@ _ROOMS = {
     "model.obstacles": "RigidCylinder RigidPlane",
     "model.following": "FollowerForce LinePressure Pressure",
     "model.scene": "Monitor Scene Stage",
-    "model.section": "Elastic GivenPlate Plate Rectangle ShellStiffness Tube round_bar",
+    "model.section": "Elastic Flanged GivenPlate Plate Rectangle ShellStiffness Tube effective_width round_bar",
     "model.shell": "Shell ShellForm",
     "model.supports": "Support clamp pin symmetry",
     "discrete.contribution": "Contribution",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -45,6 +45,18 @@ class Record:
         from .stability.branches import branches
 
         return branches(self.path, self.states, point, amplitude)
+
+    def modes(self, point: CriticalPoint) -> list[np.ndarray]:
+        """Null vectors at a bifurcation or limit point, see `stability.shares.critical_modes`."""
+        from .stability.shares import critical_modes
+
+        return critical_modes(self.path, self.states, point)
+
+    def energy_shares(self, modes: Sequence[np.ndarray]) -> list[float]:
+        """Shares of the parts, in the scene's order, in the strain energy of modes, see `stability.shares`."""
+        from .stability.shares import energy_shares
+
+        return energy_shares(self.path, self.states[0], modes)
 
     @cached_property
     def _last_buckling(self) -> list[BucklingLoad]:

@@ -75,6 +75,11 @@ class Discretisation:
         self._totals = [[load.total(fields.at_stage(n)) for load in stage.loads]
                         for n, stage in enumerate(scene.all_stages)]
 
+    @property
+    def works_of_parts(self) -> list[Contribution]:
+        """Internal virtual work of each part of the scene, in their order."""
+        return self.system.contributions[:len(self.scene.parts)]
+
     def kinematics(self, mesh: NamedMesh) -> Kinematics:
         return self.fields.kinematics(mesh)
 

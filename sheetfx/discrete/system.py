@@ -122,12 +122,16 @@ class System:
 
     def residual(self, out: PETSc.Vec) -> None:
         """Out-of-balance forces of the current configuration."""
+        support = self.residual_of(self.contributions, out)
+        self.reaction = self.comm.allreduce(float(support @ support)) ** 0.5
+
+    def residual_of(self, contributions: Sequence[Contribution], out: PETSc.Vec) -> np.ndarray:
+        """Forces of some contributions on free increments, in `out`; return those on fixed ones of this process."""
         with self.clock("assembly"):
             forces = self._forces()
-            for contribution in self.contributions:
+            for contribution in contributions:
                 contribution.residual(forces)
-            support = self._gather(forces, out)
-        self.reaction = self.comm.allreduce(float(support @ support)) ** 0.5
+            return self._gather(forces, out)
 
     def load(self, out: PETSc.Vec) -> None:
         """Derivative of the external forces with respect to the load factor."""

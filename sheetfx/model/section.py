@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import pi, tanh
 
-from ..checks import require_positive
+from ..checks import require_finite, require_positive
 
 
 @dataclass(frozen=True)
@@ -131,6 +131,78 @@ class Tube(Section):
 def round_bar(diameter: float) -> Tube:
     """Solid round section."""
     return Tube(diameter, diameter / 2, shear_factor=0.9)
+
+
+@dataclass(frozen=True)
+class Flanged(Section):
+    """A bar and a flat flange that act as one section, such as the part of a panel that works with its bar.
+
+    Attributes
+    ----------
+    bar : Section of the bar itself
+    width, thickness : of the flange, across the direction of the depth and along it
+    offset : distance of the middle of the flange from the bar's axis, along the depth; the common centroid is
+        `centroid` off that axis, where `Beam(offset=(section.centroid, 0.0))` puts it
+    """
+
+    bar: Section
+    width: float
+    thickness: float
+    offset: float = 0.0
+
+    def __post_init__(self):
+        require_positive(self, "width", "thickness")
+        require_finite(self, "offset")
+
+    @property
+    def depth(self):
+        low = min(-self.bar.depth / 2, self.offset - self.thickness / 2)
+        return max(self.bar.depth / 2, self.offset + self.thickness / 2) - low
+
+    @property
+    def _flange(self):
+        return self.width * self.thickness
+
+    @property
+    def area(self):
+        return self.bar.area + self._flange
+
+    @property
+    def centroid(self):
+        """Distance of the common centroid from the bar's axis, along the depth."""
+        return self.offset * self._flange / self.area
+
+    @property
+    def second_moments(self):
+        about_normal, about_binormal = self.bar.second_moments
+        apart = self.offset**2 * self.bar.area * self._flange / self.area
+        return (about_normal + self._flange * self.width**2 / 12,
+                about_binormal + self._flange * self.thickness**2 / 12 + apart)
+
+    @property
+    def torsion(self):
+        return self.bar.torsion + self.width * self.thickness**3 / 3
+
+    @property
+    def shear_factor(self):
+        """Mean of the bar's and that of a rectangle, by area."""
+        return (self.bar.shear_factor * self.bar.area + 5 / 6 * self._flange) / self.area
+
+
+def effective_width(span: float, thickness: float, own: float, panels: float) -> float:
+    """Width of panels that works with a bar as its flange: min(span / 3, own + 12 thickness, own + panels).
+
+    The rule of codes for composite beams (thesis, eq. 5.1; GB 50017), in which the two halves of the panels count with
+    at most six thicknesses each.
+
+    Parameters
+    ----------
+    span : length of the bar
+    thickness : of the panels
+    own : width of the bar itself
+    panels : sum of half the clear distances to the next bars on both sides
+    """
+    return min(span / 3, own + 12 * thickness, own + panels)
 
 
 @dataclass(frozen=True)

@@ -30,9 +30,14 @@ def draw_modes(record: Record, folder: Folder, name: str = "modes.png") -> None:
     Colours show the displacement along the normal of surfaces; curves stand beside the undeformed ones. The picture
     is left out with a warning where there is no X server and Xvfb is missing.
     """
-    shapes = [_shape(record, load) for load in record.buckling()[:MOST]]
+    shapes = [shape_of(record, load.mode, _title(load)) for load in record.buckling()[:MOST]]
     if communicator(record).rank == 0:
-        save_picture(lambda file: _draw(shapes, file), Folder(folder) / name)
+        save_picture(lambda file: draw_shapes(shapes, file), Folder(folder) / name)
+
+
+def _title(load: BucklingLoad) -> str:
+    group = f", cluster of {load.multiplicity}" if load.multiplicity > 1 else ""
+    return f"load factor {load.factor:.5g}{group}"
 
 
 def mode_files(record: Record, folder: Folder) -> None:
@@ -55,7 +60,7 @@ def mode_files(record: Record, folder: Folder) -> None:
 
 
 @dataclass
-class _Shape:
+class ModeShape:
     """A mode as it is drawn, its places moved by the mode: title, surfaces, curves before and after."""
 
     title: str
@@ -74,15 +79,15 @@ class _Shape:
         return not np.ptp(np.concatenate([self.undeformed, *current])[:, 2])
 
 
-def _shape(record: Record, load: BucklingLoad) -> _Shape | None:
+def shape_of(record: Record, mode: np.ndarray, title: str) -> ModeShape | None:
     """A mode on process 0, None elsewhere."""
-    displacements = {mesh: mode_displacement(record.path, mesh, load) for mesh in record.case.scene.meshes}
-    group = f", cluster of {load.multiplicity}" if load.multiplicity > 1 else ""
+    displacements = {mesh: mode_displacement(record.path, mesh, mode) for mesh in record.case.scene.meshes}
     found, curves = surfaces(record, displacements), Curves(record, displacements).evaluate()
-    return None if found is None else _Shape(f"load factor {load.factor:.5g}{group}", found, curves)
+    return None if found is None else ModeShape(title, found, curves)
 
 
-def _draw(shapes: list[_Shape], file: Folder) -> None:
+def draw_shapes(shapes: list[ModeShape], file: Folder) -> None:
+    """Draw modes side by side, moved by a small part of the structure's size."""
     import pyvista
 
     size = SHARE * np.linalg.norm(np.ptp(shapes[0].undeformed, axis=0))

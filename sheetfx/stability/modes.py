@@ -17,9 +17,9 @@ def mode_displacement(path, mesh: NamedMesh, mode) -> fem.Function:
     Parameters
     ----------
     path : Path or Tracer that the mode belongs to
-    mode : BucklingLoad, Vibration or Branch
+    mode : array of increments on this process, or a BucklingLoad, Vibration or Branch with one
     """
-    vector = path.discretisation.system.create_vector(mode.mode)
+    vector = path.discretisation.system.create_vector(getattr(mode, "mode", mode))
     u = path.discretisation.kinematics(mesh).u
     displacement = fem.Function(u.function_space, name="displacement")
     displacement.x.array[:] = _displacement(path.discretisation, mesh, vector)

@@ -1,0 +1,140 @@
+"""Three-way dome of bars and panels under a force at its apex (thesis, sections 5.2 and 5.3).
+
+19 nodes, 42 bars (tubes 40 x 2) and 24 flat steel panels 10 mm thick, span 8 m and rise 1.6 m. The thesis prints neither
+coordinates nor drawing: three geometries are likely, see `meshes.dome`. It fixes the six outermost corners; they are
+pinned here, and `--held "x y z rx ry rz"` clamps them. Where mid-surfaces of panels lie against the axes of the bars it
+does not say either: `--offset` is that distance, zero by default.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from typing import Annotated
+
+import numpy as np
+from typer import Option
+
+from .. import meshes
+from ..case import Case
+from ..checks import require_positive_number
+from ..continuation.control import ArcLength
+from ..mesh.mixed import read_mixed
+from ..mesh.reader import NamedMesh, read
+from ..model.beam import Beam
+from ..model.joints import Compatible, Joint
+from ..model.loads import PointForce
+from ..model.scene import Monitor, Scene
+from ..model.section import Elastic, Flanged, Plate, Tube, effective_width
+from ..model.shell import FORMS, TRIANGLE, Shell, named_form
+from ..model.supports import Support
+from ..path import Until
+from ..record import Record
+from ..show.critical_modes import draw_critical_modes
+from ..show.curves import path_curve
+from ..show.files import paraview
+from ..show.pictures import shapes
+
+BAR, PANEL = Tube(40.0, 2.0), Plate(10.0)
+STEEL = Elastic(2.1e5, 0.3, density=7.85e-9)
+MODELS = "coupled", "flange", "bars"
+
+
+@dataclass(frozen=True, eq=False)
+class Dome:
+    """Parts of a dome.
+
+    Attributes
+    ----------
+    bars : mesh that has the apex and the corners
+    parts, joints : of the scene
+    """
+
+    bars: NamedMesh
+    parts: list[Beam | Shell]
+    joints: list[Joint]
+
+
+def case(
+    geometry: Annotated[str, Option(help=f"of the nodes: {', '.join(meshes.tables.DOMES)}, or a file, see "
+                                         "`meshes.read_table`")] = "hex",
+    model: Annotated[str, Option(help="panels and bars `coupled` along their edges, bars with the effective `flange` "
+                                      "of panels, or `bars` alone")] = "coupled",
+    divisions: Annotated[int, Option(min=1, help="cells along each bar")] = 6,
+    form: Annotated[str | None, Option(help=f"of the panels: {', '.join(FORMS)}; default naghdi-q2, or naghdi-p2cr for "
+                                            "odd divisions")] = None,
+    offset: Annotated[float, Option(help="of the panels' mid-surfaces above the axes of the bars, mm")] = 0.0,
+    held: Annotated[str, Option(help="components that supports hold at the corners")] = "x y z",
+    to: Annotated[float, Option(help="deflection of the apex at which the path ends, mm")] = 45.0,
+    step: Annotated[float | None, Option(help="first arc length; default chosen by the structure")] = None,
+) -> Case:
+    """Dome of panels on bars: the load at which its rising path bifurcates, and where it goes from there."""
+    if model not in MODELS:
+        raise ValueError(f"dome: model is {model!r}; it must be one of {', '.join(MODELS)}")
+    require_positive_number("dome", to=to)
+    table = meshes.dome(geometry)
+    for name in ("apex", "corners"):
+        if name not in table.sets:
+            raise ValueError(f"dome: the geometry {geometry!r} has no set of nodes {name!r}; add it to the table")
+    if model == "coupled":
+        dome = coupled(table, divisions, form or ("naghdi-p2cr" if divisions % 2 else "naghdi-q2"), offset)
+    else:
+        dome = skeleton(table, divisions, offset if model == "flange" else None)
+    bars = dome.bars
+    return Case(
+        scene=Scene(dome.parts, [Support(bars, "corners", held)], [PointForce(bars, "apex", (0.0, 0.0, -1.0))],
+                    Monitor(bars, "apex", "z", -1.0), joints=dome.joints),
+        control=ArcLength() if step is None else ArcLength(step=step), until=Until(deflection=to),
+        quantities=quantities, pictures=[path_curve, shapes, draw_critical_modes, paraview],
+        axes=("deflection of the apex (mm)", "load (N)"))
+
+
+def coupled(table: meshes.Table, divisions: int, form: str, offset: float = 0.0) -> Dome:
+    """Panels and bars that share all nodes along their edges."""
+    discrete = named_form(form)
+    mesh = read_mixed(partial(meshes.structure, table, divisions, discrete.cell == TRIANGLE), ["bars"])
+    beams = Beam(mesh.curves, BAR, STEEL, degree=discrete.displacement[1])
+    return Dome(mesh.curves, [beams, Shell(mesh.surfaces, PANEL, STEEL, form=form, offset=offset)],
+                [Compatible(mesh.curves, mesh.surfaces)])
+
+
+def skeleton(table: meshes.Table, divisions: int, offset: float | None) -> Dome:
+    """Bars alone (offset None), or with the effective width of panels that stand so far above their axes as flanges."""
+    alone = meshes.Table(table.nodes, table.bars, (), table.sets)
+    mesh = read(partial(meshes.structure, alone, divisions), 3)
+    if offset is None:
+        return Dome(mesh, [Beam(mesh, BAR, STEEL)], [])
+    alike: dict[str, list[str]] = {}
+    for name, ends in table.named_bars.items():
+        alike.setdefault(f"{flange_width(table, ends):.9g}", []).append(name)
+    parts: list[Beam | Shell] = []
+    for width, names in alike.items():
+        mesh.cells[f"flange {width}"] = np.sort(np.concatenate([mesh.cells[name] for name in names]))
+        section = Flanged(BAR, float(width), PANEL.thickness, offset)
+        parts.append(Beam(mesh, section, STEEL, group=f"flange {width}", offset=(section.centroid, 0.0)))
+    return Dome(mesh, parts, [])
+
+
+def flange_width(table: meshes.Table, ends) -> float:
+    """Effective width of the panels at a bar, whose halves reach to a third of their heights, as their centroids do."""
+    places = {name: np.array(x, dtype=float) for name, x in table.nodes.items()}
+    first, last = (places[name] for name in ends)
+    span, heights = float(np.linalg.norm(last - first)), []
+    for panel in table.panels:
+        if set(ends) <= set(panel):
+            across = np.mean([places[name] for name in panel], axis=0) - first
+            heights.append(float(np.linalg.norm(np.cross(across, (last - first) / span))))
+    return effective_width(span, PANEL.thickness, BAR.diameter, sum(heights))
+
+
+def quantities(record: Record) -> dict[str, float]:
+    """Initial stiffness, linear buckling load, first critical point with the bars' share in the energy of its mode."""
+    first = record.states[0]
+    values = {"initial_stiffness": 1 / first.reference[1],
+              "linear_buckling_load": min(b.load for b in record.buckling(first, count=2) if b.factor > 0)}
+    beams = [isinstance(part, Beam) for part in record.case.scene.parts]
+    for point in record.critical_points[:1]:
+        shares = record.energy_shares(record.modes(point))
+        values |= {f"{point.kind}_load": point.load, f"{point.kind}_deflection": point.deflection,
+                   "bars_share_of_mode": float(np.dot(beams, shares))}
+    return values

@@ -1,0 +1,76 @@
+"""Modes of critical points, and in which parts they store their energy."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..continuation.state import CriticalPoint, State
+from ..continuation.tracer import tracer_of
+from .critical import state_at
+from .modes import scaled
+
+SMALL = 1e-6  # largest displacement of a mode that is imposed, over the size of the structure
+
+
+def critical_modes(path, states: Sequence[State], point: CriticalPoint) -> list[np.ndarray]:
+    """Null vectors of the tangent at a bifurcation or limit point, each with a largest displacement of 1.
+
+    Parameters
+    ----------
+    path : Path or Tracer that the states belong to; it stays at its present state
+    states : of the path, among them those before and after the point
+    point : one of `critical` of these states
+
+    Returns
+    -------
+    list of arrays of increments on this process, as many as the point's multiplicity; those of several span the space
+    of null vectors, in no particular order.
+
+    Raises
+    ------
+    ValueError
+        If a state beside the point is missing, or nothing is singular there (an event, flutter).
+    """
+    if point.kind not in ("bifurcation", "limit"):
+        raise ValueError(f"critical_modes: the tangent is not singular at {point.title} (load {point.load:.6g}); give "
+                         "a bifurcation or a limit point")
+    by_step = {state.step: state for state in states}
+    if not {point.step - 1, point.step} <= set(by_step):
+        raise ValueError(f"critical_modes: the states of steps {point.step - 1} and {point.step} around the point at "
+                         f"load {point.load:.6g} are missing; give the states of the whole path")
+    tracer = tracer_of(path)
+    present = tracer.state
+    try:
+        state_at(tracer, by_step[point.step - 1], by_step[point.step], point)
+        pairs = sorted(zip(*tracer.spectrum(point.multiplicity + 1), strict=True), key=lambda pair: abs(pair[0]))
+        return [scaled(path.discretisation, mode) for _, mode in pairs[:point.multiplicity]]
+    finally:
+        tracer.back_to(present)
+
+
+def energy_shares(path, unloaded: State, modes: Sequence[np.ndarray]) -> list[float]:
+    """Shares of the parts of a scene, in their order, in the strain energy of modes.
+
+    The energy is that which the unloaded structure would store if the mode were imposed on it. Shares of several modes
+    are those of the sum of their energies, which does not depend on how modes of one load are chosen.
+
+    Parameters
+    ----------
+    path : Path or Tracer that the modes belong to; it stays at its present state
+    unloaded : first state of the path
+    modes : arrays of increments on this process
+    """
+    discretisation = path.discretisation
+    system, size = discretisation.system, max(mesh.size for mesh in discretisation.scene.meshes)
+    energies = np.zeros(len(discretisation.scene.parts))
+    with discretisation.visiting(unloaded.fields):
+        forces = system.create_vector()
+        for mode in modes:
+            step = system.create_vector(SMALL * size * mode)
+            system.configure(step, system.factor)
+            for i, part in enumerate(discretisation.works_of_parts):
+                system.residual_of([part], forces)
+                energies[i] += forces.dot(step)
+    return (energies / energies.sum()).tolist()
