@@ -212,13 +212,14 @@ def _check_places(table: Table) -> None:
 
 def _check_flat(name: str, x: np.ndarray, small: float) -> None:
     """Refuse panels without area, that are not flat, or whose nodes do not go round them."""
-    turns = np.cross(x - np.roll(x, 1, axis=0), np.roll(x, -1, axis=0) - x)
-    normal, sides = turns.sum(axis=0), np.linalg.norm(x - np.roll(x, 1, axis=0), axis=1)
-    if np.linalg.norm(normal) <= small * sides.max():
+    last, following = (x - np.roll(x, 1, axis=0)), (np.roll(x, -1, axis=0) - x)
+    turns = np.cross(last, following)
+    small_turn, normal = small * np.linalg.norm(last, axis=1).max(), turns.sum(axis=0)
+    if np.linalg.norm(turns, axis=1).max() <= small_turn:
         raise ValueError(f"{name}: its nodes are in one line; give three corners of an area")
-    off = abs((x[-1] - x[0]) @ normal) / np.linalg.norm(normal)
+    if (turns @ normal <= small_turn * np.linalg.norm(normal)).any():
+        raise ValueError(f"{name}: its nodes do not go round it with a corner at each; give them in order")
+    off = abs((x[-1] - x[0]) @ turns[1]) / np.linalg.norm(turns[1])
     if off > small:
         raise ValueError(f"{name} is not flat: its last node is {off:.4g} off the plane of the others; divide it into "
                          "two panels of three nodes")
-    if (turns @ normal <= small * np.linalg.norm(normal) * sides.max()).any():
-        raise ValueError(f"{name}: its nodes do not go round it with a corner at each; give them in order")

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 from mpi4py import MPI
+from scipy.sparse import coo_array, triu
 
 Source = Callable[[], None] | str | Path
 
@@ -36,13 +37,17 @@ class Cells:
     nodes: dict[int, np.ndarray]
     kind: int | None = None
 
-    def table(self, entities: Iterable[int]) -> np.ndarray:
-        """Nodes of the cells of some entities, one behind the other."""
-        return np.concatenate([self.nodes[e] for e in sorted(set(entities))])
+    def table(self, entities: Iterable[int] | None = None) -> np.ndarray:
+        """Nodes of the cells of some entities, or of all, one behind the other."""
+        return np.concatenate([self.nodes[e] for e in sorted(set(self.nodes if entities is None else entities))])
+
+    def source(self) -> np.ndarray:
+        """Entity of each cell."""
+        return np.repeat(sorted(self.nodes), [len(self.nodes[e]) for e in sorted(self.nodes)])
 
     def corners(self, entities: Iterable[int] | None = None) -> np.ndarray:
         """Nodes at the corners of the cells of some entities, or of all."""
-        return self.table(self.nodes if entities is None else entities)[:, :KINDS[self.kind][1]]
+        return self.table(entities)[:, :KINDS[self.kind][1]]
 
     def of(self, names: Iterable[str]) -> Cells:
         """Those of some groups alone."""
@@ -81,9 +86,13 @@ class Model:
 
     def on_edges(self, name: str) -> np.ndarray:
         """Whether each cell of a group of curves is an edge of a surface."""
+        return np.isin(self.pairs(self.curves.corners(self.curves.groups[name])), self.edges())
+
+    def edges(self) -> np.ndarray:
+        """A number for each edge of the cells of surfaces, shape (cells, corners)."""
         faces = self.surfaces.corners()
-        sides = np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2)
-        return np.isin(self.pairs(self.curves.corners(self.curves.groups[name])), self.pairs(sides))
+        ends = np.stack([faces, np.roll(faces, -1, axis=1)], axis=2)
+        return self.pairs(ends.reshape(-1, 2)).reshape(faces.shape)
 
     def pairs(self, nodes: np.ndarray) -> np.ndarray:
         """A number for each pair of nodes, whatever its order."""
@@ -130,7 +139,8 @@ def _model(source: Source, what: str, order: int | None, place: Callable | None)
     finally:
         gmsh.finalize()
     model = Model(what, x, curves, surfaces, points)
-    _check_cells(model)
+    _check_extents(model)
+    _check_doubles(model)
     return model
 
 
@@ -206,19 +216,7 @@ def _cells(model, dimension: int, what: str) -> Cells:
                                      f"{label!r} in {name!r}; mesh all {DIMENSIONS[dimension]} with one kind")
             cells.nodes[entity] = tables[0].reshape(-1, size).astype(np.int64) - 1
             cells.kind = int(kinds[0])
-    _check_doubles(cells, what)
     return cells
-
-
-def _check_doubles(cells: Cells, what: str) -> None:
-    """Refuse cells that stand in two entities."""
-    seen: dict[tuple[int, ...], int] = {}
-    for entity, table in cells.nodes.items():
-        for cell in map(tuple, np.sort(table, axis=1).tolist()):
-            if seen.setdefault(cell, entity) != entity:
-                here, there = (next(n for n, on in cells.groups.items() if e in on) for e in (seen[cell], entity))
-                raise ValueError(f"{what}: the groups {here!r} and {there!r} have the same cells in two parts of the "
-                                 "model; remove one")
 
 
 def _places(model, used: np.ndarray, what: str, place: Callable | None) -> np.ndarray:
@@ -235,7 +233,7 @@ def _places(model, used: np.ndarray, what: str, place: Callable | None) -> np.nd
     return placed
 
 
-def _check_cells(model: Model) -> None:
+def _check_extents(model: Model) -> None:
     """Refuse cells without extent."""
     extent = np.linalg.norm(np.nanmax(model.x, axis=0) - np.nanmin(model.x, axis=0))
     for dimension, cells in ((1, model.curves), (2, model.surfaces)):
@@ -248,3 +246,20 @@ def _check_cells(model: Model) -> None:
             if (small := measures <= FLAT * extent**dimension).any():
                 raise ValueError(f"{model.what}: a cell of the group {name!r} at {x[small][0].mean(axis=0)} has no "
                                  f"{'length' if dimension == 1 else 'area'}; mesh it anew")
+
+
+def _check_doubles(model: Model) -> None:
+    """Refuse cells that share two facets: they lie on each other or nearly so, and DOLFINx 0.9 breaks down on them."""
+    for cells, facets in ((model.curves, "both ends"), (model.surfaces, "two edges")):
+        if not cells.nodes:
+            continue
+        source, corners = cells.source(), cells.corners()
+        sides = corners if cells is model.curves else model.edges()
+        number = np.unique(sides, return_inverse=True)[1].ravel()
+        holds = coo_array((np.ones(len(number)), (np.repeat(np.arange(len(sides)), sides.shape[1]), number))).tocsr()
+        meets = triu(holds @ holds.T, 1).tocoo()
+        for one, other in zip(meets.row[meets.data > 1], meets.col[meets.data > 1], strict=True):
+            names = (next(n for n, on in cells.groups.items() if source[c] in on) for c in (one, other))
+            raise ValueError(f"{model.what}: cells of the groups {' and '.join(map(repr, names))} share {facets} at "
+                             f"{model.x[corners[one]].mean(axis=0)}; remove what stands twice, or mesh it with "
+                             "more cells")

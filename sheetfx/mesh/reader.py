@@ -200,8 +200,7 @@ def named_mesh(model: Model, cells: Cells, edges: Cells, dimension: int, comm: M
     edges : curves on the edges of surfaces; what is not there is left out
     partitioner : where there are several processes
     """
-    entities = sorted(cells.nodes)
-    nodes, x = cells.table(entities), model.x
+    nodes, x = cells.table(), model.x
     if dimension == 2 and np.abs(x[nodes][..., 2]).max() > FLAT * np.abs(x[nodes]).max():
         raise ValueError(f"{model.what}: the structure has places out of the x-y plane; read it in 3 dimensions")
     if comm.rank:
@@ -210,8 +209,7 @@ def named_mesh(model: Model, cells: Cells, edges: Cells, dimension: int, comm: M
     topology = domain.topology
     for d in range(topology.dim):
         topology.create_connectivity(d, topology.dim)
-    source = np.repeat(entities, [len(cells.nodes[e]) for e in entities])
-    owned = source[topology.original_cell_index[: topology.index_map(topology.dim).size_local]]
+    owned = cells.source()[topology.original_cell_index[: topology.index_map(topology.dim).size_local]]
     inside = {name: _where(np.isin(owned, on)) for name, on in cells.groups.items()}
     numbers = _nodes_of_vertices(domain)
     points = {name: _where(np.isin(numbers, found)) for name, found in model.points_on(cells).items()}
