@@ -1,6 +1,6 @@
 """Three-way dome of bars and panels under a force at its apex (thesis, sections 5.2 and 5.3).
 
-19 nodes, 42 bars (tubes 40 x 2) and 24 flat steel panels 10 mm thick, span 8 m and rise 1.6 m. The thesis prints neither
+19 nodes, 42 bars (tubes 40 x 2), 24 flat steel panels 10 mm thick, span 8 m and rise 1.6 m. The thesis prints neither
 coordinates nor drawing: three geometries are likely, see `meshes.dome`. It fixes the six outermost corners; they are
 pinned here, and `--held "x y z rx ry rz"` clamps them. Where mid-surfaces of panels lie against the axes of the bars it
 does not say either: `--offset` is that distance, zero by default.
