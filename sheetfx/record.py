@@ -124,3 +124,7 @@ class Record:
         axial force, shear force, moment; for a shell forces, moments and shear forces per length.
         """
         return self.path.discretisation.resultants(part)
+
+    def energies(self) -> list[float]:
+        """Strain energy that each part of the scene, in their order, stores in the shown state."""
+        return [self.path.discretisation.strain_energy(part) for part in self.case.scene.parts]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import ufl
 from helpers import cantilever, straight
 
 import sheetfx as fx
@@ -21,6 +22,7 @@ def test_resultants_of_a_beam():
     x = np.sort((np.arange(4)[:, None] + points).ravel() / 4)
     assert np.sort(moment.ravel())[::-1] == pytest.approx(force * (1 - x), rel=1e-6)
     assert shear == pytest.approx(force, rel=1e-6) and np.abs(normal).max() < 1e-3 * force
+    assert record.energies() == pytest.approx([force * record.states[-1].deflection / 2], rel=1e-6), "half the work"
     record.show(record.states[0])
     assert not record.forces(beam).any()
 
@@ -52,3 +54,18 @@ def test_rotation_of_bars_is_refused():
     assert record.displacement("tip")[0] > 0
     with pytest.raises(ValueError, match="rotation of 'tip': bars have no rotations"):
         record.rotation("tip")
+
+
+def test_energy_of_a_law_of_higher_power():
+    """A bar with s = EA (e + c e^3): the energy EA (e^2 / 2 + c e^4 / 4) l of the law, not half of force times way."""
+    def hardening(strains, stiffness):
+        e = strains[0]
+        return ufl.as_vector([stiffness[0] * (e + 50 * e**3)])
+
+    mesh = straight(1, 2.0)
+    bar = fx.Bar(mesh, fx.Rectangle(1.0, 1.0), fx.Elastic(1.0), law=hardening)
+    scene = fx.Scene([bar], [fx.pin(mesh, "base"), fx.Support(mesh, "tip", "y")],
+                     [fx.PointForce(mesh, "tip", (0.15, 0.0))], fx.Monitor(mesh, "tip", "x"))
+    record = fx.trace(fx.Case(scene, fx.LoadControl(0.25, fixed=True)))
+    strain = record.states[-1].deflection / 2
+    assert record.energies() == pytest.approx([2 * (strain**2 / 2 + 50 * strain**4 / 4)], rel=1e-10)

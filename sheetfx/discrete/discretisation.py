@@ -20,6 +20,7 @@ from .contact import ContactFields
 from .contact_work import ContactWork
 from .contribution import Contribution
 from .elements import ElementWork
+from .energy import strain_energy
 from .fields import Fields
 from .form_work import FormWork, by_mesh
 from .kinematics import Kinematics
@@ -159,6 +160,11 @@ class Discretisation:
         resultants, points = part.resultants(k.u, k.total_rotation)
         values = fem.Expression(lift_numbers(resultants, domain), points, jit_options=JIT).eval(domain, cells)
         return values.reshape(len(cells), len(points), -1)
+
+    def strain_energy(self, part) -> float:
+        """Energy that a part stores now, on all processes."""
+        k = self.kinematics(part.mesh)
+        return strain_energy(part.internal(k.u, k.total_rotation), part.mesh.domain.comm)
 
     def total_load(self) -> float:
         """Load of the present stage on the whole structure: the sum of the magnitudes of its loads, or the reaction."""

@@ -32,6 +32,7 @@ from ..path import Until
 from ..record import Record
 from ..show.critical_modes import draw_critical_modes
 from ..show.curves import path_curve
+from ..show.evaluate import last_state_kept
 from ..show.files import paraview
 from ..show.pictures import shapes
 
@@ -128,7 +129,9 @@ def flange_width(table: meshes.Table, ends) -> float:
 
 
 def quantities(record: Record) -> dict[str, float]:
-    """Initial stiffness, linear buckling load, first critical point with the bars' share in the energy of its mode."""
+    """Initial stiffness, linear buckling load, and of the first critical point the bars' share in the energy of its mode
+    and in the energy that is stored in the state behind it.
+    """
     first = record.states[0]
     values = {"initial_stiffness": 1 / first.reference[1],
               "linear_buckling_load": min(b.load for b in record.buckling(first, count=2) if b.factor > 0)}
@@ -136,5 +139,13 @@ def quantities(record: Record) -> dict[str, float]:
     for point in record.critical_points[:1]:
         shares = record.energy_shares(record.modes(point))
         values |= {f"{point.kind}_load": point.load, f"{point.kind}_deflection": point.deflection,
-                   "bars_share_of_mode": float(np.dot(beams, shares))}
+                   "bars_share_of_mode": float(np.dot(beams, shares)), "bars_share_of_energy": _share(record, beams)}
     return values
+
+
+def _share(record: Record, beams: list[bool]) -> float:
+    """Share of the bars in the energy stored at the end of the step that the first critical point lies in."""
+    with last_state_kept(record):
+        record.show(next(s for s in record.states if s.step == record.critical_points[0].step))
+        energies = record.energies()
+    return float(np.dot(beams, energies)) / sum(energies)
