@@ -3,7 +3,8 @@
 Set-up, also of Betsch, Gruttmann and Stein (1996): length 36, web 6 and flanges 2 between middle surfaces, thickness
 0.05, modulus 1e7, Poisson's ratio 0.333 (inches and pounds). One end is clamped. At the other end a force acts in the
 plane of the web, at the corner of web and upper flange, towards the lower flange. The force does not pass through the
-shear centre: the beam bends and twists, until its lower flange buckles near the clamp and the load falls.
+shear centre: the beam bends and twists, until its upper flange buckles near the clamp, as warping compresses its free
+edge by more than bending stretches it, and the load falls.
 
 Converged: a limit load of 114.4 at a deflection of 0.28 under the force, by "naghdi-q2" on 54 cells along, 9 across
 the web and 3 across each flange, as on 36, 12 and 4 (114.43 both; 114.60 on 36, 6 and 2). Triangles come from below:
