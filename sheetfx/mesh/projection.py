@@ -14,7 +14,7 @@ from ..compat import geometry_nodes
 from .reader import NamedMesh
 
 ITERATIONS = 60
-CONVERGED = 1e-15  # step in reference coordinates
+CONVERGED = 1e-13  # step in reference coordinates
 AS_CLOSE = 1e-9  # difference of distances that counts as none, over the size of the mesh
 
 
