@@ -130,7 +130,8 @@ def along_lines(first: Cells, second: Cells, lines: Sequence[Sequence[Piece]], r
 
     The multipliers are linear and continuous along each line, on the cells of the part that has the larger ones there
     (Hueeber, Mair and Wohlmuth 2005, for displacements of degree two). Cells of which a line has less than half do not
-    count; on a line shorter than that they are constant.
+    count by themselves, but with their neighbours; on a line inside of a cell the multipliers are linear, which came
+    nearer to the stiffness of finer meshes than constant ones.
 
     Parameters
     ----------
@@ -228,9 +229,7 @@ def _zero(function, low: float, high: float) -> float:
 
 
 def _grid(borders: np.ndarray, length: float, size: float) -> np.ndarray:
-    """Ends of a line and the borders between which multipliers are linear; a single number: they are constant."""
-    if length < SHORT * size:
-        return np.zeros(1)
+    """Ends of a line, and those borders between which multipliers are linear."""
     grid = [0.0]
     for border in borders:
         if min(border - grid[-1], length - border) >= SHORT * size:
@@ -240,8 +239,6 @@ def _grid(borders: np.ndarray, length: float, size: float) -> np.ndarray:
 
 def _hats(grid: np.ndarray, arc: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """At points of a line the two shape functions of its grid that are not zero."""
-    if len(grid) == 1:
-        return np.zeros((len(arc), 2), dtype=np.int64), np.tile([1.0, 0.0], (len(arc), 1))
     place = np.clip(np.searchsorted(grid, arc) - 1, 0, len(grid) - 2)
     share = (arc - grid[place]) / (grid[place + 1] - grid[place])
     return np.column_stack((place, place + 1)), np.column_stack((1 - share, share))

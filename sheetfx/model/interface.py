@@ -43,7 +43,8 @@ class Interface(Joint):
     law : components that are held, any of x y z rx ry rz separated by spaces; or a function from the vector of all
         components of the gap to that of forces and moments (per length of a line), both in UFL, see
         `forms.interface.stiff`
-    gap : function from traces of both parts, lists of displacement and rotation, and the arm to the components
+    gap : function from traces of both parts, lists of displacement and rotation, and the arm to a list of components;
+        None: `forms.interface.gap_of_arm`, or `gap_in_space` where all displacements are held
     reach : distance of the parts that arms may bridge; any for a named point joined to another one
     enforcement : of components that are held: "multiplier", exact, or "penalty", of a thousand times the stiffness of
         the softer part
@@ -56,7 +57,7 @@ class Interface(Joint):
     at: str | Stretch
     to: tuple[NamedMesh, str | None]
     law: str | Callable
-    gap: Callable = forms.interface.gap_of_arm
+    gap: Callable | None = None
     reach: float = 0.0
     enforcement: str = "multiplier"
     axes: Sequence[Sequence[float]] | str | None = None
@@ -145,6 +146,8 @@ class Interface(Joint):
         self._check(sides, arms)
         split, last = len(sides[0]), len(sides[0]) + len(sides[1])
         chosen = [COMPONENTS[self.mesh.dimension].index(name) for name in names]
+        whole = set(range(self.mesh.dimension)) <= set(chosen)
+        gap = self.gap or (forms.interface.gap_in_space if whole else forms.interface.gap_of_arm)
         data, held = [arms], self.held and self.enforcement == "multiplier"
         if self.axes is not None:
             data.append(self._directions())
@@ -152,7 +155,7 @@ class Interface(Joint):
                        for i in range(len(names))] if held else []
 
         def gaps(values, data):
-            components = self.gap(values[:split], values[split:last], data[0])
+            components = gap(values[:split], values[split:last], data[0])
             return components if self.axes is None else forms.interface.on_axes(components, data[1])
 
         def strains(values, data, factor):
