@@ -7,15 +7,14 @@ from dataclasses import dataclass
 
 import basix
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import bisect, brentq
 from scipy.spatial import cKDTree
 
 from .lines import SAME, Piece
-from .projection import Cells
+from .projection import OUTSIDE, Cells
 from .quadrature import gauss
 
-OUTSIDE = 1e-9  # reference coordinate beyond a border that counts as outside
-AHEAD = 1e-6  # how far ahead of a border the next cell is looked for, over the size of a cell
+AHEAD = 1e-5  # how far ahead of a border the next cell is looked for, over the size of a cell
 SHORT = 0.5  # pieces of the multipliers' grid are at least this part of a cell
 
 
@@ -166,7 +165,7 @@ def along_lines(first: Cells, second: Cells, lines: Sequence[Sequence[Piece]], r
         cells.append(np.repeat(own, len(rule.weights), axis=0))
         count += len(grid)
     places, cells = np.concatenate(points), np.concatenate(cells)
-    sides = tuple(pair.side(n, cells[:, n], part.project(cells[:, n], places)) for n, part in enumerate(pair.parts))
+    sides = tuple(pair.side(n, cells[:, n], part.nearest(cells[:, n], places)) for n, part in enumerate(pair.parts))
     return Meeting(sides, np.concatenate(weights), np.concatenate(nodes), np.concatenate(hats), count,
                    float(np.min(sizes)))
 
@@ -210,15 +209,19 @@ def _way(part: Cells, piece: Piece, pair: _Pair) -> list[tuple[float, int]]:
 
 
 def _leaves(part: Cells, cell: int, piece: Piece, t: float, step: float) -> float:
-    """Parameter at which a piece leaves a cell that it is in; 1 at its end."""
-    def margins(at: float) -> np.ndarray:
-        return part.margins(part.project(np.array([cell]), piece.places(np.array([at]))))[0]
+    """Parameter at which a piece leaves a cell that it is in, or closest to; 1 at its end."""
+    def place(at: float) -> np.ndarray:
+        return piece.places(np.array([at]))[0]
 
     while t < 1.0:
         further = min(t + step, 1.0)
-        outside = np.flatnonzero(margins(further) < -OUTSIDE)
-        if len(outside):
-            ends = [_zero(lambda at, border=border: margins(at)[border], t, further) for border in outside]
+        beside, margins = part.margins(cell, place(t))
+        left = np.flatnonzero((margins(place(further)) < -OUTSIDE) & (margins(place(t)) >= -OUTSIDE))
+        ends = [_zero(lambda at, border=border, margins=margins: margins(place(at))[border], t, further)
+                for border in left]
+        if beside and not ends and not part.is_closest(cell, place(further)):
+            ends = [bisect(lambda at: 0.5 - part.is_closest(cell, place(at)), t, further, xtol=OUTSIDE)]
+        if ends:
             return 1.0 if min(ends) > 1.0 - OUTSIDE else min(ends)
         t = further
     return 1.0
