@@ -12,12 +12,14 @@ except ModuleNotFoundError:  # DOLFINx from another source
     pass
 
 _ROOMS = {
+    "mesh.lines": "Stretch",
     "mesh.reader": "NamedMesh read",
     "mesh.mixed": "MixedMesh read_mixed",
     "mesh.imperfection": "imperfect measured random_field",
     "model.beam": "Bar Beam",
     "model.contact": "Contact",
-    "model.joints": "Compatible Foundation Joint Spring Tie Uniform hinge weld",
+    "model.joints": "Compatible Foundation Joint Spring Uniform",
+    "model.interface": "Interface bolt hinge link weld",
     "model.loads": "EdgeForce LineForce Load Moment "
                    "ObstacleForce PointForce PrescribedDisplacement PrescribedRotation SurfaceForce",
     "model.obstacles": "RigidCylinder RigidPlane",

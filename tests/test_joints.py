@@ -215,8 +215,8 @@ def test_models_that_nothing_joins_are_told():
 @pytest.mark.parametrize(("make", "words"), [
     (lambda m: fx.Spring(m, "end", "z", 1.0), "Spring at 'end': no component 'z'; choose from x y rz"),
     (lambda m: fx.Spring(m, "tip", "y", 1.0), "no point or edge named 'tip'"),
-    (lambda m: fx.Tie(m, "end", (m, "end"), "x"), "Tie at 'end': ties the point to itself"),
-    (lambda m: fx.Tie(m, "end", (m, "start"), "x w"), "Tie at 'end': no component 'w'"),
+    (lambda m: fx.Interface(m, "end", (m, "end"), "x"), "Interface at 'end': ties the point to itself"),
+    (lambda m: fx.Interface(m, "end", (m, "start"), "x w"), "Interface at 'end': no component 'w'"),
     (lambda m: fx.Uniform(m, "end", "rz"), "Uniform at 'end': no component 'rz'"),
     (lambda m: fx.Foundation(fx.Beam(m, **UNIT), (1.0,)), "Foundation: stiffness.*has 1 components; give 2"),
     (lambda m: fx.Until(40.0), "Until: event is 40.0; it must be an Event or a function"),
@@ -233,7 +233,7 @@ def test_bars_have_no_rotations_to_tie():
                      [fx.clamp(mesh, "start"), fx.pin(other, "end"), fx.Support(other, "middle", "y")],
                      [fx.PointForce(mesh, "end", (0.0, 1.0))], fx.Monitor(mesh, "end", "y"),
                      joints=[fx.weld(mesh, "end", (other, "start"))])
-    with pytest.raises(ValueError, match="Tie at 'end': ties rotations, but bars have none"):
+    with pytest.raises(ValueError, match="weld at 'end': ties rotations, but bars have none"):
         fx.Path(scene)
 
 

@@ -28,7 +28,9 @@ from .layout import Layout
 from .load_work import works_of_loads
 from .nodal import FixedIncrements
 from .number import NumberField
+from .points import PointWork
 from .potential import look_for_potentials
+from .redundant import redundant_multipliers
 from .sharing import check_sharings, share_axes
 from .supports import fixed_dofs, turn_nodes
 from .system import System
@@ -67,10 +69,10 @@ class Discretisation:
                    for f in self.unknowns.fields] if mixed_points else None
         with self.clock("compile"):
             loads = [(load, list(works)) for load, works in works_of_loads(fields)]
-            others = [*self._of_contacts(), *self._of_joints(), *chain(*(works for _, works in loads)),
-                      FixedIncrements()]
+            joints = list(self._of_joints())
+            others = [*self._of_contacts(), *joints, *chain(*(works for _, works in loads)), FixedIncrements()]
             contributions = [*self._of_parts(changes), *others]
-        layout = Layout(scene.parts[0].mesh.domain.comm, fields.blocks, fixed, sharings)
+        layout = self._layout(fixed, sharings, joints)
         self.follower = look_for_potentials(loads, self.unknowns, layout, fields.factors, self.clock)
         self.system = System(self.unknowns, contributions, layout, fields.factors, changes, self.clock)
         self._totals = [[load.total(fields.at_stage(n)) for load in stage.loads]
@@ -83,6 +85,15 @@ class Discretisation:
 
     def kinematics(self, mesh: NamedMesh) -> Kinematics:
         return self.fields.kinematics(mesh)
+
+    def _layout(self, fixed, sharings, joints) -> Layout:
+        """Rows of the unknowns, without multipliers of joints that others make redundant."""
+        comm, blocks = self.scene.parts[0].mesh.domain.comm, self.fields.blocks
+        layout = Layout(comm, blocks, fixed, sharings)
+        redundant = redundant_multipliers([j for j in joints if isinstance(j, PointWork)], self.unknowns, layout)
+        if not comm.allreduce(sum(map(len, redundant))):
+            return layout
+        return Layout(comm, blocks, [np.union1d(f, r) for f, r in zip(fixed, redundant, strict=True)], sharings)
 
     def _add_travels(self) -> None:
         """The travel of each obstacle that may move is an unknown."""

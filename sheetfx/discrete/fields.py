@@ -207,15 +207,22 @@ class Fields:
         """Values of displacement or rotation at nodes."""
         return Trace.at_nodes(self.unknowns.fields.index(self._field(mesh, quantity)), nodes)
 
-    def own_trace(self, owner, name: str, nodes: np.ndarray) -> Trace:
-        """Values of numbers that an owner has added."""
-        return Trace.at_nodes(self.unknowns.fields.index(self._own[owner, name]), nodes)
+    def trace_in(self, mesh: NamedMesh, cells: np.ndarray, reference: np.ndarray,
+                 quantity: str = "displacement") -> Trace:
+        """Values of displacement or rotation at reference points of cells, one in each."""
+        field = self._field(mesh, quantity)
+        return Trace.in_cells(self.unknowns.fields.index(field), field.value.function_space, cells, reference)
+
+    def own_trace(self, owner, name: str, nodes: np.ndarray, weights: np.ndarray | None = None) -> Trace:
+        """Values of numbers that an owner has added, or of sums of them."""
+        number = self.unknowns.fields.index(self._own[owner, name])
+        return Trace.at_nodes(number, nodes) if weights is None else Trace(number, nodes, weights)
 
     def point_work(self, traces: Sequence[Trace], strains: Callable, law: Callable, data: Sequence[np.ndarray] = (),
-                   stage: int | None = None) -> PointWork:
+                   stage: int | None = None, weights: np.ndarray | None = None) -> PointWork:
         """Virtual work of the values of traces, from strains and a law in UFL, see `points.PointLaw`."""
         sizes = [self.unknowns.fields[t.field].components for t in traces]
-        forces = PointLaw(strains, law, sizes, data, len(traces[0].nodes), self.factor_now)
+        forces = PointLaw(strains, law, sizes, data, len(traces[0].nodes), self.factor_now, weights)
         return PointWork(self.unknowns, traces, forces, load=None if stage is None else forces.load, stage=stage)
 
 

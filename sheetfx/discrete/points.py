@@ -23,6 +23,8 @@ from .layout import Layout
 from .nodal_field import AdditiveField
 from .unknowns import Unknowns
 
+NOTHING = 1e-14  # values of shape functions that are rounding
+
 
 @dataclass(frozen=True)
 class Trace:
@@ -44,6 +46,18 @@ class Trace:
         """The nodal values themselves."""
         nodes = np.asarray(nodes, dtype=np.int64).reshape(-1, 1)
         return cls(field, nodes, np.ones(nodes.shape))
+
+    @classmethod
+    def in_cells(cls, field: int, space: fem.FunctionSpace, cells: np.ndarray, reference: np.ndarray) -> Trace:
+        """Values at reference points of cells, one in each."""
+        if not len(cells):
+            return cls.at_nodes(field, cells)
+        element = space.ufl_element().basix_element
+        weights = element.tabulate(0, np.ascontiguousarray(reference))[0, :, :, 0]
+        weights = np.where(np.abs(weights) > NOTHING, weights, 0.0)
+        nodes = space.dofmap.list[cells].astype(np.int64)
+        order = np.argsort(-np.abs(weights), axis=1, kind="stable")[:, : (weights != 0).sum(axis=1).max(initial=0)]
+        return cls(field, np.take_along_axis(nodes, order, axis=1), np.take_along_axis(weights, order, axis=1))
 
 
 class PointWork(Contribution):
@@ -121,11 +135,13 @@ class PointLaw:
     sizes : numbers of components of the values
     data : arrays of shape (points, components) that strains may depend on
     factor : function that gives the load factor
+    weights : of the points, by which forces are multiplied; None: 1
     """
 
     def __init__(self, strains: Callable, law: Callable, sizes: Sequence[int], data: Sequence[np.ndarray],
-                 count: int, factor: Callable[[], float]):
+                 count: int, factor: Callable[[], float], weights: np.ndarray | None = None):
         self._factor, self._count, self._size = factor, count, sum(sizes)
+        self._weights = np.ones(count) if weights is None else weights
         if not count:
             return
         mesh = self._mesh = create_interval(MPI.COMM_SELF, count, (0.0, 1.0))
@@ -165,7 +181,8 @@ class PointLaw:
             return np.zeros((self._count, *shape))
         self._put(self._z, z)
         self._constant.value = self._factor()
-        return expression.eval(self._mesh, self._cells).reshape(-1, *shape)
+        values = expression.eval(self._mesh, self._cells).reshape(-1, *shape)
+        return values * self._weights.reshape(-1, *(1,) * len(shape))
 
     def __call__(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Forces and stiffness."""

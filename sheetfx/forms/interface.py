@@ -108,8 +108,9 @@ def rotation_between(rotations):
 def gap_of_arm(first, second, arm):
     """How far the second of two points is off the end of a rigid arm on the first, and turned against it.
 
-    The gap R^T (u_2 - u_1 + arm) - arm of the places, and twice the vector part of the relative quaternion, both on
-    the axes of the first point (Crisfield 1997, section 24.3, with the arm as an offset).
+    The gap R^T (u_2 - u_1 + arm) - arm of the places, and twice the vector part of the relative quaternion made of
+    unit length, which interpolated quaternions are not; both on the axes of the first point (Crisfield 1997, section
+    24.3, with the arm as an offset).
 
     Parameters
     ----------
@@ -121,18 +122,54 @@ def gap_of_arm(first, second, arm):
     list of UFL scalars: components of the gap, then of the turn where both points have a rotation.
     """
     apart = second[0] - first[0]
-    if len(first) == 1:
-        gap = apart
-    else:
+    if len(first) > 1:
         turn = _rotation(first[1])
-        gap = turn.pull_back(apart) + turn.pulled_change(arm)
-    components = [gap[i] for i in range(gap.ufl_shape[0])]
+        apart = turn.pull_back(apart) + turn.pulled_change(arm)
+    return [*(apart[i] for i in range(apart.ufl_shape[0])), *_turn_between(first, second)]
+
+
+def gap_in_space(first, second, arm):
+    """The gap u_2 - u_1 + arm - R arm on the axes of space, and the turn as of `gap_of_arm`.
+
+    Where all of its components are held this is the same constraint. Along lines they are held in the mean only, and
+    on axes that turn a force times a turn would work on what is left of the gap: parts would seem to buckle, in
+    tension too, at a strain of about thickness over size of a cell.
+    """
+    apart = second[0] - first[0]
+    if len(first) > 1:
+        apart = apart - _rotation(first[1]).change(arm)
+    return [*(apart[i] for i in range(apart.ufl_shape[0])), *_turn_between(first, second)]
+
+
+def _turn_between(first, second):
+    """Components of the turn of the second of two points against the first, where both have a rotation."""
     if len(first) == 1 or len(second) == 1:
-        return components
+        return []
     if first[1].ufl_shape == (1,):
-        return [*components, second[1][0] - first[1][0]]
+        return [second[1][0] - first[1][0]]
     vector = relative_quaternion(first[1], second[1])[1]
-    return components + [2 * vector[i] for i in range(3)]
+    twice = 2 / ufl.sqrt(ufl.dot(first[1], first[1]) * ufl.dot(second[1], second[1]))
+    return [twice * vector[i] for i in range(3)]
+
+
+def on_axes(components, axes):
+    """Components of a gap in space, and of the turn where there is one, along axes of the first part.
+
+    Parameters
+    ----------
+    components : list of 3 or 6 UFL scalars
+    axes : UFL vector, shape (9,), three directions one behind the other
+    """
+    return [sum(axes[3 * row + i] * components[start + i] for i in range(3))
+            for start in range(0, len(components), 3) for row in range(3)]
+
+
+def stiff(matrix):
+    """Law of an elastic joint: the stiffness matrix (of numbers) times the vector of gap and turn."""
+    def forces(gap):
+        return ufl.as_vector([sum((float(k) * gap[j] for j, k in enumerate(row) if k), ufl.as_ufl(0.0))
+                              for row in matrix])
+    return forces
 
 
 def _rotation(value):

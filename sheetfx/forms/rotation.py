@@ -67,6 +67,11 @@ class PlanarRotation:
         c, s = ufl.cos(self.angle), ufl.sin(self.angle)
         return ufl.as_vector([c * a[0] + s * a[1], c * a[1] - s * a[0]])
 
+    def change(self, a):
+        """`rotate(a) - a` to all digits where the rotation is small."""
+        c, s = -2 * ufl.sin(self.angle / 2) ** 2, ufl.sin(self.angle)
+        return ufl.as_vector([c * a[0] - s * a[1], s * a[0] + c * a[1]])
+
     def pulled_change(self, a):
         """`pull_back(a) - a` to all digits where the rotation is small."""
         c, s = -2 * ufl.sin(self.angle / 2) ** 2, ufl.sin(self.angle)
@@ -100,6 +105,10 @@ class SpatialRotation:
     def pull_back(self, a):
         q0, v = self._product()
         return cross_matrix_product(q0, -v, a)
+
+    def change(self, a):
+        """`rotate(a) - a` to all digits where the rotation is small."""
+        return turning(*self._product(), a)
 
     def pulled_change(self, a):
         """`pull_back(a) - a` to all digits where the rotation is small."""

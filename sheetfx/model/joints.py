@@ -46,11 +46,6 @@ class End:
         """Its nodes that this process owns."""
         return fields.nodes(self.mesh, self.at)
 
-    def traces(self, fields, places: np.ndarray) -> list:
-        """Displacement and, where there is one, rotation at its nodes, in the order of given places."""
-        quantities = ["displacement"] if fields.spin(self.mesh) is None else ["displacement", "rotation"]
-        return [self.trace(fields, places, q) for q in quantities]
-
     def trace(self, fields, places: np.ndarray, quantity: str):
         """One quantity at its nodes, in the order of given places."""
         return fields.trace(self.mesh, fields.matching(self.mesh, self.at, places, quantity), quantity)
@@ -127,81 +122,6 @@ class Foundation(Joint):
         u = fields.displacement(self.part.mesh)
         along = [(component, k) for component, k in enumerate(self.stiffness) if k]
         return sum(self.law(u[i], k) * fields.vary(u[i]) for i, k in along) * self.part.measure()
-
-
-@dataclass(frozen=True, eq=False)
-class Tie(Joint):
-    """Rigid connection of components between a named point and another one, exact by Lagrange multipliers.
-
-    The second point stands where a rigid arm from the first, which turns with it, ends; its rotation is that of the
-    first. Components that are not tied are free, on axes that turn with the first point.
-
-    Attributes
-    ----------
-    mesh, at : the first point
-    to : mesh and name of the second point
-    components : any of x y z rx ry rz, separated by spaces
-    """
-
-    mesh: NamedMesh
-    at: str
-    to: tuple[NamedMesh, str]
-    components: str
-
-    def __post_init__(self):
-        self.mesh.at(self.at)
-        self.to[0].at(self.to[1])
-        if self.to == (self.mesh, self.at):
-            raise ValueError(f"Tie at {self.at!r}: ties the point to itself; name another point in `to`")
-        if self.to[0].dimension != self.mesh.dimension:
-            raise ValueError(f"Tie at {self.at!r}: joins a mesh in {self.mesh.dimension} with one in "
-                             f"{self.to[0].dimension} dimensions; read both with the same")
-        for name in self.components.split():
-            require_known_component(f"Tie at {self.at!r}", name, COMPONENTS[self.mesh.dimension])
-
-    @property
-    def points(self) -> Sequence[tuple[NamedMesh, str]]:
-        return [(self.mesh, self.at), self.to]
-
-    def unknowns(self, fields) -> None:
-        count = len(End(self.mesh, self.at).nodes(fields)) * len(self.components.split())
-        fields.add_numbers(self, self.mesh, "tie", count)
-
-    def contributions(self, fields):
-        first, second = End(self.mesh, self.at), End(*self.to)
-        places = fields.places(first.mesh, first.nodes(fields))
-        other = fields.places(second.mesh, fields.matching(second.mesh, second.at, places))
-        arms, sides = other - places, [first.traces(fields, places), second.traces(fields, other)]
-        names, count = self.components.split(), len(places)
-        self._check(sides, arms)
-        multipliers = [fields.own_trace(self, "tie", np.arange(count) * len(names) + i) for i in range(len(names))]
-        chosen = [COMPONENTS[self.mesh.dimension].index(name) for name in names]
-        split = len(sides[0])
-
-        def strains(values, data, factor):
-            first, second = values[:split], values[split: split + len(sides[1])]
-            gap = forms.interface.gap_of_arm(first, second, data[0])
-            return forms.interface.with_multipliers([gap[i] for i in chosen], values[-len(names):])
-
-        yield fields.point_work([*sides[0], *sides[1], *multipliers], strains, forms.interface.tied, [arms])
-
-    def _check(self, sides, arms) -> None:
-        turning = any(name.startswith("r") for name in self.components.split())
-        if turning and min(map(len, sides)) < 2:
-            raise ValueError(f"Tie at {self.at!r}: ties rotations, but bars have none; tie displacements only")
-        if len(sides[0]) < 2 and np.abs(arms).max(initial=0.0) > 1e-9 * self.mesh.size:
-            raise ValueError(f"Tie at {self.at!r}: the points are {np.abs(arms).max():.4g} apart, but the first one is "
-                             "on bars, which cannot turn an arm; give the part with rotations first")
-
-
-def hinge(mesh: NamedMesh, at: str, to: tuple[NamedMesh, str]) -> Tie:
-    """Two points that move together and turn freely."""
-    return Tie(mesh, at, to, " ".join(COMPONENTS[mesh.dimension][:mesh.dimension]))
-
-
-def weld(mesh: NamedMesh, at: str, to: tuple[NamedMesh, str]) -> Tie:
-    """Two points that move and turn together; where they stand apart, a rigid link turns with the first."""
-    return Tie(mesh, at, to, " ".join(COMPONENTS[mesh.dimension]))
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,247 @@
+"""Where two parts meet: points of an interface, the cells of both parts there, and the grid of its multipliers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import basix
+import numpy as np
+from scipy.optimize import bisect, brentq
+from scipy.spatial import cKDTree
+
+from .lines import SAME, Piece
+from .projection import OUTSIDE, Cells
+from .quadrature import gauss
+
+AHEAD = 1e-5  # how far ahead of a border the next cell is looked for, over the size of a cell
+SHORT = 0.5  # pieces of the multipliers' grid are at least this part of a cell
+
+
+@dataclass(frozen=True)
+class Side:
+    """Places of one part at the points of an interface.
+
+    Attributes
+    ----------
+    cells : numbers of the mesh's cells on this process, shape (n,)
+    reference : reference points in these, shape (n, reference dimension)
+    places : in the reference configuration, shape (n, dimension)
+    normals : unit normals of a surface, shape (n, 3); None: it is a curve
+    """
+
+    cells: np.ndarray
+    reference: np.ndarray
+    places: np.ndarray
+    normals: np.ndarray | None
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """Points of an interface that this process answers for.
+
+    Attributes
+    ----------
+    sides : of the first and the second part
+    weights : length that each point stands for; 1 for single points
+    nodes, hats : shape (n, k), at each point the numbers of the shape functions of multipliers, and their values
+    count : number of shape functions
+    size : of the cells at the interface, of the finer part
+    """
+
+    sides: tuple[Side, Side]
+    weights: np.ndarray
+    nodes: np.ndarray
+    hats: np.ndarray
+    count: int
+    size: float
+
+
+class _Pair:
+    """Both parts, and how far they may be apart."""
+
+    def __init__(self, first: Cells, second: Cells, reach: float, name: str):
+        self.parts, self._name = (first, second), name
+        self._tolerance = SAME * max(c.mesh.size for c in self.parts)
+        self._reach = reach
+
+    def check(self, points: np.ndarray, distances: Sequence[np.ndarray]) -> None:
+        """Refuse points that are off a part."""
+        both = np.sum(distances, axis=0)
+        if len(both) and not both.max() <= self._reach + self._tolerance:
+            worst = int(both.argmax())
+            place = ", ".join(f"{c:.6g}" for c in points[worst])
+            beyond = f"more than the reach of {self._reach:.6g}" if self._reach else "and it has no reach"
+            raise ValueError(
+                f"{self._name}: the point ({place}) is {both[worst]:.6g} off the part that it is joined to, {beyond}; "
+                f"move or shorten it, or give a reach of {both[worst]:.6g}, which rigid arms bridge")
+
+    def side(self, number: int, which: np.ndarray, reference: np.ndarray) -> Side:
+        part = self.parts[number]
+        normals = part.normals(which, reference) if part.mesh.domain.topology.dim == 2 else None
+        return Side(part.cells[which], reference, part.places(which, reference), normals)
+
+
+def at_points(first: Cells, second: Cells, points: np.ndarray, others: np.ndarray | None, reach: float,
+              name: str) -> Meeting:
+    """Meeting of two parts at single points.
+
+    Parameters
+    ----------
+    points : places on the first part, the same on all processes
+    others : places on the second part, one for a single point, or one close to each; None: the closest
+    reach : distance that rigid arms may bridge; of a single point with another one it does not matter
+    name : of the joint, for messages
+
+    Raises
+    ------
+    ValueError
+        If points are off a part, or the cells of both parts are on different processes.
+    """
+    pair, comm = _Pair(first, second, reach, name), first.mesh.domain.comm
+    if others is None:
+        others = points
+    elif not len(points) == len(others) == 1:
+        apart, order = cKDTree(others).query(points)
+        if len(set(order)) < len(points):
+            raise ValueError(f"{name}: its {len(points)} points do not match the {len(others)} that they are joined "
+                             "to; name as many")
+        pair.check(points, [apart])
+        others = others[order]
+    found = [part.closest(p) for part, p in zip(pair.parts, (points, others), strict=True)]
+    least = [np.min(comm.allgather(distances), axis=0) for *_, distances in found]
+    pair.check(points, least)
+    here = np.all([f[2] <= d + SAME * first.mesh.size for f, d in zip(found, least, strict=True)], axis=0)
+    ranks = np.array(comm.allgather(here))
+    if not ranks.any(axis=0).all():
+        raise ValueError(f"{name}: its parts stand on different ones of the {comm.size} processes, which is not "
+                         "possible yet; take one process")
+    own = np.flatnonzero(ranks.argmax(axis=0) == comm.rank)
+    sides = tuple(pair.side(n, which[own], reference[own]) for n, (which, reference, _) in enumerate(found))
+    every = np.arange(len(own))[:, None]
+    size = min((c.sizes.mean() for c in pair.parts if len(c.cells)), default=1.0)
+    return Meeting(sides, np.ones(len(own)), every, np.ones(every.shape), len(own), float(size))
+
+
+def along_lines(first: Cells, second: Cells, lines: Sequence[Sequence[Piece]], reach: float, degree: int,
+                name: str) -> Meeting:
+    """Meeting of two parts along lines, at Gauss points of segments that end at the borders of cells of both.
+
+    The multipliers are linear and continuous along each line, on the cells of the part that has the larger ones there
+    (Hueeber, Mair and Wohlmuth 2005, for displacements of degree two). Cells of which a line has less than half do not
+    count by themselves, but with their neighbours; on a line inside of a cell the multipliers are linear, which came
+    nearer to the stiffness of finer meshes than constant ones.
+
+    Parameters
+    ----------
+    degree : number of Gauss points on a segment
+    reach, name : as of `at_points`
+
+    Raises
+    ------
+    ValueError
+        If a line is off a part, or there are several processes.
+    """
+    comm = first.mesh.domain.comm
+    if comm.size > 1:
+        raise ValueError(f"{name}: a joint along a line on {comm.size} processes is not possible yet; take one process")
+    pair, rule, count = _Pair(first, second, reach, name), gauss(basix.CellType.interval, degree), 0
+    points, weights, nodes, hats, cells, sizes = [], [], [], [], [], []
+    for line in lines:
+        segments = [s for piece in line for s in _segments(piece, pair)]
+        own = np.array([s.cells for s in segments])
+        arc = np.concatenate(([0.0], np.cumsum([s.length for s in segments])))
+        sizes.append([part.sizes[np.unique(c)].mean() for part, c in zip(pair.parts, own.T, strict=True)])
+        coarse = int(np.argmax(sizes[-1]))
+        borders = arc[1:-1][np.diff(own[:, coarse]) != 0]
+        grid = _grid(borders, arc[-1], sizes[-1][coarse])
+        for segment, start in zip(segments, arc[:-1], strict=True):
+            t = segment.begin + (segment.end - segment.begin) * rule.points[:, 0]
+            points.append(segment.piece.places(t))
+            weights.append(np.linalg.norm(segment.piece.slopes(t), axis=1) * rule.weights * (segment.end - segment.begin))
+            numbers, values = _hats(grid, start + segment.length * rule.points[:, 0])
+            nodes.append(numbers + count)
+            hats.append(values)
+        cells.append(np.repeat(own, len(rule.weights), axis=0))
+        count += len(grid)
+    places, cells = np.concatenate(points), np.concatenate(cells)
+    sides = tuple(pair.side(n, cells[:, n], part.nearest(cells[:, n], places)) for n, part in enumerate(pair.parts))
+    return Meeting(sides, np.concatenate(weights), np.concatenate(nodes), np.concatenate(hats), count,
+                   float(np.min(sizes)))
+
+
+@dataclass(frozen=True)
+class _Segment:
+    """Part of a piece, between two parameters, that is in one cell of each part."""
+
+    piece: Piece
+    begin: float
+    end: float
+    length: float
+    cells: tuple[int, ...]
+
+
+def _segments(piece: Piece, pair: _Pair) -> list[_Segment]:
+    ways = [_way(part, piece, pair) for part in pair.parts]
+    segments, begin = [], 0.0
+    for end in sorted({t for way in ways for t, _ in way}):
+        if end - begin > OUTSIDE:
+            cells = tuple(next(cell for t, cell in way if t > (begin + end) / 2) for way in ways)
+            segments.append(_Segment(piece, begin, end, piece.length(end) - piece.length(begin), cells))
+            begin = end
+    return segments
+
+
+def _way(part: Cells, piece: Piece, pair: _Pair) -> list[tuple[float, int]]:
+    """Parameters at which a piece leaves cells of a part, one after the other, and these cells."""
+    way, t = [], 0.0
+    pace = np.linalg.norm(piece.slopes(np.array([0.5]))[0])
+    while t < 1.0:
+        ahead = min(t + AHEAD * part.sizes.min() / pace, (t + 1.0) / 2)
+        point = piece.places(np.array([ahead]))
+        cells, _, distances = part.closest(point)
+        pair.check(point, [distances])
+        t = _leaves(part, int(cells[0]), piece, ahead, part.sizes[cells[0]] / pace / 2)
+        way.append((t, int(cells[0])))
+    point = piece.places(np.array([1.0]))
+    pair.check(point, [part.closest(point)[2]])
+    return way
+
+
+def _leaves(part: Cells, cell: int, piece: Piece, t: float, step: float) -> float:
+    """Parameter at which a piece leaves a cell that it is in, or closest to; 1 at its end."""
+    def place(at: float) -> np.ndarray:
+        return piece.places(np.array([at]))[0]
+
+    while t < 1.0:
+        further = min(t + step, 1.0)
+        beside, margins = part.margins(cell, place(t))
+        left = np.flatnonzero((margins(place(further)) < -OUTSIDE) & (margins(place(t)) >= -OUTSIDE))
+        ends = [_zero(lambda at, border=border, margins=margins: margins(place(at))[border], t, further)
+                for border in left]
+        if beside and not ends and not part.is_closest(cell, place(further)):
+            ends = [bisect(lambda at: 0.5 - part.is_closest(cell, place(at)), t, further, xtol=OUTSIDE)]
+        if ends:
+            return 1.0 if min(ends) > 1.0 - OUTSIDE else min(ends)
+        t = further
+    return 1.0
+
+
+def _zero(function, low: float, high: float) -> float:
+    return low if function(low) <= 0 else brentq(function, low, high, xtol=1e-15, rtol=1e-14)
+
+
+def _grid(borders: np.ndarray, length: float, size: float) -> np.ndarray:
+    """Ends of a line, and those borders between which multipliers are linear."""
+    grid = [0.0]
+    for border in borders:
+        if min(border - grid[-1], length - border) >= SHORT * size:
+            grid.append(border)
+    return np.array([*grid, length])
+
+
+def _hats(grid: np.ndarray, arc: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """At points of a line the two shape functions of its grid that are not zero."""
+    place = np.clip(np.searchsorted(grid, arc) - 1, 0, len(grid) - 2)
+    share = (arc - grid[place]) / (grid[place + 1] - grid[place])
+    return np.column_stack((place, place + 1)), np.column_stack((1 - share, share))

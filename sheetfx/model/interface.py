@@ -1,0 +1,243 @@
+"""Interfaces: where two parts are welded, bolted, hinged or linked, at points or along lines; their meshes need not match.
+
+One law stands for all: a gap between two parts as a function of their traces, and what holds it shut.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from .. import forms
+from ..checks import require_choice, require_known_component
+from ..mesh.lines import Stretch, lines_of, places_of
+from ..mesh.meeting import Meeting, along_lines, at_points
+from ..mesh.projection import Cells, cells_at
+from ..mesh.reader import COMPONENTS, NamedMesh
+from .joints import Joint
+from .shell import Shell
+
+STIFF = 1e3  # of a penalty, times the stiffness of the softer part (Herrema et al. 2019, section 4)
+
+
+@dataclass(frozen=True, eq=False)
+class Interface(Joint):
+    """Joint of two parts at a point or along a line, where their cells need not match.
+
+    A rigid arm goes from each point of the first part to the closest one of the second, and turns with the first. The
+    gap is how far the second part is off the end of the arm, and how it is turned against the first, on axes that turn
+    with the first part. A law says which of its components are held, or what forces they make.
+
+    Along lines components are held in the mean, by multipliers that are linear and continuous on the cells of the part
+    that has the larger ones (a mortar method; Hueeber, Mair and Wohlmuth 2005).
+
+    Attributes
+    ----------
+    mesh : of the first part
+    at : where on it: a named point, edge of surfaces or group of curves, or a Stretch
+    to : mesh of the second part, and the name of a point, an edge or a group of cells of it; None: anywhere on it
+    law : components that are held, any of x y z rx ry rz separated by spaces; or a function from the vector of all
+        components of the gap to that of forces and moments (per length of a line), both in UFL, see
+        `forms.interface.stiff`
+    gap : function from traces of both parts, lists of displacement and rotation, and the arm to a list of components;
+        None: `forms.interface.gap_of_arm`, or `gap_in_space` where all displacements are held
+    reach : distance of the parts that arms may bridge; any for a named point joined to another one
+    enforcement : of components that are held: "multiplier", exact, or "penalty", of a thousand times the stiffness of
+        the softer part
+    axes : directions, one in each row, that x y z and rx ry rz stand for, or "normal": z is the normal of the surface
+        there; None: those of space
+    name : what messages call it
+    """
+
+    mesh: NamedMesh
+    at: str | Stretch
+    to: tuple[NamedMesh, str | None]
+    law: str | Callable
+    gap: Callable | None = None
+    reach: float = 0.0
+    enforcement: str = "multiplier"
+    axes: Sequence[Sequence[float]] | str | None = None
+    name: str = field(default="Interface", kw_only=True)
+
+    def __post_init__(self):
+        require_choice(self, "enforcement", ("multiplier", "penalty"))
+        if self.to == (self.mesh, self.at):
+            raise ValueError(f"{self._title}: ties the point to itself; name another point in `to`")
+        if self.to[0].dimension != self.mesh.dimension:
+            raise ValueError(f"{self._title}: joins a mesh in {self.mesh.dimension} with one in "
+                             f"{self.to[0].dimension} dimensions; read both with the same")
+        for name in self.held:
+            require_known_component(self._title, name, COMPONENTS[self.mesh.dimension])
+        if not self.held and isinstance(self.law, str):
+            raise ValueError(f"{self._title}: holds no component; give some of "
+                             f"{' '.join(COMPONENTS[self.mesh.dimension])}")
+        self._check_axes()
+        if self._at_point and any(m.domain.topology.dim == 2 for m in (self.mesh, self.to[0])):
+            warnings.warn(
+                f"{self._title}: joins a single point of a shell. The displacement and rotation of a plate under a "
+                "force or moment at a point have no limit as its mesh is refined, so that results depend on the mesh; "
+                "join it over a length, see Stretch", stacklevel=4)
+        _ = self.meeting
+
+    @property
+    def _title(self) -> str:
+        where = self.at.start if isinstance(self.at, Stretch) else self.at
+        return f"{self.name} {'from' if isinstance(self.at, Stretch) else 'at'} {where!r}"
+
+    @property
+    def held(self) -> list[str]:
+        """Names of the components that are held."""
+        return self.law.split() if isinstance(self.law, str) else []
+
+    @property
+    def _at_point(self) -> bool:
+        return isinstance(self.at, str) and self.at in self.mesh.points
+
+    @property
+    def points(self) -> Sequence[tuple[NamedMesh, str | None]]:
+        return [(mesh, at if isinstance(at, str) and (at in mesh.points or at in mesh.edges) else None)
+                for mesh, at in ((self.mesh, self.at), self.to)]
+
+    def _check_axes(self) -> None:
+        if self.axes is None:
+            return
+        if self.mesh.dimension != 3:
+            raise ValueError(f"{self._title}: axes are for structures in space")
+        if isinstance(self.axes, str):
+            if self.axes != "normal" or max(m.domain.topology.dim for m in (self.mesh, self.to[0])) < 2:
+                raise ValueError(f"{self._title}: axes are {self.axes!r}; give three directions, or 'normal' where a "
+                                 "part is a surface")
+        elif np.shape(self.axes) != (3, 3) or not np.allclose(np.dot(self.axes, np.transpose(self.axes)), np.eye(3)):
+            raise ValueError(f"{self._title}: axes must be three orthonormal directions")
+
+    @cached_property
+    def meeting(self) -> Meeting:
+        """Points where the parts meet."""
+        to, there = self.to
+        first = Cells(self.mesh, cells_at(self.mesh, self.at if isinstance(self.at, str) else None))
+        second = Cells(to, cells_at(to, there))
+        ends_at_point = there is not None and there in to.points
+        if self._at_point:
+            return at_points(first, second, places_of(self.mesh, self.at),
+                             places_of(to, there) if ends_at_point else None, self.reach, self._title)
+        if ends_at_point:
+            raise ValueError(f"{self._title}: a line cannot be joined to the point {there!r}; name an edge or a group "
+                             "of cells")
+        if isinstance(self.at, str) and self.mesh.domain.topology.dim == 2 and self.at not in self.mesh.edges:
+            raise ValueError(f"{self._title}: is a surface; give an edge, or a Stretch of a line on it")
+        lines = self.at.lines(self.mesh) if isinstance(self.at, Stretch) else lines_of(self.mesh, self.at)
+        return along_lines(first, second, lines, self.reach, 4, self._title)
+
+    def unknowns(self, fields) -> None:
+        if self.held and self.enforcement == "multiplier":
+            fields.add_numbers(self, self.mesh, "tie", self.meeting.count * len(self.held))
+
+    def contributions(self, fields):
+        meeting, names = self.meeting, self.held
+        meshes = self.mesh, self.to[0]
+        sides = [[fields.trace_in(mesh, side.cells, side.reference, quantity) for quantity in (
+            ["displacement"] if fields.spin(mesh) is None else ["displacement", "rotation"])]
+            for mesh, side in zip(meshes, meeting.sides, strict=True)]
+        arms = meeting.sides[1].places - meeting.sides[0].places
+        self._check(sides, arms)
+        split, last = len(sides[0]), len(sides[0]) + len(sides[1])
+        chosen = [COMPONENTS[self.mesh.dimension].index(name) for name in names]
+        whole = set(range(self.mesh.dimension)) <= set(chosen)
+        gap = self.gap or (forms.interface.gap_in_space if whole else forms.interface.gap_of_arm)
+        data, held = [arms], self.held and self.enforcement == "multiplier"
+        if self.axes is not None:
+            data.append(self._directions())
+        multipliers = [fields.own_trace(self, "tie", meeting.nodes * len(names) + i, meeting.hats)
+                       for i in range(len(names))] if held else []
+
+        def gaps(values, data):
+            components = gap(values[:split], values[split:last], data[0])
+            return components if self.axes is None else forms.interface.on_axes(components, data[1])
+
+        def strains(values, data, factor):
+            components = gaps(values, data)
+            if names:
+                components = [components[i] for i in chosen]
+            return forms.interface.with_multipliers(components, values[last:])
+
+        law = self.law if not names else forms.interface.tied
+        if names and not held:
+            law = forms.interface.stiff(np.diag(self._penalties(fields, chosen)))
+        yield fields.point_work([*sides[0], *sides[1], *multipliers], strains, law, data, weights=meeting.weights)
+
+    def _directions(self) -> np.ndarray:
+        """Axes at the points, one direction behind the other, shape (n, 9)."""
+        count = len(self.meeting.weights)
+        if not isinstance(self.axes, str):
+            return np.tile(np.ravel(self.axes), (count, 1))
+        normals = next(s.normals for s in reversed(self.meeting.sides) if s.normals is not None)
+        least = np.eye(3)[np.abs(normals).argmin(axis=1)]
+        first = np.cross(least, normals)
+        first /= np.linalg.norm(first, axis=1, keepdims=True)
+        return np.concatenate([first, np.cross(normals, first), normals], axis=1)
+
+    def _check(self, sides, arms) -> None:
+        turning = any(name.startswith("r") for name in self.held)
+        if turning and min(map(len, sides)) < 2:
+            raise ValueError(f"{self._title}: ties rotations, but bars have none; tie displacements only")
+        if len(sides[0]) < 2 and np.abs(arms).max(initial=0.0) > 1e-9 * self.mesh.size:
+            raise ValueError(f"{self._title}: the points are {np.abs(arms).max():.4g} apart, but the first one is "
+                             "on bars, which cannot turn an arm; give the part with rotations first")
+
+    def _penalties(self, fields, chosen: Sequence[int]) -> list[float]:
+        """Stiffness against each component of the gap, per length of a line."""
+        size = self.meeting.size
+        both = [[_stiffness(part, size) for part in fields.scene.parts if part.mesh is mesh]
+                for mesh in (self.mesh, self.to[0])]
+        soft = np.min([np.max(parts, axis=0) for parts in both], axis=0)
+        length = size if self._at_point else 1.0
+        return [STIFF * length * soft[int(i >= self.mesh.dimension)] for i in chosen]
+
+
+def _stiffness(part, size: float) -> tuple[float, float]:
+    """Force per length and displacement of a part over the size of a cell, and moment per length and rotation."""
+    if isinstance(part, Shell):
+        plate = part.section.stiffness(part.material)
+        return plate.membrane[0][0] / size, plate.bending[0][0] / size
+    section, modulus = part.section, part.material.modulus
+    return modulus * section.area / size**2, modulus * min(section.second_moments) / size**2
+
+
+def weld(mesh: NamedMesh, at: str | Stretch, to: tuple[NamedMesh, str | None], **how) -> Interface:
+    """Two parts that move and turn together; where they stand apart, rigid links turn with the first.
+
+    `how` are further attributes of an Interface: reach, enforcement.
+    """
+    return Interface(mesh, at, to, " ".join(COMPONENTS[mesh.dimension]), **{"name": "weld"} | how)
+
+
+def link(mesh: NamedMesh, at: str | Stretch, to: tuple[NamedMesh, str | None], reach: float, **how) -> Interface:
+    """Rigid links from a part to another that stands up to `reach` off it, and turns with it: an eccentric weld."""
+    return weld(mesh, at, to, reach=reach, **{"name": "link"} | how)
+
+
+def hinge(mesh: NamedMesh, at: str | Stretch, to: tuple[NamedMesh, str | None], **how) -> Interface:
+    """Two parts that move together and turn freely."""
+    held = COMPONENTS[mesh.dimension][:mesh.dimension]
+    return Interface(mesh, at, to, " ".join(held), **{"name": "hinge"} | how)
+
+
+def bolt(mesh: NamedMesh, at: str | Stretch, to: tuple[NamedMesh, str | None],
+         axis: Sequence[float] | None = None, **how) -> Interface:
+    """Two parts that move together and turn freely about one axis, which turns with the first.
+
+    Parameters
+    ----------
+    axis : direction of the bolt; None: the normal of the surface that is joined, or joins
+    """
+    if axis is None:
+        return Interface(mesh, at, to, "x y z rx ry", axes="normal", **{"name": "bolt"} | how)
+    if not np.linalg.norm(axis) > 0:
+        raise ValueError(f"bolt at {at!r}: axis is {tuple(axis)}; give a direction")
+    columns = np.linalg.qr(np.column_stack((axis, np.eye(3)[np.argsort(np.abs(axis))[:2]].T)))[0]
+    axes = np.array([columns[:, 1], columns[:, 2], np.cross(columns[:, 1], columns[:, 2])])
+    return Interface(mesh, at, to, "x y z rx ry", axes=axes, **{"name": "bolt"} | how)
