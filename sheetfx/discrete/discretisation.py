@@ -27,7 +27,6 @@ from .kinematics import Kinematics
 from .layout import Layout
 from .load_work import works_of_loads
 from .nodal import FixedIncrements
-from .number import NumberField
 from .points import PointWork
 from .potential import look_for_potentials
 from .redundant import redundant_multipliers
@@ -65,16 +64,16 @@ class Discretisation:
         self.unknowns = fields.unknowns = Unknowns(fields.blocks)
         self._close_contacts()
         fixed = fixed_dofs(fields, sharings)
-        changes = [None if isinstance(f, NumberField) else fem.Function(f.value.function_space)
-                   for f in self.unknowns.fields] if mixed_points else None
+        if mixed_points:
+            self.unknowns.changes = [f.create_change() for f in self.unknowns.fields]
         with self.clock("compile"):
             loads = [(load, list(works)) for load, works in works_of_loads(fields)]
             joints = list(self._of_joints())
             others = [*self._of_contacts(), *joints, *chain(*(works for _, works in loads)), FixedIncrements()]
-            contributions = [*self._of_parts(changes), *others]
+            contributions = [*self._of_parts(), *others]
         layout = self._layout(fixed, sharings, joints)
         self.follower = look_for_potentials(loads, self.unknowns, layout, fields.factors, self.clock)
-        self.system = System(self.unknowns, contributions, layout, fields.factors, changes, self.clock)
+        self.system = System(self.unknowns, contributions, layout, fields.factors, self.clock)
         self._totals = [[load.total(fields.at_stage(n)) for load in stage.loads]
                         for n, stage in enumerate(scene.all_stages)]
 
@@ -141,10 +140,10 @@ class Discretisation:
     def _before(self, expression):
         return self.unknowns.at_rest(self.unknowns.previous(ufl.as_ufl(expression)))
 
-    def _of_parts(self, changes) -> Iterator[Contribution]:
+    def _of_parts(self) -> Iterator[Contribution]:
         for part in self.scene.parts:
             k = self.kinematics(part.mesh)
-            yield ElementWork(part.internal(k.u, k.total_rotation), self.unknowns.fields, changes)
+            yield ElementWork(part.internal(k.u, k.total_rotation), self.unknowns.fields, self.unknowns.changes)
 
     def _of_contacts(self) -> Iterator[Contribution]:
         for contact in self.contacts:

@@ -44,6 +44,10 @@ class AdditiveField:
         self.symbol = value
         self.previous = Function(value.function_space)
 
+    def create_change(self) -> Function:
+        """A holder of changes of the value, in `x.array`."""
+        return Function(self.value.function_space)
+
     @property
     def name(self) -> str:
         return self.value.name

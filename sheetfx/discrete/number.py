@@ -68,6 +68,9 @@ class NumberField(AdditiveField):
         super().restore(values)
         self._show()
 
+    def create_change(self) -> Number:
+        return Number(self.value.name, len(self.value.x.array))
+
     def start(self, value: float) -> None:
         """Put the number to a value before the path begins."""
         self.restore(np.full_like(self.value.x.array, value))

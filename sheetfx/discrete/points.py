@@ -77,14 +77,18 @@ class PointWork(Contribution):
                  smooth: bool = True, conservative: bool = True, stage: int | None = None):
         self._traces, self._law, self._load = list(traces), law, load
         self._fields: list[AdditiveField] = [unknowns.fields[t.field] for t in traces]
+        self._unknowns, self._held = unknowns, None
         self.smooth, self.conservative, self.stage = smooth, conservative, stage
         ends = np.cumsum([f.components for f in self._fields])
         self._parts = [slice(end - f.components, end) for end, f in zip(ends, self._fields, strict=True)]
 
     def values(self) -> np.ndarray:
         """z at all points of this process."""
-        return np.concatenate([np.einsum("nk,nkc->nc", t.weights, f.table[t.nodes])
-                               for t, f in zip(self._traces, self._fields, strict=True)], axis=1)
+        return self._interpolated([f.table for f in self._fields])
+
+    def _interpolated(self, tables: Sequence[np.ndarray]) -> np.ndarray:
+        return np.concatenate([np.einsum("nk,nkc->nc", t.weights, table[t.nodes])
+                               for t, table in zip(self._traces, tables, strict=True)], axis=1)
 
     def residual(self, forces: Forces) -> None:
         self._add(forces, self._law(self.values())[0])
@@ -109,8 +113,15 @@ class PointWork(Contribution):
                 columns.append(np.broadcast_to(right[:, None, None, :, :], shape).ravel())
         return np.concatenate(rows), np.concatenate(columns)
 
+    def extrapolate_stress(self) -> None:
+        if isinstance(self._law, PointLaw):
+            changes = [self._unknowns.changes[t.field].x.array.reshape(-1, f.components)
+                       for t, f in zip(self._traces, self._fields, strict=True)]
+            self._held = self._law.extrapolated(self.values(), self._interpolated(changes))
+
     def tangent(self, held: Forces) -> Sequence[np.ndarray]:
-        forces, stiffness = self._law(self.values())
+        forces, stiffness = self._law(self.values()) if self._held is None else self._law.holding(
+            self._held, self.values())
         self._add(held, forces, curved_only=True)
         bases = [t.weights[:, :, None, None] * np.broadcast_to(
             f.variations(), (len(f.table), f.components, f.width))[t.nodes]
@@ -153,10 +164,14 @@ class PointLaw:
         ends = np.cumsum(sizes)
         values = [ufl.as_vector([z[int(i)] for i in range(end - size, end)]) for end, size in zip(ends, sizes,
                                                                                                   strict=True)]
-        e = strains(values, constants, now)
-        i, j = ufl.indices(2)
-        force = ufl.as_vector(law(e)[i] * ufl.diff(e, z)[i, j], j)
-        self._force, self._stiffness = self._expression(force), self._expression(ufl.diff(force, z))
+        e, (i, j, k) = strains(values, constants, now), ufl.indices(3)
+        resultants, slopes = law(e), ufl.diff(e, z)
+        self._change, self._held = self._on_cells(self._size), self._on_cells(e.ufl_shape[0])
+        force, held = (ufl.as_vector(s[i] * slopes[i, j], j) for s in (resultants, self._held))
+        material = ufl.as_matrix(ufl.diff(resultants, z)[i, j] * slopes[i, k], (k, j))
+        self._force, self._holding = self._expression(force), self._expression(held)
+        self._stiffness = self._expression(material + ufl.diff(held, z))
+        self._resultants = self._expression(resultants + ufl.dot(ufl.diff(resultants, z), self._change))
         self._pull = self._expression(-ufl.diff(force, now))
 
     def _on_cells(self, size: int, values: np.ndarray | None = None) -> fem.Function:
@@ -181,16 +196,35 @@ class PointLaw:
             return np.zeros((self._count, *shape))
         self._put(self._z, z)
         self._constant.value = self._factor()
-        values = expression.eval(self._mesh, self._cells).reshape(-1, *shape)
-        return values * self._weights.reshape(-1, *(1,) * len(shape))
+        return expression.eval(self._mesh, self._cells).reshape(-1, *shape)
+
+    def _weighted(self, expression: fem.Expression | None, z: np.ndarray, *shape: int) -> np.ndarray:
+        return self._evaluate(expression, z, *shape) * self._weights.reshape(-1, *(1,) * len(shape))
 
     def __call__(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Forces and stiffness."""
         if not self._count:
             return np.zeros((0, self._size)), np.zeros((0, self._size, self._size))
-        return (self._evaluate(self._force, z, self._size),
-                self._evaluate(self._stiffness, z, self._size, self._size))
+        return (self._weighted(self._force, z, self._size),
+                self.holding(self.extrapolated(z, np.zeros_like(z)), z)[1])
+
+    def extrapolated(self, z: np.ndarray, change: np.ndarray) -> np.ndarray:
+        """Resultants at z, and their linear change by a change of z."""
+        if not self._count:
+            return np.zeros((0, 0))
+        self._put(self._change, change)
+        return self._evaluate(self._resultants, z, self._held.function_space.dofmap.bs)
+
+    def holding(self, resultants: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Forces of given resultants, and stiffness in which these stand for those at z.
+
+        The mixed integration point tangent (Magisano, Leonetti and Garcea 2017).
+        """
+        if not self._count:
+            return np.zeros((0, self._size)), np.zeros((0, self._size, self._size))
+        self._put(self._held, resultants)
+        return self._weighted(self._holding, z, self._size), self._weighted(self._stiffness, z, self._size, self._size)
 
     def load(self, z: np.ndarray) -> np.ndarray:
         """Derivative of the external forces by the load factor."""
-        return self._evaluate(self._pull if self._count else None, z, self._size)
+        return self._weighted(self._pull if self._count else None, z, self._size)

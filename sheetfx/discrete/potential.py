@@ -47,7 +47,7 @@ def have_potential(unknowns: Unknowns, contributions: Sequence[Contribution], la
     stands for all of them; rotations are followed by Rodrigues vectors, whose increments add. The fields come back to
     where they were, and the first stage begins.
     """
-    system = System(unknowns, contributions, layout, factors, None, clock)
+    system = System(unknowns, contributions, layout, factors, clock)
     stage = contributions[0].stage
     factors.enter(0 if stage is None else stage, 1.0)
     arrays, random = layout.zeros(), np.random.default_rng(layout.comm.rank)

@@ -28,8 +28,6 @@ class System:
     contributions : what is summed
     layout : rows of the unknowns, and which of them are fixed
     factors : load factors of the stages
-    changes : for each field a Function that is given its change in the last Newton step (None for numbers), for the
-        mixed integration point tangent (Magisano, Leonetti and Garcea 2017); None: the tangent is the plain derivative
 
     Attributes
     ----------
@@ -43,12 +41,12 @@ class System:
     """
 
     def __init__(self, unknowns: Unknowns, contributions: Sequence[Contribution], layout: Layout,
-                 factors: LoadFactors, changes: Sequence | None, clock: Stopwatch):
+                 factors: LoadFactors, clock: Stopwatch):
         self.unknowns, self.contributions, self.factors, self.clock = unknowns, list(contributions), factors, clock
         self.smooth = all(c.smooth for c in contributions)
         self.conservative = all(c.conservative for c in contributions)
         self.history = History(unknowns.fields, contributions)
-        self._layout, self._changes = layout, changes
+        self._layout = layout
         self.fixed_rows = layout.fixed
         self.size = self.comm.allreduce(layout.size - len(self.fixed_rows))
         self.multiplier_rows = self._multipliers()
@@ -229,12 +227,12 @@ class System:
 
     def extrapolate_stress(self, step: PETSc.Vec | None = None) -> None:
         """Stresses of the tangent: those of the current state plus their linear change by `step`."""
-        if self._changes is None:
+        held = self.unknowns.changes
+        if held is None:
             return
         with self.clock("assembly"):
-            for change, values in zip(self._changes, repeat(0.0) if step is None else self.changes(step), strict=False):
-                if change is not None:
-                    change.x.array[:] = values
+            for change, values in zip(held, repeat(0.0) if step is None else self.changes(step), strict=False):
+                change.x.array[:] = values
             for contribution in self.contributions:
                 contribution.extrapolate_stress()
 

@@ -41,7 +41,15 @@ class Block:
 
 
 class Unknowns:
-    """All blocks of a problem, and derivatives with respect to them."""
+    """All blocks of a problem, and derivatives with respect to them.
+
+    Attributes
+    ----------
+    changes : for each field a holder of its change in the last Newton step, for the mixed integration point tangent
+        (Magisano, Leonetti and Garcea 2017); None: the tangent is the plain derivative
+    """
+
+    changes: Sequence | None = None
 
     def __init__(self, blocks: Sequence[Block]):
         self.blocks = tuple(blocks)
