@@ -26,7 +26,7 @@ from ..model.joints import Compatible, Joint
 from ..model.loads import PointForce
 from ..model.scene import Monitor, Scene
 from ..model.section import Elastic, Flanged, Plate, Tube, effective_width
-from ..model.shell import FORMS, TRIANGLE, Shell, named_form
+from ..model.shell import TRIANGLE, Shell, named_form
 from ..model.supports import Support
 from ..path import Until
 from ..record import Record
@@ -35,6 +35,7 @@ from ..show.curves import path_curve
 from ..show.evaluate import last_state_kept
 from ..show.files import paraview
 from ..show.pictures import shapes
+from ._benchmark import Form
 
 BAR, PANEL = Tube(40.0, 2.0), Plate(10.0)
 STEEL = Elastic(2.1e5, 0.3, density=7.85e-9)
@@ -61,9 +62,8 @@ def case(
                                          "`meshes.read_table`")] = "hex",
     model: Annotated[str, Option(help="panels and bars `coupled` along their edges, bars with the effective `flange` "
                                       "of panels, or `bars` alone")] = "coupled",
-    divisions: Annotated[int, Option(min=1, help="cells along each bar")] = 6,
-    form: Annotated[str | None, Option(help=f"of the panels: {', '.join(FORMS)}; default naghdi-q2, or naghdi-p2cr for "
-                                            "odd divisions")] = None,
+    divisions: Annotated[int, Option(min=1, help="cells along each bar; even for quadrilaterals")] = 6,
+    form: Form = "naghdi-q2",
     offset: Annotated[float, Option(help="of the panels' mid-surfaces above the axes of the bars, mm")] = 0.0,
     held: Annotated[str, Option(help="components that supports hold at the corners")] = "x y z",
     to: Annotated[float, Option(help="deflection of the apex at which the path ends, mm")] = 45.0,
@@ -78,7 +78,7 @@ def case(
         if name not in table.sets:
             raise ValueError(f"dome: the geometry {geometry!r} has no set of nodes {name!r}; add it to the table")
     if model == "coupled":
-        dome = coupled(table, divisions, form or ("naghdi-p2cr" if divisions % 2 else "naghdi-q2"), offset)
+        dome = coupled(table, divisions, form, offset)
     else:
         dome = skeleton(table, divisions, offset if model == "flange" else None)
     bars = dome.bars
@@ -129,8 +129,9 @@ def flange_width(table: meshes.Table, ends) -> float:
 
 
 def quantities(record: Record) -> dict[str, float]:
-    """Initial stiffness, linear buckling load, and of the first critical point the bars' share in the energy of its mode
-    and in the energy that is stored in the state behind it.
+    """Initial stiffness, linear buckling load, and of the first critical point the bars' shares in energies.
+
+    One is of the energy of its mode, the other of that which is stored in the state behind it.
     """
     first = record.states[0]
     values = {"initial_stiffness": 1 / first.reference[1],
