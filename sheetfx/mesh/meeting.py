@@ -156,9 +156,10 @@ def along_lines(first: Cells, second: Cells, lines: Sequence[Sequence[Piece]], r
         borders = arc[1:-1][np.diff(own[:, coarse]) != 0]
         grid = _grid(borders, arc[-1], sizes[-1][coarse])
         for segment, start in zip(segments, arc[:-1], strict=True):
-            t = segment.begin + (segment.end - segment.begin) * rule.points[:, 0]
+            share = segment.end - segment.begin
+            t = segment.begin + share * rule.points[:, 0]
             points.append(segment.piece.places(t))
-            weights.append(np.linalg.norm(segment.piece.slopes(t), axis=1) * rule.weights * (segment.end - segment.begin))
+            weights.append(share * rule.weights * np.linalg.norm(segment.piece.slopes(t), axis=1))
             numbers, values = _hats(grid, start + segment.length * rule.points[:, 0])
             nodes.append(numbers + count)
             hats.append(values)

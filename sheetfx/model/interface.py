@@ -1,4 +1,4 @@
-"""Interfaces: where two parts are welded, bolted, hinged or linked, at points or along lines; their meshes need not match.
+"""Interfaces: where parts are welded, bolted, hinged or linked, at points or along lines; meshes need not match.
 
 One law stands for all: a gap between two parts as a function of their traces, and what holds it shut.
 """
@@ -18,6 +18,7 @@ from ..mesh.lines import Stretch, lines_of, places_of
 from ..mesh.meeting import Meeting, along_lines, at_points
 from ..mesh.projection import Cells, cells_at
 from ..mesh.reader import COMPONENTS, NamedMesh
+from .beam import Bar, Beam
 from .joints import Joint
 from .shell import Shell
 
@@ -121,9 +122,9 @@ class Interface(Joint):
         first = Cells(self.mesh, cells_at(self.mesh, self.at if isinstance(self.at, str) else None))
         second = Cells(to, cells_at(to, there))
         ends_at_point = there is not None and there in to.points
-        if self._at_point:
-            return at_points(first, second, places_of(self.mesh, self.at),
-                             places_of(to, there) if ends_at_point else None, self.reach, self._title)
+        if isinstance(self.at, str) and self._at_point:
+            others = places_of(to, there) if there is not None and ends_at_point else None
+            return at_points(first, second, places_of(self.mesh, self.at), others, self.reach, self._title)
         if ends_at_point:
             raise ValueError(f"{self._title}: a line cannot be joined to the point {there!r}; name an edge or a group "
                              "of cells")
@@ -170,13 +171,15 @@ class Interface(Joint):
         yield fields.point_work([*sides[0], *sides[1], *multipliers], strains, law, data, weights=meeting.weights)
 
     def _directions(self) -> np.ndarray:
-        """Axes at the points, one direction behind the other, shape (n, 9)."""
+        """Axes at the points, one direction behind the other, shape (n, 9), which change continuously along lines."""
         count = len(self.meeting.weights)
         if not isinstance(self.axes, str):
             return np.tile(np.ravel(self.axes), (count, 1))
         normals = next(s.normals for s in reversed(self.meeting.sides) if s.normals is not None)
-        least = np.eye(3)[np.abs(normals).argmin(axis=1)]
-        first = np.cross(least, normals)
+        along = np.sign((normals[1:] * normals[:-1]).sum(axis=1))
+        normals = normals * np.concatenate(([1.0], np.cumprod(along)))[:count, None]
+        across = np.eye(3)[np.abs(normals).max(axis=0, initial=0.0).argmin()]
+        first = np.cross(across, normals)
         first /= np.linalg.norm(first, axis=1, keepdims=True)
         return np.concatenate([first, np.cross(normals, first), normals], axis=1)
 
@@ -198,17 +201,17 @@ class Interface(Joint):
         return [STIFF * length * soft[int(i >= self.mesh.dimension)] for i in chosen]
 
 
-def _stiffness(part, size: float) -> tuple[float, float]:
+def _stiffness(part: Shell | Beam | Bar, size: float) -> tuple[float, float]:
     """Force per length and displacement of a part over the size of a cell, and moment per length and rotation."""
     if isinstance(part, Shell):
-        plate = part.section.stiffness(part.material)
+        plate = part.section.stiffness(part.material)  # type: ignore[arg-type]
         return plate.membrane[0][0] / size, plate.bending[0][0] / size
     section, modulus = part.section, part.material.modulus
     return modulus * section.area / size**2, modulus * min(section.second_moments) / size**2
 
 
 def weld(mesh: NamedMesh, at: str | Stretch, to: tuple[NamedMesh, str | None], **how) -> Interface:
-    """Two parts that move and turn together; where they stand apart, rigid links turn with the first.
+    """Two parts that move and turn together; where they stand apart, rigid links turn with the first (see `link`).
 
     `how` are further attributes of an Interface: reach, enforcement.
     """
@@ -216,8 +219,14 @@ def weld(mesh: NamedMesh, at: str | Stretch, to: tuple[NamedMesh, str | None], *
 
 
 def link(mesh: NamedMesh, at: str | Stretch, to: tuple[NamedMesh, str | None], reach: float, **how) -> Interface:
-    """Rigid links from a part to another that stands up to `reach` off it, and turns with it: an eccentric weld."""
-    return weld(mesh, at, to, reach=reach, **{"name": "link"} | how)
+    """Rigid links to a part that stands up to `reach` off the first, and turn with the first: an eccentric weld.
+
+    Along a line on a surface the turn about its normal is free. A plate has no stiffness against it on a line: what a
+    mesh has depends on its size, and held the bar by it, at an arm, with up to four times the stiffness of the limit.
+    """
+    on_surface = any(m.domain.topology.dim == 2 for m in (mesh, to[0])) and at not in mesh.points
+    maker = bolt if on_surface else weld
+    return maker(mesh, at, to, reach=reach, **{"name": "link"} | how)
 
 
 def hinge(mesh: NamedMesh, at: str | Stretch, to: tuple[NamedMesh, str | None], **how) -> Interface:
