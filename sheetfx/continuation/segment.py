@@ -20,6 +20,7 @@ NOISE = 1e-12  # of reactions, over what the stiffest unknown would take: struct
 SAMPLES, FEWEST = 6, 4  # states that are interpolated between, at most and at least
 IN_BALANCE = 1e-6  # residual over the load of an interpolated state
 DEFECT = 0.006  # of the length of a piece, correction that its interpolation asks for at a place, likewise
+LOAD_DEFECT = 0.05  # of the load by the steeper tangent, that of the middle, likewise; on smooth pieces 0.03 at most
 INSIDE = 0.875  # of a piece, that place: near the end whose tangent is factored
 ROUNDED = 1e-6  # of the structure's size, correction that rounding may ask for
 CLOSE = 0.02  # of the distance between its neighbours, by which a state misses an interpolation that is good enough
@@ -126,11 +127,15 @@ class Segment:
             (load, x), part = self._chord(left, right), (length - left) / (right - left)
             start_load, start_x = self._increments(left)
             return start_load + part * load, start_x + part * x
+        found = self._curve(left, right)(length)
+        return float(found[-1]), found[:-1]
+
+    def _curve(self, left: float, right: float) -> CubicHermiteSpline:
+        """Increments between two lengths, that of the load factor last, by their tangents."""
         rate = self.distance(left, right) / (right - left)
         values, slopes = ([np.append(x, load) for load, x in vectors] for vectors in (
             map(self._increments, (left, right)), (self.states[s].tangent for s in (left, right))))
-        found = CubicHermiteSpline((left, right), values, rate * np.array(slopes))(length)
-        return float(found[-1]), found[:-1]
+        return CubicHermiteSpline((left, right), values, rate * np.array(slopes))
 
     def distance(self, left: float, right: float) -> float:
         return self.tracer.distance(*self._chord(left, right))
@@ -171,32 +176,62 @@ class Segment:
                                   self._reaction_noise(*chord)))
 
     def interpolates(self, left: float, right: float) -> bool:
-        """Whether a place inside of a piece, as its ends interpolate it, needs a small correction only.
+        """Whether places inside of a piece, as its ends interpolate them, need small corrections only.
 
         A defect between the points that an interpolation is made for shows what it misses (Kierzenka and Shampine
-        2001): a loop, or another path that runs alongside. It is corrected off the path, by the factor at hand, and if
-        that asks for much, as in slender parts that have turned, by the tangent of that place.
+        2001): a loop, or another path that runs alongside. It is corrected off the path, by the factor at hand, and in
+        the load, by the work that is done along the path; if that asks for much, as in slender parts that have turned,
+        by the tangent of that place.
         """
-        if self._close & {left, right}:
-            return True
+        return bool(self._close & {left, right}) or (
+            self._is_near(left, right) and self._load_is_near(left, right))
+
+    def _is_near(self, left: float, right: float) -> bool:
+        """Whether a place inside is near the path."""
         tracer, system = self.tracer, self.tracer.system
-        load, increment = self._interpolated(left, right, left + INSIDE * (right - left))
-        tracer.back_to(self.before)
-        place, residual, response = system.create_vector(increment), system.create_vector(), system.create_vector()
-        system.configure(place, self.before.factor + load)
-        system.residual(residual)
-        response.array[:] = self.states[right].response
+        place, residual = self._out_of_balance(left, right, left + INSIDE * (right - left))
+        response = system.create_vector(self.states[right].response)
         small = DEFECT * self.distance(left, right)
         off = self._across(residual, response)
         if off > max(small, ROUNDED):
-            system.extrapolate_stress()
-            tracer.stepper.factorise(tracer.snes, place)
-            push = tracer.load_vector()
-            tracer.stepper.linear.solve(push, response)
+            response = self._response_at(place)
             off = self._across(residual, response)
         system.configure(tracer.x, self.before.factor)
         return off <= small or (off <= ROUNDED and off <= 10 * max(
             self.uncertainty(self.states[s]) for s in (left, right)))
+
+    def _load_is_near(self, left: float, right: float) -> bool:
+        """Whether the load that belongs to the middle is near the interpolated one: a loop may begin where it ends."""
+        tracer, system, middle = self.tracer, self.tracer.system, (left + right) / 2
+        place, residual = self._out_of_balance(left, right, middle)
+        along = system.create_vector(self._curve(left, right).derivative()(middle)[:-1])
+        steepest = max(abs(self.states[s].load_rate) for s in (left, right))
+        small = LOAD_DEFECT * self.distance(left, right) * steepest + MINOR * abs(system.factor)
+        near = abs(residual.dot(along)) <= small * abs(tracer.load_vector().dot(along))
+        if not near:
+            response, inner = self._response_at(place), tracer.tangent.inner
+            tracer.stepper.linear.solve(residual, along)
+            near = abs(inner(along, response)) <= small * inner(response, response)
+        system.configure(tracer.x, self.before.factor)
+        return near
+
+    def _out_of_balance(self, left: float, right: float, length: float) -> tuple[PETSc.Vec, PETSc.Vec]:
+        """Increments at a length, as two states interpolate them, and the residual there; the system stays there."""
+        load, increment = self._interpolated(left, right, length)
+        self.tracer.back_to(self.before)
+        system = self.tracer.system
+        place, residual = system.create_vector(increment), system.create_vector()
+        system.configure(place, self.before.factor + load)
+        system.residual(residual)
+        return place, residual
+
+    def _response_at(self, place: PETSc.Vec) -> PETSc.Vec:
+        """Response to the load by the tangent of a place where the system is; this is the factor at hand then."""
+        tracer, response = self.tracer, place.duplicate()
+        tracer.system.extrapolate_stress()
+        tracer.stepper.factorise(tracer.snes, place)
+        tracer.stepper.linear.solve(tracer.load_vector(), response)
+        return response
 
     def _across(self, residual: PETSc.Vec, response: PETSc.Vec) -> float:
         """Length of the correction by the factor at hand, off the response to the load."""
