@@ -19,10 +19,6 @@ STEEPEST = 2.5  # rate of the load over that of the chord, likewise
 NOISE = 1e-12  # of reactions, over what the stiffest unknown would take: structures that move without strain
 SAMPLES, FEWEST = 6, 4  # states that are interpolated between, at most and at least
 IN_BALANCE = 1e-6  # residual over the load of an interpolated state
-DEFECT = 0.006  # of the length of a piece, correction that its interpolation asks for at a place, likewise
-LOAD_DEFECT = 0.05  # of the load by the steeper tangent, that of the middle, likewise; on smooth pieces 0.03 at most
-INSIDE = 0.875  # of a piece, that place: near the end whose tangent is factored
-ROUNDED = 1e-6  # of the structure's size, correction that rounding may ask for
 CLOSE = 0.02  # of the distance between its neighbours, by which a state misses an interpolation that is good enough
 STRAY = 0.3  # of the distance between its neighbours, by which a state may miss their interpolation
 
@@ -40,6 +36,11 @@ class Segment:
 
     It is guarded against states off the path where the control is, but for problems that are not smooth,
     with whose contacts tangents waver.
+
+    Attributes
+    ----------
+    states : those that are known, by their lengths
+    close : lengths of states that were found where their neighbours' interpolation had them
     """
 
     def __init__(self, tracer, before: State, after: State):
@@ -48,7 +49,7 @@ class Segment:
         self.guarded = tracer.control.guarded and not self.wavering
         self.states = {0.0: before, after.length: after}
         self._spectra: dict[float, tuple[list[float], list]] = {}
-        self._close: set[float] = set()
+        self.close: set[float] = set()
 
     def __getitem__(self, length: float) -> State:
         """State at a length of the step.
@@ -59,7 +60,7 @@ class Segment:
         """
         if length not in self.states:
             left, right = self.neighbours(length)
-            guess = self._interpolated(left, right, length)
+            guess = self.interpolated(left, right, length)
             self.tracer.back_to(self.before)
             state = None if self.wavering else self.tracer.attempt(length, guess)
             state = state or self.tracer.attempt(length)
@@ -71,7 +72,7 @@ class Segment:
                 raise Jump("a state within the step is off the path")
             self.states[length] = state
             if self._off(state, guess) <= CLOSE * self.distance(left, right):
-                self._close.add(length)
+                self.close.add(length)
         return self.states[length]
 
     def reach(self, length: float) -> bool:
@@ -118,7 +119,7 @@ class Segment:
         state = self.states[length]
         return (0.0, np.zeros_like(state.increment)) if state is self.before else state.direction
 
-    def _interpolated(self, left: float, right: float, length: float) -> tuple[float, np.ndarray]:
+    def interpolated(self, left: float, right: float, length: float) -> tuple[float, np.ndarray]:
         """Increments at a length by Hermite's cubic with the tangents of two states, as fast as their distance asks.
 
         Where tangents waver, on the chord.
@@ -127,10 +128,10 @@ class Segment:
             (load, x), part = self._chord(left, right), (length - left) / (right - left)
             start_load, start_x = self._increments(left)
             return start_load + part * load, start_x + part * x
-        found = self._curve(left, right)(length)
+        found = self.curve(left, right)(length)
         return float(found[-1]), found[:-1]
 
-    def _curve(self, left: float, right: float) -> CubicHermiteSpline:
+    def curve(self, left: float, right: float) -> CubicHermiteSpline:
         """Increments between two lengths, that of the load factor last, by their tangents."""
         rate = self.distance(left, right) / (right - left)
         values, slopes = ([np.append(x, load) for load, x in vectors] for vectors in (
@@ -174,71 +175,6 @@ class Segment:
                 and not self._bulges(chord[0], [t[0] for t in tangents], distance)
                 and self._follows(self._reactions(chord[1]), [self._reactions(t[1]) for t in tangents], distance,
                                   self._reaction_noise(*chord)))
-
-    def interpolates(self, left: float, right: float) -> bool:
-        """Whether places inside of a piece, as its ends interpolate them, need small corrections only.
-
-        A defect between the points that an interpolation is made for shows what it misses (Kierzenka and Shampine
-        2001): a loop, or another path that runs alongside. It is corrected off the path, by the factor at hand, and in
-        the load, by the work that is done along the path; if that asks for much, as in slender parts that have turned,
-        by the tangent of that place.
-        """
-        return bool(self._close & {left, right}) or (
-            self._is_near(left, right) and self._load_is_near(left, right))
-
-    def _is_near(self, left: float, right: float) -> bool:
-        """Whether a place inside is near the path."""
-        tracer, system = self.tracer, self.tracer.system
-        place, residual = self._out_of_balance(left, right, left + INSIDE * (right - left))
-        response = system.create_vector(self.states[right].response)
-        small = DEFECT * self.distance(left, right)
-        off = self._across(residual, response)
-        if off > max(small, ROUNDED):
-            response = self._response_at(place)
-            off = self._across(residual, response)
-        system.configure(tracer.x, self.before.factor)
-        return off <= small or (off <= ROUNDED and off <= 10 * max(
-            self.uncertainty(self.states[s]) for s in (left, right)))
-
-    def _load_is_near(self, left: float, right: float) -> bool:
-        """Whether the load that belongs to the middle is near the interpolated one: a loop may begin where it ends."""
-        tracer, system, middle = self.tracer, self.tracer.system, (left + right) / 2
-        place, residual = self._out_of_balance(left, right, middle)
-        along = system.create_vector(self._curve(left, right).derivative()(middle)[:-1])
-        steepest = max(abs(self.states[s].load_rate) for s in (left, right))
-        small = LOAD_DEFECT * self.distance(left, right) * steepest + MINOR * abs(system.factor)
-        near = abs(residual.dot(along)) <= small * abs(tracer.load_vector().dot(along))
-        if not near:
-            response, inner = self._response_at(place), tracer.tangent.inner
-            tracer.stepper.linear.solve(residual, along)
-            near = abs(inner(along, response)) <= small * inner(response, response)
-        system.configure(tracer.x, self.before.factor)
-        return near
-
-    def _out_of_balance(self, left: float, right: float, length: float) -> tuple[PETSc.Vec, PETSc.Vec]:
-        """Increments at a length, as two states interpolate them, and the residual there; the system stays there."""
-        load, increment = self._interpolated(left, right, length)
-        self.tracer.back_to(self.before)
-        system = self.tracer.system
-        place, residual = system.create_vector(increment), system.create_vector()
-        system.configure(place, self.before.factor + load)
-        system.residual(residual)
-        return place, residual
-
-    def _response_at(self, place: PETSc.Vec) -> PETSc.Vec:
-        """Response to the load by the tangent of a place where the system is; this is the factor at hand then."""
-        tracer, response = self.tracer, place.duplicate()
-        tracer.system.extrapolate_stress()
-        tracer.stepper.factorise(tracer.snes, place)
-        tracer.stepper.linear.solve(tracer.load_vector(), response)
-        return response
-
-    def _across(self, residual: PETSc.Vec, response: PETSc.Vec) -> float:
-        """Length of the correction by the factor at hand, off the response to the load."""
-        correction, inner = residual.duplicate(), self.tracer.tangent.inner
-        self.tracer.stepper.linear.solve(residual, correction)
-        correction.axpy(-inner(correction, response) / inner(response, response), response)
-        return inner(correction, correction) ** 0.5
 
     def _reactions(self, increment: np.ndarray) -> np.ndarray:
         """Multipliers of prescribed motions, which the inner product does not weigh, on all processes."""
