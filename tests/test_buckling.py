@@ -94,6 +94,62 @@ def test_modes_with_other_supports():
     assert buckling(path, state, 1, supports=clamped)[0].factor == pytest.approx(2.0457 * EULER, rel=3e-3)
 
 
+def turned(angle):
+    """Directions of x, y and z turned about the column."""
+    return np.array([[1, 0, 0], [0, np.cos(angle), np.sin(angle)], [0, -np.sin(angle), np.cos(angle)]])
+
+
+@pytest.mark.parametrize("own", [None, turned(0.9)], ids=["along space", "along axes of their own"])
+@pytest.mark.parametrize("angle", [0.0, 0.5, -1.2])
+def test_modes_with_other_supports_along_axes_of_their_own(own, angle):
+    """A tip held along one direction across: modes across it are those of a cantilever, along it Euler's second case.
+
+    The column is round, so that neither the direction nor the axes of the supports of the path change the loads.
+    """
+    def slides(mesh):
+        return [clamp(mesh, "base"), Support(mesh, "tip", "y z ry", own)]
+
+    path = Path(column(supports=slides))
+    mesh, state, axes = path.scene.parts[0].mesh, path.tracer.state, turned(angle)
+    found = buckling(path, state, 3, supports=[clamp(mesh, "base"), Support(mesh, "tip", "y", axes)])
+    assert [b.factor / EULER for b in found] == pytest.approx([1 / 4, 2.0457, 9 / 4], rel=3e-3)
+    for mode, direction in zip(found, (axes[2], axes[1], axes[2]), strict=True):
+        table = mode_displacement(path, mesh, mode).x.array.reshape(-1, 3)
+        largest = table[np.linalg.norm(table, axis=1).argmax()]
+        assert abs(largest @ direction) == pytest.approx(1.0, abs=1e-6)
+        assert table - np.outer(table @ direction, direction) == pytest.approx(0 * table, abs=1e-6)
+
+
+@pytest.mark.parametrize("fixed", ["x y z rx", "x y z rx ry rz"])
+def test_modes_about_a_bent_state_do_not_depend_on_the_axes_of_supports(fixed):
+    """The same supports along other axes, about a column that has bent and twisted far."""
+    scene = column(supports=lambda mesh: [Support(mesh, "base", fixed), Support(mesh, "tip", "y z")])
+    mesh = scene.parts[0].mesh
+    middle = PointForce(mesh, "tip", (-0.5 * EULER, 0.0, 0.0))
+    across = LineForce(scene.parts[0], (0.0, 3.0 * EULER, 1.0 * EULER))
+    path = Path(replace(scene, loads=[middle, across]), LoadControl(step=0.25))
+    *_, state = path
+    other = [Support(mesh, "base", fixed, turned(0.7)), Support(mesh, "tip", "y z", turned(-0.4))]
+    ones, others = buckling(path, state, 3), buckling(path, state, 3, supports=other)
+    assert [b.factor for b in others] == pytest.approx([b.factor for b in ones], rel=1e-8)
+    for one, same in zip(ones, others, strict=True):
+        shapes = [mode_displacement(path, mesh, mode).x.array for mode in (one, same)]
+        assert shapes[1] == pytest.approx(shapes[0], abs=1e-6)
+
+
+def test_response_is_that_of_the_supports_of_the_path():
+    """A column loaded at its middle: what holds its tip along the axis in buckling has not stretched its upper half."""
+    nodes = {"base": (0, 0), "middle": (1, 0), "tip": (2, 0)}
+    mesh = read(lambda: meshes.frame(nodes, {"a": ("base", "middle", 8), "b": ("middle", "tip", 8)}), 2)
+    held, slides = [pin(mesh, "base"), pin(mesh, "tip")], [pin(mesh, "base"), Support(mesh, "tip", "y")]
+    force, monitor = PointForce(mesh, "middle", (-1.0, 0.0)), Monitor(mesh, "middle", "x")
+    path, other = (Path(Scene([Beam(mesh, round_bar(0.01), COLUMN)], s, [force], monitor)) for s in (slides, held))
+    sliding, alike, pulled = (buckling(p, p.tracer.state, 1, supports=s)[0].factor for p, s in (
+        (path, None), (path, held), (other, held)))
+    assert sliding == pytest.approx(alike, rel=1e-8)
+    assert abs(pulled) > 1.2 * sliding
+
+
 def test_column_under_its_own_weight():
     """7.8373 EI / L^3 (Timoshenko and Gere 1961, section 2.12); 0.2 %."""
     scene = column()

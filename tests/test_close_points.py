@@ -7,12 +7,13 @@ from functools import cache
 import numpy as np
 import pytest
 from dense_path import DensePath
+from helpers import on_two_processes
 from random_structures import DenseTruss, Structure, scene
 from scipy.optimize import brentq
 
 import sheetfx as fx
 from sheetfx.continuation.segment import Segment
-from sheetfx.continuation.state import State
+from sheetfx.continuation.state import CriticalPoint, State
 from sheetfx.stability.critical import unresolved
 
 RISE = 3.0
@@ -53,10 +54,8 @@ def loads(gap: float) -> dict[str, float]:
             "across": -float(truss.derivatives(np.array([x, 0.0, on_branch(x, z)]))[0][2])}
 
 
-@pytest.mark.parametrize("gap", [0.05, 1e-3])
-@pytest.mark.parametrize("times", [1, 4, *(pytest.param(t, marks=pytest.mark.slow) for t in (1 / 16, 1 / 4, 16))])
-def test_branch_that_returns_beside_another_mode(gap, times):
-    """A closed branch passes through both bifurcations it ends at, and before and behind sways across itself."""
+def points_on_branch(gap: float, times: float = 1.0) -> list[CriticalPoint]:
+    """Seven or so points in order on the closed branch, followed by multiples of a step."""
     case = fx.Case(scene(pyramid(gap)), until=fx.Until(deflection=0.5))
     record = fx.trace(case)
     point = next(p for p in record.critical_points if p.kind == "bifurcation")
@@ -67,11 +66,33 @@ def test_branch_that_returns_beside_another_mode(gap, times):
         found += state.critical
         if len(found) >= 7:
             break
+    return found
+
+
+@pytest.mark.parametrize("gap", [0.05, 1e-3])
+@pytest.mark.parametrize("times", [1, 4, *(pytest.param(t, marks=pytest.mark.slow) for t in (1 / 16, 1 / 4, 16))])
+def test_branch_that_returns_beside_another_mode(gap, times):
+    """A closed branch passes through both bifurcations it ends at, and before and behind sways across itself."""
+    found = points_on_branch(gap, times)
     assert [(p.kind, p.multiplicity) for p in found] == len(found) * [("bifurcation", 1)]
     cycle = [(sign, kind) for sign in (1, -1) for kind in ("across", "return", "across")]
     signs = [(int(np.sign(p.load)), next(kind for kind in NAMES if NAMES[kind] == p.name)) for p in found]
     assert signs in [[cycle[(k + i) % 6] for i in range(len(found))] for k in range(6)]
     assert [abs(p.load) for p in found] == pytest.approx([loads(gap)[kind] for _, kind in signs], rel=2e-7)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("gap", [0.05, 1e-3])
+def test_branch_that_returns_on_two_processes(gap):
+    """The same points in the same order."""
+    lines = on_two_processes(f"""
+from test_close_points import points_on_branch
+for p in points_on_branch({gap}):
+    print(f"{{p.load:.12g}}", p.multiplicity, p.name)""")
+    alone = points_on_branch(gap)
+    both = [line.split(maxsplit=2) for line in lines]
+    assert [(int(number), name) for _, number, name in both] == [(p.multiplicity, p.name) for p in alone]
+    assert [float(load) for load, *_ in both] == pytest.approx([p.load for p in alone], rel=1e-8)
 
 
 def test_what_cannot_be_told_apart_has_a_spread_instead_of_a_number(tmp_path):

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers import follow
+from helpers import follow, on_two_processes
 from scipy.optimize import brentq
 
 from sheetfx import meshes
@@ -25,6 +25,7 @@ from sheetfx.path import Path, Until
 from sheetfx.stability.branches import branches
 
 TURNING = 1.5, 0.825  # stiffness across, and height, where the load soon turns on the branch
+MASTS = *((1 + nearness, 2.0) for nearness in (0.05, 1e-3, 3e-6)), TURNING
 
 
 def stayed_mast(across: float, height: float, stiffness: float = 1e6):
@@ -86,6 +87,28 @@ def test_starts_before_a_secondary_bifurcation(nearness):
         path = Path(record.case.scene, ArcLength(sway / 20), Until(deflection=1.2 * sway), start=[branch.start])
         (secondary,) = (p for state in path for p in state.critical)
         assert secondary.kind == "bifurcation" and abs(secondary.deflection) == pytest.approx(sway, rel=3e-4)
+
+
+@pytest.mark.slow
+def test_starts_on_two_processes():
+    """The same points on the branches, and the same doubts, if any."""
+    lines = on_two_processes("""
+from test_first_piece import MASTS, stayed_mast
+for mast in MASTS:
+    record = stayed_mast(*mast)
+    for branch in record.branches(record.critical_points[0]):
+        start = branch.start
+        print(f"{start.load:.12g} {abs(start.deflection):.12g}", start.unstable_modes, branch.doubt, sep=",")""")
+    found = []
+    for mast in MASTS:
+        record = stayed_mast(*mast)
+        found += record.branches(record.critical_points[0])
+    for line, branch in zip(lines, found, strict=True):
+        *numbers, doubt = line.split(",", 3)
+        start = branch.start
+        alone = [start.load, abs(start.deflection), start.unstable_modes]
+        assert [float(n) for n in " ".join(numbers).split()] == pytest.approx(alone, rel=1e-8)
+        assert doubt == branch.doubt == ""
 
 
 @pytest.mark.parametrize("stiffness", [1e4, 1e5, 1e6])

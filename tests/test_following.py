@@ -186,18 +186,6 @@ def test_clamped_columns_flutter(load, critical):
     assert kept[0].load == pytest.approx(critical, rel=1e-3)
 
 
-def test_column_in_space_flutters_in_both_planes_at_once():
-    """Beck's load, and two pairs of frequencies that meet there."""
-    nodes = {"base": (0.0, 0.0, 0.0), "tip": (1.0, 0.0, 0.0)}
-    mesh, depth = fx.read(lambda: fx.meshes.frame(nodes, {"column": ("base", "tip", 8)}), 3), 0.01
-    beam = fx.Beam(mesh, fx.Rectangle(depth, depth), fx.Elastic(12 / depth**4, 0.3, density=depth**-2))
-    scene = fx.Scene([beam], [fx.clamp(mesh, "base")], [fx.FollowerForce(mesh, "tip", (-1.0, 0.0, 0.0))],
-                     fx.Monitor(mesh, "tip", "x"))
-    ((kind, load, number),) = found(scene, fx.Until(load=30.0))
-    assert (kind, number) == ("flutter", 2)
-    assert load == pytest.approx(20.05, rel=2e-3)
-
-
 def test_flutter_with_other_first_steps():
     scene, until = column(beck, CLAMPED), fx.Until(load=25.0)
     expected = found(scene, until)

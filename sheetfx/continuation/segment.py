@@ -19,9 +19,6 @@ STEEPEST = 2.5  # rate of the load over that of the chord, likewise
 NOISE = 1e-12  # of reactions, over what the stiffest unknown would take: structures that move without strain
 SAMPLES, FEWEST = 6, 4  # states that are interpolated between, at most and at least
 IN_BALANCE = 1e-6  # residual over the load of an interpolated state
-DEFECT = 0.006  # of the length of a piece, correction that its interpolation asks for at a place, likewise
-INSIDE = 0.875  # of a piece, that place: near the end whose tangent is factored
-ROUNDED = 1e-6  # of the structure's size, correction that rounding may ask for
 CLOSE = 0.02  # of the distance between its neighbours, by which a state misses an interpolation that is good enough
 STRAY = 0.3  # of the distance between its neighbours, by which a state may miss their interpolation
 
@@ -39,6 +36,11 @@ class Segment:
 
     It is guarded against states off the path where the control is, but for problems that are not smooth,
     with whose contacts tangents waver.
+
+    Attributes
+    ----------
+    states : those that are known, by their lengths
+    close : lengths of states that were found where their neighbours' interpolation had them
     """
 
     def __init__(self, tracer, before: State, after: State):
@@ -47,7 +49,7 @@ class Segment:
         self.guarded = tracer.control.guarded and not self.wavering
         self.states = {0.0: before, after.length: after}
         self._spectra: dict[float, tuple[list[float], list]] = {}
-        self._close: set[float] = set()
+        self.close: set[float] = set()
 
     def __getitem__(self, length: float) -> State:
         """State at a length of the step.
@@ -58,7 +60,7 @@ class Segment:
         """
         if length not in self.states:
             left, right = self.neighbours(length)
-            guess = self._interpolated(left, right, length)
+            guess = self.interpolated(left, right, length)
             self.tracer.back_to(self.before)
             state = None if self.wavering else self.tracer.attempt(length, guess)
             state = state or self.tracer.attempt(length)
@@ -70,7 +72,7 @@ class Segment:
                 raise Jump("a state within the step is off the path")
             self.states[length] = state
             if self._off(state, guess) <= CLOSE * self.distance(left, right):
-                self._close.add(length)
+                self.close.add(length)
         return self.states[length]
 
     def reach(self, length: float) -> bool:
@@ -117,7 +119,7 @@ class Segment:
         state = self.states[length]
         return (0.0, np.zeros_like(state.increment)) if state is self.before else state.direction
 
-    def _interpolated(self, left: float, right: float, length: float) -> tuple[float, np.ndarray]:
+    def interpolated(self, left: float, right: float, length: float) -> tuple[float, np.ndarray]:
         """Increments at a length by Hermite's cubic with the tangents of two states, as fast as their distance asks.
 
         Where tangents waver, on the chord.
@@ -126,11 +128,15 @@ class Segment:
             (load, x), part = self._chord(left, right), (length - left) / (right - left)
             start_load, start_x = self._increments(left)
             return start_load + part * load, start_x + part * x
+        found = self.curve(left, right)(length)
+        return float(found[-1]), found[:-1]
+
+    def curve(self, left: float, right: float) -> CubicHermiteSpline:
+        """Increments between two lengths, that of the load factor last, by their tangents."""
         rate = self.distance(left, right) / (right - left)
         values, slopes = ([np.append(x, load) for load, x in vectors] for vectors in (
             map(self._increments, (left, right)), (self.states[s].tangent for s in (left, right))))
-        found = CubicHermiteSpline((left, right), values, rate * np.array(slopes))(length)
-        return float(found[-1]), found[:-1]
+        return CubicHermiteSpline((left, right), values, rate * np.array(slopes))
 
     def distance(self, left: float, right: float) -> float:
         return self.tracer.distance(*self._chord(left, right))
@@ -169,41 +175,6 @@ class Segment:
                 and not self._bulges(chord[0], [t[0] for t in tangents], distance)
                 and self._follows(self._reactions(chord[1]), [self._reactions(t[1]) for t in tangents], distance,
                                   self._reaction_noise(*chord)))
-
-    def interpolates(self, left: float, right: float) -> bool:
-        """Whether a place inside of a piece, as its ends interpolate it, needs a small correction only.
-
-        A defect between the points that an interpolation is made for shows what it misses (Kierzenka and Shampine
-        2001): a loop, or another path that runs alongside. It is corrected off the path, by the factor at hand, and if
-        that asks for much, as in slender parts that have turned, by the tangent of that place.
-        """
-        if self._close & {left, right}:
-            return True
-        tracer, system = self.tracer, self.tracer.system
-        load, increment = self._interpolated(left, right, left + INSIDE * (right - left))
-        tracer.back_to(self.before)
-        place, residual, response = system.create_vector(increment), system.create_vector(), system.create_vector()
-        system.configure(place, self.before.factor + load)
-        system.residual(residual)
-        response.array[:] = self.states[right].response
-        small = DEFECT * self.distance(left, right)
-        off = self._across(residual, response)
-        if off > max(small, ROUNDED):
-            system.extrapolate_stress()
-            tracer.stepper.factorise(tracer.snes, place)
-            push = tracer.load_vector()
-            tracer.stepper.linear.solve(push, response)
-            off = self._across(residual, response)
-        system.configure(tracer.x, self.before.factor)
-        return off <= small or (off <= ROUNDED and off <= 10 * max(
-            self.uncertainty(self.states[s]) for s in (left, right)))
-
-    def _across(self, residual: PETSc.Vec, response: PETSc.Vec) -> float:
-        """Length of the correction by the factor at hand, off the response to the load."""
-        correction, inner = residual.duplicate(), self.tracer.tangent.inner
-        self.tracer.stepper.linear.solve(residual, correction)
-        correction.axpy(-inner(correction, response) / inner(response, response), response)
-        return inner(correction, correction) ** 0.5
 
     def _reactions(self, increment: np.ndarray) -> np.ndarray:
         """Multipliers of prescribed motions, which the inner product does not weigh, on all processes."""

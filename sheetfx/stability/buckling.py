@@ -45,7 +45,8 @@ class BucklingLoad:
     cluster : number of the group of neighbouring loads that it belongs to, 0 for the one nearest to the state
     multiplicity : number of loads in that group
     residual : bound on the relative algebraic error of 1 / increment (of a stable state)
-    mode : this process's part of the solver's vector, the largest displacement being 1
+    mode : this process's part of the path's vector, also where modes have other supports; the largest displacement
+        is 1
     """
 
     factor: float
@@ -82,15 +83,13 @@ def buckling(path, state: State, count: int = 6, *, supports: Sequence | None = 
     MissedModes
         If the number of loads found about a stable state contradicts the inertia of the tangent.
     """
-    discretisation = path.discretisation
-    with discretisation.visiting(state.fields):
-        motions = discretisation.system.motions(discretisation.system.create_vector(state.response))
-    if supports is not None:
-        discretisation = Discretisation(replace(discretisation.scene, supports=supports))
-    with discretisation.visiting(state.fields):
+    home = path.discretisation
+    discretisation = home if supports is None else Discretisation(replace(home.scene, supports=supports))
+    with home.visiting(state.fields), discretisation.visiting(state.fields):
+        motions = home.system.motions(home.system.create_vector(state.response))
         problem = _Problem(discretisation, state, motions, state.step > 0 if prebuckling is None else prebuckling)
         found = _complete(problem, count, tolerance)
-        return problem.describe(found, tolerance)
+        return problem.describe(found, tolerance, home)
 
 
 class _Problem:
@@ -186,12 +185,21 @@ class _Problem:
         self.solver.solve(force, answer)
         return abs(force.dot(answer) / energy) ** 0.5
 
-    def describe(self, pairs: list[tuple[float, PETSc.Vec]], tolerance: float) -> list[BucklingLoad]:
+    def describe(self, pairs: list[tuple[float, PETSc.Vec]], tolerance: float,
+                 home: Discretisation) -> list[BucklingLoad]:
+        """Loads with their clusters, and modes in the components of another discretisation of the structure."""
         numbers = clusters([increment for increment, _ in pairs], tolerance)
         return [BucklingLoad(
             self.state.factor + increment, self._total_load(increment), increment, number, numbers.count(number),
-            self.residual(increment, mode), scaled(self.discretisation, mode)) for (increment, mode), number in zip(
-                pairs, numbers, strict=True)]
+            self.residual(increment, mode), scaled(home, self._in_components_of(home, mode)))
+                for (increment, mode), number in zip(pairs, numbers, strict=True)]
+
+    def _in_components_of(self, home: Discretisation, mode: PETSc.Vec) -> PETSc.Vec:
+        """The same motions, of nodes that may have other axes there."""
+        if home is self.discretisation:
+            return mode
+        self.system.configure(self.system.create_vector(), self.state.factor)
+        return home.system.step_by(self.system.motions(self.system.create_vector(mode.array)))
 
     def _total_load(self, increment: float) -> float:
         x = self.response.copy()

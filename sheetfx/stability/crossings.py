@@ -59,10 +59,10 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
         If the path does not lead through one of them, or they are not found.
     """
     border, lengths = _Border(segment, left, right, count), [left, right]
-    if len(border.numbers) != count and not segment.guarded:
-        return unresolved(segment, left, right, count)
-    if len(border.numbers) != count:
+    if len(border.numbers) != count and segment.guarded:
         raise Jump(f"{count} eigenvalues pass zero in the step, of which {len(border.numbers)} are found")
+    if len(border.numbers) != count:
+        return _halves(segment, left, right)
     roots = border.roots(lengths)
     error = between = np.inf
     for reach in REACHES:
@@ -90,7 +90,7 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
     if not error <= ROUGH:
         if segment.guarded:
             raise Jump("eigenvalues pass zero in the step, but not smoothly")
-        return unresolved(segment, left, right, count)
+        return _halves(segment, left, right)
     if segment.guarded:
         _compare_sides(segment, roots, samples, border)
     table = KroghInterpolator(samples, [(segment[s].load, segment[s].deflection) for s in samples])
@@ -110,6 +110,12 @@ def _counted(segment: Segment, lengths: Sequence[float], roots: np.ndarray) -> b
     """
     counts = [segment[s].unstable_modes for s in lengths]
     return list(np.abs(np.diff(counts))) == list(np.histogram(roots, lengths)[0])
+
+
+def _halves(segment: Segment, left: float, right: float) -> list[Crossing]:
+    """Crossings between two lengths, with one more state in the middle: for steps that nothing guards, which stay."""
+    segment.reach((left + right) / 2)
+    return _pieces(segment, left, right)
 
 
 def _pieces(segment: Segment, left: float, right: float) -> list[Crossing]:

@@ -2,24 +2,63 @@
 
 Under loads without a potential a structure can lose its stability while its tangent stays regular: two squares of
 frequencies of small vibrations, K mode = omega^2 M mode, meet on the real axis and leave it as a conjugate pair
-(Bolotin 1963; Ziegler 1968). Beyond, motions oscillate and grow.
+(Bolotin 1963; Ziegler 1968). Beyond, motions oscillate and grow. Squares that coincide without acting on each other, as
+those of equal bending in two planes, of torsion beside bending, or of two waves of a ring, stay real.
+
+Between two states of a path all squares nearest to zero are followed at once, by the tangents and masses of both on the
+modes of both (`_Between`); where that shows pairs that begin or end, the step is cut there until states on both sides
+of each point say the same.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
 from math import inf
 
 import numpy as np
-from scipy.optimize import brentq
+from petsc4py import PETSc
+from scipy.linalg import eigvals
+from scipy.optimize import minimize_scalar
 
-from ..continuation.segment import Missed, Segment
+from ..continuation.segment import Jump, Missed, Segment
 from ..continuation.spectrum import nearest_pairs
 from ..continuation.state import CriticalPoint, State
 from .vibration import is_complex, mass_matrix
 
-COUNT = 6  # squares of frequencies, those nearest to zero, among which pairs are looked for
-SAME = 1e-3  # relative difference of pairs that meet at one point
-EXACT = 1e-9  # of a step, length within which frequencies meet
+COUNT = 12  # squares of frequencies, those nearest to zero, that are followed beside those that flutter already
+KNOWN = 1 - 1e-6  # of the largest square that is found, size up to which all are known
+EXACT = 1e-8  # relative error of the load at which frequencies meet
+JUST_MET = 0.01  # imaginary part over the size, at most, of a pair that has begun there
+NEAR = 0.01  # of a piece of path, distance from where a pair seems to begin of the states that are looked at
+SAMPLES, BESIDE = 17, 0.05  # places that are looked at between two states, the outermost a part of the way beyond
+FINE = 1e-6  # part of the way between two states, error of where a pair begins by the modes of both
+CLOSING = 1 / 3  # of the sum of those beside it, difference of squares that may touch: a quarter if they cross evenly
+TOUCHING = 1e-6  # of the largest square, difference of those that always coincide
+DEPENDENT = 1e-10  # share of a mode in the mass that others leave of it
+
+
+@dataclass(frozen=True)
+class _Spectrum:
+    """Squares of frequencies of a state, those nearest to zero, and what they follow from.
+
+    Attributes
+    ----------
+    reach : size up to which all squares are known
+    modes : this process's part, real and imaginary parts in columns of their own
+    """
+
+    squares: np.ndarray
+    reach: float
+    modes: np.ndarray
+    tangent: PETSc.Mat
+    mass: PETSc.Mat
+
+
+def _pairs(squares: np.ndarray, reach: float, most: float = inf) -> int:
+    """Number of complex pairs up to a size, and up to an imaginary part over the size."""
+    return sum(v.imag > 0 and is_complex(v) and abs(v) <= reach and v.imag <= most * abs(v) for v in squares.tolist())
 
 
 class Flutter:
@@ -27,7 +66,8 @@ class Flutter:
 
     def __init__(self, tracer):
         self._tracer, self._mass = tracer, mass_matrix(tracer.discretisation)
-        self._last: tuple[State | None, list[complex]] = None, []
+        self._comm = tracer.system.comm
+        self._last: tuple[State, _Spectrum] | None = None
 
     @staticmethod
     def concerns(tracer) -> bool:
@@ -38,46 +78,146 @@ class Flutter:
 
     def __call__(self, segment: Segment) -> list[CriticalPoint]:
         """Points at which two frequencies meet, or part again, in a step."""
-        before, after = (self._squares(segment, length) for length in (0.0, segment.after.length))
+        before = self._last[1] if self._last and self._last[0] is segment.before else self._at(segment, 0.0)
+        after = self._at(segment, segment.after.length, COUNT + 2 * _pairs(before.squares, before.reach))
         self._last = segment.after, after
-        reach = min(abs(values[-1]) if values else inf for values in (before, after))
-        pairs = [[v for v in values if v.imag > 0 and is_complex(v) and abs(v) <= reach] for values in (before, after)]
-        if len(pairs[0]) == len(pairs[1]):
-            return []
-        more, sign = (pairs[1], 1) if len(pairs[1]) > len(pairs[0]) else (pairs[0], -1)
-        meeting = min(more, key=lambda pair: abs(pair.imag) / abs(pair))
-        number = sum(abs(pair - meeting) <= SAME * abs(meeting) for pair in more)
-        length = self._meet(segment, meeting.real, number)
-        if length is None:
-            return []
-        state = segment[length]
-        return [CriticalPoint("flutter", state.load, state.deflection, segment.after.step, length, number,
-                              name="begins" if sign > 0 else "ends")]
-
-    def _squares(self, segment: Segment, length: float) -> list[complex]:
-        """Squares of frequencies at a state of the step, those nearest to zero."""
-        state, tracer = segment[length], self._tracer
-        if state is self._last[0]:
-            return self._last[1]
-        tracer.factorise_at(state)
-        return [value for value, *_ in nearest_pairs(tracer.stepper.linear, self._mass(), COUNT)]
-
-    def _meet(self, segment: Segment, near: float, number: int) -> float | None:
-        """Length at which frequencies meet: the square of half the difference of both passes zero.
-
-        Where several pairs meet at once, as in columns that are the same in two planes, the means of both count.
-        """
-        def discriminant(length):
-            values = self._squares(segment, length)
-            pairs = [v for v in values if v.imag > 0 and is_complex(v)]
-            if pairs:
-                return -min(pairs, key=lambda v: abs(v.real - near)).imag ** 2
-            real = np.sort([v.real for v in values])
-            groups = [real[n: n + 2 * number] for n in range(len(real) - 2 * number + 1)]
-            group = min(groups, key=lambda g: abs(g.mean() - near))
-            return ((group[number:].mean() - group[:number].mean()) / 2) ** 2
-
         try:
-            return float(brentq(discriminant, 0.0, segment.after.length, xtol=EXACT * segment.after.length))
-        except (Missed, ValueError):
-            return None
+            return self._points(segment, 0.0, segment.after.length, (before, after))
+        except Missed:
+            if segment.guarded:
+                raise Jump("the states about a flutter do not converge") from None
+            return []
+
+    def _at(self, segment: Segment, length: float, count: int = COUNT) -> _Spectrum:
+        """Spectrum of a state of the step.
+
+        Raises
+        ------
+        Jump, Missed
+        """
+        tracer = self._tracer
+        tracer.factorise_at(segment[length])
+        mass = self._mass().copy()
+        found = nearest_pairs(tracer.stepper.linear, mass, count)
+        squares = np.array([value for value, *_ in found])
+        parts = [part.array for value, *both in found if value.imag >= 0 for part in both[:1 + (value.imag > 0)]]
+        modes = np.column_stack(parts) if parts else np.empty((mass.getLocalSize()[0], 0))
+        return _Spectrum(squares, KNOWN * np.abs(squares).max(initial=0.0), modes, tracer.system.matrix.copy(), mass)
+
+    def _points(self, segment: Segment, left: float, right: float, ends: tuple[_Spectrum, _Spectrum],
+                parent: float = inf) -> list[CriticalPoint]:
+        """Points between two lengths whose spectra are given, on a piece of a parent, by ever nearer states."""
+        lengths = [left + part * (right - left) for part in _Between(self._comm, *ends).changes()]
+        if not lengths:
+            return []
+        size = max(abs(segment.after.factor), abs(segment.after.load_increment))
+        if segment.load_change(segment[left], right - left) <= EXACT * size:
+            return _met(segment, left, right, ends)
+        near = NEAR * (right - left)
+        first, last = ([s for s, other in neighbours if abs(s - other) > 2 * near] for neighbours in (
+            zip(lengths, [-inf, *lengths[:-1]], strict=True), zip(lengths, [*lengths[1:], inf], strict=True)))
+        wanted = {*(s - near for s in first), *(s + near for s in last)}
+        if right - left > parent / 2:
+            wanted.add((left + right) / 2)
+        cuts = [left, *sorted(s for s in wanted if left < s < right), right]
+        spectra = [ends[0], *(self._at(segment, s, len(ends[1].squares)) for s in cuts[1:-1]), ends[1]]
+        return [point for piece, both in zip(pairwise(cuts), pairwise(spectra), strict=True)
+                for point in self._points(segment, *piece, both, right - left)]
+
+
+def _met(segment: Segment, left: float, right: float, ends: tuple[_Spectrum, _Spectrum]) -> list[CriticalPoint]:
+    """The point between two states that lie together, at one of which pairs are nearly real.
+
+    Others, which pass the size up to which squares are known, do not count.
+    """
+    reach = min(end.reach for end in ends)
+    before, after = (_pairs(end.squares, reach, JUST_MET) for end in ends)
+    load, deflection = ((getattr(segment[left], name) + getattr(segment[right], name)) / 2
+                        for name in ("load", "deflection"))
+    if before == after:
+        return []
+    return [CriticalPoint("flutter", load, deflection, segment.after.step, (left + right) / 2, abs(after - before),
+                          name="begins" if after > before else "ends")]
+
+
+class _Between:
+    """Squares of frequencies between two states, by the tangents and masses of both on the modes of both.
+
+    At the states these are the squares that are known there; between them tangents and masses are interpolated.
+    """
+
+    def __init__(self, comm, one: _Spectrum, other: _Spectrum):
+        self._reach = min(one.reach, other.reach)
+        modes = np.hstack([one.modes, other.modes])
+        tangents, masses = ([_projected(comm, matrix, modes) for matrix in both] for both in (
+            (one.tangent, other.tangent), (one.mass, other.mass)))
+        scale = 1 / np.sqrt(np.diag(masses[0] + masses[1]))
+        sizes, span = np.linalg.eigh(scale[:, None] * (masses[0] + masses[1]) * scale)
+        span = scale[:, None] * span[:, sizes > DEPENDENT] / np.sqrt(sizes[sizes > DEPENDENT])
+        self._tangents, self._masses = ([span.T @ m @ span for m in both] for both in (tangents, masses))
+
+    def _squares(self, part: float) -> np.ndarray:
+        tangent, mass = ((1 - part) * one + part * other for one, other in (self._tangents, self._masses))
+        values = eigvals(tangent, mass)
+        return values[np.abs(values) <= self._reach]
+
+    def changes(self) -> list[float]:
+        """Parts of the way from one state to the other where the number of complex pairs changes, in ascending order.
+
+        Pairs that begin and end between two places that are looked at are seen where two squares come close.
+        """
+        if not self._reach:
+            return []
+        grid = np.linspace(-BESIDE, 1 + BESIDE, SAMPLES)
+        squares = [self._squares(part) for part in grid]
+        places = {0.0, 1.0, *grid[1:-1]} | set(self._close(grid, squares))
+        found = []
+        for left, right in pairwise(sorted(places)):
+            before, after = self._pairs(left), self._pairs(right)
+            while before != after and right - left > FINE:
+                middle = (left + right) / 2
+                if self._pairs(middle) == before:
+                    left = middle
+                else:
+                    right = middle
+            if before != after:
+                found.append((left + right) / 2)
+        return found
+
+    def _pairs(self, part: float) -> int:
+        return _pairs(self._squares(part), self._reach)
+
+    def _close(self, grid: Sequence[float], squares: Sequence[np.ndarray]) -> Iterator[float]:
+        """Places where neighbouring squares are nearer to each other than on both sides."""
+        for n in range(1, len(grid) - 1):
+            if len({len(values) for values in squares[n - 1:n + 2]}) > 1:
+                continue
+            gaps = [_gaps(values) for values in squares[n - 1:n + 2]]
+            falls = gaps[1] < CLOSING * (gaps[0] + gaps[2])
+            for number in np.flatnonzero(falls & (gaps[1] > TOUCHING * self._reach)):
+                yield self._closest(number, grid[n - 1], grid[n + 1])
+
+    def _closest(self, number: int, left: float, right: float) -> float:
+        """Place where two neighbouring squares are nearest to each other."""
+        def gap(part: float) -> float:
+            gaps = _gaps(self._squares(part))
+            return gaps[number] if number < len(gaps) else np.inf
+
+        bounds = max(left, 0.0), min(right, 1.0)
+        return float(minimize_scalar(gap, bounds=bounds, method="bounded", options={"xatol": FINE}).x)
+
+
+def _gaps(squares: np.ndarray) -> np.ndarray:
+    """Differences of neighbouring squares; those of complex pairs are zero."""
+    return np.diff(np.sort(squares.real))
+
+
+def _projected(comm, matrix: PETSc.Mat, modes: np.ndarray) -> np.ndarray:
+    """Product of a matrix with modes from both sides."""
+    vector, product = matrix.createVecs()
+    columns = np.empty_like(modes)
+    for n, mode in enumerate(modes.T):
+        vector.array[:] = mode
+        matrix.mult(vector, product)
+        columns[:, n] = product.array
+    return comm.allreduce(modes.T @ columns)

@@ -17,8 +17,8 @@ def searched(discretisation: Discretisation, control: StepRule, flutter: bool) -
     system = discretisation.system
     found = [*_of_loads(discretisation), *_of_points(system)]
     if not system.conservative and system.smooth:
-        found.append(f"flutter: where two of the {COUNT} frequencies nearest to zero meet" if flutter else
-                     "flutter: not looked for (a part has no density)")
+        found.append(f"flutter: where frequencies meet, of the {COUNT} nearest to zero beside those that have met"
+                     if flutter else "flutter: not looked for (a part has no density)")
     if not control.guarded:
         found.append("other paths: not looked for, steps are taken as they are")
     elif not system.smooth:

@@ -132,7 +132,7 @@ class Judge:
                 return WRONG, f"finds a {kind} point at load {extra.load:.5g} that is not there"
         for wanted, point in zip(expected, found, strict=True):
             if not _agree(wanted, point):
-                return WRONG, f"finds a {point.kind} point at load {point.load:.5g} instead of {wanted.load:.5g}"
+                return WRONG, f"finds a {point.kind} point at load {point.load:.8g} instead of {wanted.load:.8g}"
             if point.multiplicity != wanted.multiplicity:
                 return WRONG, (f"finds {point.multiplicity} null vectors at load {point.load:.5g}, where there are "
                                f"{wanted.multiplicity}")
