@@ -27,10 +27,9 @@ from .kinematics import Kinematics
 from .layout import Layout
 from .load_work import works_of_loads
 from .nodal import FixedIncrements
-from .points import PointWork
 from .potential import look_for_potentials
-from .redundant import redundant_multipliers
-from .sharing import check_sharings, share_axes
+from .redundant import without_redundant
+from .sharing import sharings_of
 from .supports import fixed_dofs, turn_nodes
 from .system import System
 from .timing import Stopwatch
@@ -53,9 +52,7 @@ class Discretisation:
         fields = self.fields = Fields(scene)
         for mesh in scene.meshes:
             turn_nodes(self.kinematics(mesh), [s for s in scene.supports if s.mesh is mesh])
-        sharings = [sharing for joint in scene.joints for sharing in joint.shared(fields)]
-        check_sharings(sharings)
-        share_axes(sharings)
+        sharings = sharings_of(scene.joints, fields)
         self._add_travels()
         for thing in (*scene.all_loads, *scene.joints):
             thing.unknowns(fields)
@@ -71,7 +68,7 @@ class Discretisation:
             joints = list(self._of_joints())
             others = [*self._of_contacts(), *joints, *chain(*(works for _, works in loads)), FixedIncrements()]
             contributions = [*self._of_parts(), *others]
-        layout = self._layout(fixed, sharings, joints)
+        layout = without_redundant(Layout(fields.comm, fields.blocks, fixed, sharings), joints, self.unknowns)
         self.follower = look_for_potentials(loads, self.unknowns, layout, fields.factors, self.clock)
         self.system = System(self.unknowns, contributions, layout, fields.factors, self.clock)
         self._totals = [[load.total(fields.at_stage(n)) for load in stage.loads]
@@ -84,15 +81,6 @@ class Discretisation:
 
     def kinematics(self, mesh: NamedMesh) -> Kinematics:
         return self.fields.kinematics(mesh)
-
-    def _layout(self, fixed, sharings, joints) -> Layout:
-        """Rows of the unknowns, without multipliers of joints that others make redundant."""
-        comm, blocks = self.scene.parts[0].mesh.domain.comm, self.fields.blocks
-        layout = Layout(comm, blocks, fixed, sharings)
-        redundant = redundant_multipliers([j for j in joints if isinstance(j, PointWork)], self.unknowns, layout)
-        if not comm.allreduce(sum(map(len, redundant))):
-            return layout
-        return Layout(comm, blocks, [np.union1d(f, r) for f, r in zip(fixed, redundant, strict=True)], sharings)
 
     def _add_travels(self) -> None:
         """The travel of each obstacle that may move is an unknown."""

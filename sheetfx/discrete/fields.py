@@ -50,6 +50,10 @@ class Fields:
         self.stage = 0
 
     @property
+    def comm(self) -> MPI.Comm:
+        return self.scene.parts[0].mesh.domain.comm
+
+    @property
     def factors(self) -> LoadFactors:
         return self._factors
 

@@ -39,7 +39,7 @@ class Layout:
 
     def __init__(self, comm: MPI.Comm, blocks: Sequence[Block], fixed: Sequence[np.ndarray] | None = None,
                  sharings: Sequence[Sharing] = ()):
-        self._blocks, self.comm = blocks, comm
+        self._blocks, self.comm, self._sharings = blocks, comm, sharings
         self._maps = [(b.index_map, b.width) for b in blocks]
         self._owned = [index_map.size_local * width for index_map, width in self._maps]
         self._offsets = np.concatenate(([0], np.cumsum(self._owned)))
@@ -47,10 +47,15 @@ class Layout:
         self.start = self.comm.scan(self.size) - self.size
         self._shared = [s.entries(blocks) for s in sharings]
         fixed = list(fixed) if fixed is not None else [np.empty(0, dtype=np.int64) for _ in blocks]
-        self._zero = self.rows(fixed)
+        self._fixed, self._zero = [np.asarray(dofs) for dofs in fixed], self.rows(fixed)
         for block, dofs, _, _ in self._shared:
             fixed[block] = np.union1d(fixed[block], dofs)
         self.fixed = self.rows(fixed)
+
+    def fixing(self, dofs: Sequence[np.ndarray]) -> Layout:
+        """The same layout in which further local dofs of each block are fixed."""
+        fixed = [np.union1d(before, more) for before, more in zip(self._fixed, dofs, strict=True)]
+        return Layout(self.comm, self._blocks, fixed, self._sharings)
 
     def create_vector(self, values: np.ndarray | None = None) -> PETSc.Vec:
         """A vector, zero or with this process's part given."""

@@ -114,8 +114,9 @@ class PointWork(Contribution):
         return np.concatenate(rows), np.concatenate(columns)
 
     def extrapolate_stress(self) -> None:
-        if isinstance(self._law, PointLaw):
-            changes = [self._unknowns.changes[t.field].x.array.reshape(-1, f.components)
+        held = self._unknowns.changes
+        if held is not None and isinstance(self._law, PointLaw):
+            changes = [held[t.field].x.array.reshape(-1, f.components)
                        for t, f in zip(self._traces, self._fields, strict=True)]
             self._held = self._law.extrapolated(self.values(), self._interpolated(changes))
 

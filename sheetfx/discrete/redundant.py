@@ -11,9 +11,16 @@ from scipy.sparse.csgraph import connected_components
 
 from .contribution import Contribution, Forces
 from .layout import Layout
+from .points import PointWork
 from .unknowns import Unknowns
 
 INDEPENDENT = 1e-9  # square of the sine of the angle between a constraint and the others, of one that is independent
+
+
+def without_redundant(layout: Layout, works: Sequence[Contribution], unknowns: Unknowns) -> Layout:
+    """The layout with multipliers fixed at zero that point works among some contributions make redundant."""
+    redundant = redundant_multipliers([w for w in works if isinstance(w, PointWork)], unknowns, layout)
+    return layout.fixing(redundant) if layout.comm.allreduce(sum(map(len, redundant))) else layout
 
 
 def redundant_multipliers(works: Sequence[Contribution], unknowns: Unknowns, layout: Layout) -> list[np.ndarray]:

@@ -43,6 +43,14 @@ def _entries(field: AdditiveField, nodes: np.ndarray) -> np.ndarray:
     return field.dofs.reshape(-1, field.width)[nodes].ravel()
 
 
+def sharings_of(joints, fields) -> list[Sharing]:
+    """Sharings that joints ask for, checked against each other, with the axes of the nodes made the same."""
+    sharings = [sharing for joint in joints for sharing in joint.shared(fields)]
+    check_sharings(sharings)
+    share_axes(sharings)
+    return sharings
+
+
 def check_sharings(sharings: Iterable[Sharing]) -> None:
     """Refuse nodes that share the unknowns of two nodes, or of nodes that share others' themselves.
 
