@@ -171,7 +171,10 @@ def _fill(gmsh, source: Source, what: str, order: int | None) -> None:
 
 
 def _check_groups(model, what: str) -> None:
-    """Refuse groups that are not of curves, surfaces and points, each with its own name."""
+    """Refuse groups that are not of curves, surfaces and points, and beside surfaces those with one name.
+
+    A bar may have the name of a point: where there are no surfaces, curves are not looked up with points.
+    """
     groups = model.getPhysicalGroups()
     dimensions = {d for d, _ in groups}
     if not dimensions & {1, 2}:
@@ -183,7 +186,7 @@ def _check_groups(model, what: str) -> None:
     known: dict[str, int] = {}
     for d, tag in groups:
         name = _name(model, d, tag)
-        if known.setdefault(name, d) != d:
+        if known.setdefault(name, d) != d and 2 in dimensions:
             raise ValueError(f"{what}: the group {name!r} is one of {DIMENSIONS[known[name]]} and of {DIMENSIONS[d]}; "
                              "give each its own name")
 
