@@ -13,7 +13,7 @@ from sheetfx.continuation.control import LoadControl
 from sheetfx.discrete.discretisation import Discretisation
 from sheetfx.mesh.reader import read
 from sheetfx.model.beam import Beam
-from sheetfx.model.joints import weld
+from sheetfx.model.interface import weld
 from sheetfx.model.loads import PointForce
 from sheetfx.model.scene import Monitor, Scene
 from sheetfx.model.section import Elastic, Rectangle
