@@ -56,6 +56,8 @@ def cell(folder):
     (TRAPS["punch-arch"], "penalty-small", WRONG, "drifts"),  # by its penetration
     (TRAPS["punch-arch"], "penalty", PASSED, ""),
     pytest.param(TRAPS["closed-path"], "cylindrical", PASSED, "", marks=pytest.mark.slow),  # two turns are told apart
+    pytest.param(TRAPS["closed-path"], "displacement", PASSED, "", marks=pytest.mark.slow),  # it ends in the third turn
+    (TRAPS["twisted-shaft"], "cylindrical", PASSED, ""),  # a step far beyond its bifurcation, which stays as it is
     (TILTING, "cylindrical", PASSED, ""),
     (TILTING, "determinant", BACK, "returns"),  # behind the bifurcation
 ], ids=lambda value: value.name if isinstance(value, Trap) else None)

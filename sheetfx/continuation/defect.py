@@ -4,6 +4,9 @@ A defect between the points that an interpolation is made for shows what it miss
 loop, or another path that runs alongside. It is corrected off the path, by the factor at hand, and in the load, by the
 work that is done along the path; if that asks for much, as in slender parts that have turned, by the tangent of that
 place.
+
+The leading error of a cubic by values and slopes at its ends is a 16 s^2 (1 - s)^2 with its largest slope 3.08 a: where
+it is 0.32 of what the steeper tangent makes of the piece the load may turn within, unseen. A fifth of that is allowed.
 """
 
 from __future__ import annotations
@@ -14,7 +17,7 @@ from .segment import Segment
 
 OFF = 0.006  # of the length of a piece, correction off the path
 INSIDE = 0.875  # of a piece, the place of that: near the end whose tangent is factored
-LOAD = 0.05  # of what the steeper tangent makes of a piece, correction of the load in its middle: 0.03 where smooth
+LOAD = 0.065  # of what the steeper tangent makes of a piece, correction of the load in its middle
 MINOR = 1e-6  # of the load itself, correction that matters little
 ROUNDED = 1e-6  # of the structure's size, correction off the path that rounding may ask for
 

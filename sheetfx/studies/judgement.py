@@ -115,6 +115,8 @@ class Judge:
         if len(passed) > self._limits:
             return JUMPED, f"passes the limit point at load {passed[self._limits].load:.5g} without finding it"
         if along < self._along - BACKWARDS * trail.length:
+            if self._along + chord > trail.length:  # behind the end, which a closed path passes earlier too
+                return None
             return BACK, f"returns over its own path from {place(before)}"
         self._along, self._distance, self._before = along, distance, state
         return None

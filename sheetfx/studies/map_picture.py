@@ -51,7 +51,7 @@ def draw_map(cells: Sequence[Cell]):
 
 def kind_of(reason: str) -> str:
     """A reason without its numbers, so that failures of one kind have one."""
-    text = re.sub(f"load {NUMBER}, deflection {NUMBER}", "a state", reason)
+    text = re.sub(f"load {NUMBER}, deflection {NUMBER}", "a state", reason).replace("a state and a state", "two states")
     return re.sub(rf"(?<![\w]){NUMBER}", "…", text)
 
 
