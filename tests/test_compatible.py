@@ -126,3 +126,19 @@ def test_misuse_is_named():
         fx.Path(scene(fx.Compatible(far, other)))
     with pytest.warns(UserWarning, match="nothing joins"), pytest.raises(ValueError, match="share others' themselves"):
         fx.Path(scene(fx.Compatible(one, other), fx.Compatible(other, one)))
+
+
+def test_modes_and_shares_of_energy():
+    """At Euler's load both halves of a column store as much."""
+    meshes = [member((0.0, 0.0), (0.5, 0.0), elements=8), member((0.5, 0.0), (1.0, 0.0), elements=8)]
+    beams = [fx.Beam(m, fx.Rectangle(0.01, 0.01), fx.Elastic(1e9)) for m in meshes]
+    scene = fx.Scene(beams, [fx.pin(meshes[0], "start"), fx.Support(meshes[1], "end", "y")],
+                     [fx.PointForce(meshes[1], "end", (-1.0, 0.0))], fx.Monitor(meshes[0], "end", "y"),
+                     joints=[fx.Compatible(meshes[1], meshes[0])])
+    record = fx.trace(fx.Case(scene, fx.LoadControl(3.0, target=12.0)))
+    (point,) = record.critical_points
+    modes = record.modes(point)
+    assert len(modes) == 1
+    assert record.energy_shares(modes) == pytest.approx([0.5, 0.5], rel=1e-6)
+    with pytest.raises(ValueError, match="critical_modes: the states of steps .* are missing"):
+        fx.Record(record.case, record.path, record.states[:1]).modes(point)

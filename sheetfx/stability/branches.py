@@ -16,7 +16,7 @@ from scipy.optimize import brentq, minimize_scalar, root
 from ..checks import require_positive_number
 from ..continuation.state import CriticalPoint, State
 from ..continuation.tracer import tracer_of
-from .critical import state_at
+from .critical import state_at, step_of
 from .first_piece import FirstPiece
 from .modes import largest_displacement
 from .reduction import NoSolution, Reduction
@@ -85,7 +85,10 @@ def branches(path, states: Sequence[State], point: CriticalPoint, amplitude: flo
     """
     require_positive_number("branches", amplitude=amplitude)
     tracer = tracer_of(path)
-    before, after = _step_of(states, point, len(tracer.x.array))
+    if point.kind != "bifurcation":
+        raise ValueError(f"branches: a {point.kind} point (load {point.load:.6g}) has no branches; "
+                         "the path itself goes on through it")
+    before, after = step_of("branches", states, point, len(tracer.x.array))
     present = tracer.state
     try:
         state_at(tracer, before, after, point)
@@ -93,22 +96,6 @@ def branches(path, states: Sequence[State], point: CriticalPoint, amplitude: flo
         return _found(reduction, FirstPiece(reduction, point, (before, after)), amplitude)
     finally:
         tracer.back_to(present)
-
-
-def _step_of(states: Sequence[State], point: CriticalPoint, size: int) -> tuple[State, State]:
-    """States before and after a bifurcation, of a path with so many unknowns on this process."""
-    if point.kind != "bifurcation":
-        raise ValueError(f"branches: a {point.kind} point (load {point.load:.6g}) has no branches; "
-                         "the path itself goes on through it")
-    by_step = {state.step: state for state in states}
-    if not {point.step - 1, point.step} <= set(by_step):
-        raise ValueError(f"branches: the states of steps {point.step - 1} and {point.step} around the bifurcation at "
-                         f"load {point.load:.6g} are missing; give the states of the whole path")
-    found = by_step[point.step - 1], by_step[point.step]
-    if len({len(state.increment) for state in found} | {size}) > 1:
-        raise ValueError(f"branches: the states have {len(found[1].increment)} unknowns and the path has {size}; give "
-                         "states of this path")
-    return found
 
 
 def _found(reduction: Reduction, piece: FirstPiece, amplitude: float) -> list[Branch]:

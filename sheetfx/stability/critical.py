@@ -73,6 +73,25 @@ def locate(tracer, earlier: State | None, before: State, after: State,
     return tuple(sorted(points, key=lambda p: (p.step, p.length)))
 
 
+def step_of(who: str, states: Sequence[State], point: CriticalPoint, size: int) -> tuple[State, State]:
+    """States before and after a critical point, of a path with so many unknowns on this process.
+
+    Raises
+    ------
+    ValueError
+        In the name of who asks, where they are missing or belong to another path.
+    """
+    by_step = {state.step: state for state in states}
+    if not {point.step - 1, point.step} <= set(by_step):
+        raise ValueError(f"{who}: the states of steps {point.step - 1} and {point.step} around the {point.kind} at "
+                         f"load {point.load:.6g} are missing; give the states of the whole path")
+    found = by_step[point.step - 1], by_step[point.step]
+    if len({len(state.increment) for state in found} | {size}) > 1:
+        raise ValueError(f"{who}: the states have {len(found[1].increment)} unknowns and the path has {size}; give "
+                         "states of this path")
+    return found
+
+
 def state_at(path, before: State, after: State, point: CriticalPoint) -> State:
     """The state of a critical point of the step from `before` to `after`, again; the tracer ends there.
 

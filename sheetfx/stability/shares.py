@@ -8,7 +8,7 @@ import numpy as np
 
 from ..continuation.state import CriticalPoint, State
 from ..continuation.tracer import tracer_of
-from .critical import state_at
+from .critical import state_at, step_of
 from .modes import scaled
 
 SMALL = 1e-6  # largest displacement of a mode that is imposed, over the size of the structure
@@ -36,14 +36,11 @@ def critical_modes(path, states: Sequence[State], point: CriticalPoint) -> list[
     if point.kind not in ("bifurcation", "limit"):
         raise ValueError(f"critical_modes: the tangent is not singular at {point.title} (load {point.load:.6g}); give "
                          "a bifurcation or a limit point")
-    by_step = {state.step: state for state in states}
-    if not {point.step - 1, point.step} <= set(by_step):
-        raise ValueError(f"critical_modes: the states of steps {point.step - 1} and {point.step} around the point at "
-                         f"load {point.load:.6g} are missing; give the states of the whole path")
     tracer = tracer_of(path)
+    before, after = step_of("critical_modes", states, point, len(tracer.x.array))
     present = tracer.state
     try:
-        state_at(tracer, by_step[point.step - 1], by_step[point.step], point)
+        state_at(tracer, before, after, point)
         pairs = sorted(zip(*tracer.spectrum(point.multiplicity + 1), strict=True), key=lambda pair: abs(pair[0]))
         return [scaled(path.discretisation, mode) for _, mode in pairs[:point.multiplicity]]
     finally:
