@@ -101,7 +101,8 @@ class Judge:
         beyond = trail.beyond(state) if along in (0.0, trail.length) else 0
         if beyond > 0:
             return None
-        chord = np.linalg.norm(trail.place(state) - trail.place(before))
+        step = trail.place(state) - trail.place(before)
+        chord = np.linalg.norm(step)
         wanted = trail.unstable_modes(along)
         off = distance > close and not beyond
         if off and distance - self._distance > ABRUPT * chord:
@@ -115,7 +116,9 @@ class Judge:
         if len(passed) > self._limits:
             return JUMPED, f"passes the limit point at load {passed[self._limits].load:.5g} without finding it"
         if along < self._along - BACKWARDS * trail.length:
-            if self._along + chord > trail.length:  # behind the end, which a closed path passes earlier too
+            onward = np.dot(step, trail.place(trail.states[-1]) - trail.place(trail.states[-2])) > 0
+            if onward and self._along + chord > trail.length:  # behind the end, which a closed path passes earlier too
+                self._trail = None
                 return None
             return BACK, f"returns over its own path from {place(before)}"
         self._along, self._distance, self._before = along, distance, state
