@@ -1,0 +1,118 @@
+"""The command `sheetfx study`: one scene with the values of some of its options varied."""
+
+from __future__ import annotations
+
+import inspect
+import os
+from collections.abc import Sequence
+from typing import Any
+
+import typer
+
+from .run import RESUME, Scenes, folder_of, option, run_app, with_options
+
+OWN = [
+    option("vary", list[str] | None, None, "An option of the scene and its values, separated by commas; repeat it for "
+           "all combinations with those of another option.", "--vary", metavar="OPTION=VALUE,..."),
+    option("jobs", int, len(os.sched_getaffinity(0)), "Runs at a time, each on one thread.", "--jobs", min=1),
+    option("pictures", bool, False, "Let every run draw the pictures of its scene too.", "--pictures"),
+    option("output", str | None, None, "Folder of the results; default results/NAME-study.", "-o", "--output",
+           metavar="PATH"),
+    RESUME,
+]
+
+
+class Studies(Scenes):
+    """Sub-commands of `study`, one for each scene."""
+
+    @staticmethod
+    def runner(name: str, function):
+        def command(**options):
+            own = {parameter.name: options.pop(parameter.name) for parameter in OWN}
+            study_scene(name, function, options, **own)
+
+        return with_options(command, function, OWN)
+
+
+study_app = typer.Typer(cls=Studies, no_args_is_help=True,
+                        help="Run a scene with several values of its options, and compare the paths.")
+
+
+@study_app.callback()
+def study_group() -> None:
+    """Run a scene with all combinations of values of its options, and compare their paths."""
+
+
+def variations(name: str, function, parameters: dict[str, Any], texts: Sequence[str]) -> dict[str, list[Any]]:
+    """Values of each varied parameter, from texts OPTION=VALUE,VALUE; parts of one value are separated by spaces.
+
+    Raises
+    ------
+    ValueError
+        Where an option is not one of the scene, is given too, or a value is not fit for it.
+    """
+    if not texts:
+        raise ValueError(f"study of {name}: nothing is varied; add --vary option=value,value")
+    command = typer.main.get_command(run_app).get_command(None, name)
+    known = {p.name: p for p in command.params if p.name in inspect.signature(function).parameters}
+    varied: dict[str, list[Any]] = {}
+    for text in texts:
+        key, _, values = text.partition("=")
+        key = key.strip().lstrip("-").replace("-", "_")
+        if key not in known:
+            raise ValueError(f"study of {name}: --vary {text}: no option {key!r}; choose from "
+                             f"{', '.join(p.opts[0].lstrip('-') for p in known.values())}")
+        if key in varied:
+            raise ValueError(f"study of {name}: --vary {key} is given twice; give all its values at once")
+        if parameters[key] != inspect.signature(function).parameters[key].default:
+            raise ValueError(f"study of {name}: {key} is both {parameters[key]} and varied; leave one out")
+        varied[key] = [_value(name, known[key], value.strip()) for value in values.split(",")]
+        if repeated := [value for n, value in enumerate(varied[key]) if value in varied[key][:n]]:
+            raise ValueError(f"study of {name}: --vary {text}: {repeated[0]} is there twice; leave one out")
+    return varied
+
+
+def _value(name: str, parameter, text: str) -> Any:
+    """A value of an option of a scene, as its command would read it."""
+    if not text:
+        raise ValueError(f"study of {name}: --vary {parameter.name}: a value is missing; say {parameter.name}="
+                         "value,value")
+    try:
+        return parameter.type(text.split() if parameter.nargs > 1 else text, parameter, None)
+    except typer.BadParameter as error:
+        raise ValueError(f"study of {name}: --vary {parameter.name}: {error.message}") from None
+
+
+def study_scene(name: str, function, parameters: dict[str, Any], vary: list[str] | None, jobs: int, pictures: bool,
+                output: str | None, resume: bool) -> None:
+    """Trace a study and compare its runs, with progress on the terminal; exit status 1 where one failed."""
+    from pathlib import Path
+
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    from .study import FINISHED, Study, trace_study
+    from .study_picture import describe, draw_study, print_table, write_points, write_table
+
+    varied = variations(name, function, parameters, vary or [])
+    study = Study(name, {key: value for key, value in parameters.items() if key not in varied}, varied)
+    folder = folder_of(name, output, "-study")
+    layout = TextColumn("runs"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
+    with Progress(*layout, transient=True) as progress:
+        task = progress.add_task("", total=len(study.runs(folder)))
+
+        def say(run) -> None:
+            progress.console.print(describe(run), soft_wrap=True, markup=False, highlight=False)
+            progress.advance(task)
+
+        runs = trace_study(study, folder, jobs, resume, pictures, say)
+    write_table(runs, folder / "study.csv")
+    write_points(runs, folder / "critical_points.csv")
+    print_table(runs, Console(highlight=False))
+    if any(run.states for run in runs):
+        draw_study(runs, Path(name).stem, function(**study.fixed | runs[0].chosen).axes).savefig(
+            folder / "study.png", dpi=150)
+    unfinished = [run for run in runs if run.status != FINISHED]
+    typer.echo(f"{len(runs)} runs, {len(unfinished)} failed; results in {folder}")
+    if unfinished:
+        raise typer.Exit(1)
