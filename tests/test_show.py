@@ -2,6 +2,7 @@
 
 import csv
 import os
+import shutil
 import xml.etree.ElementTree as ElementTree
 from collections import Counter
 
@@ -190,17 +191,25 @@ def test_shapes(record, tmp_path):
 
 def test_shapes_without_display_are_left_out_with_a_remedy(record, tmp_path, monkeypatch):
     monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.setattr(display, "_window", lambda: None)
     monkeypatch.setattr(display.shutil, "which", lambda name: None)
     with pytest.warns(UserWarning, match="install the package xvfb"):
         pictures.shapes(record, tmp_path)
     assert not (tmp_path / "shape.png").exists()
 
 
-def test_display_leaves_the_environment_as_it_was(monkeypatch):
+@pytest.mark.parametrize("window", [None, "vtkEGLRenderWindow"])
+def test_display_leaves_the_environment_as_it_was(window, monkeypatch):
+    """It starts an X server, or has VTK draw without one where it can."""
+    if window is None and shutil.which("Xvfb") is None:
+        pytest.skip("Xvfb is missing")
     monkeypatch.setenv("DISPLAY", ":12345")
+    monkeypatch.setattr(display, "_window", lambda: window)
+    before = dict(os.environ)
     with display.display():
-        assert os.environ["DISPLAY"] != ":12345"
-    assert os.environ["DISPLAY"] == ":12345"
+        assert os.environ.get(display.CHOICE) == window
+        assert (os.environ["DISPLAY"] == ":12345") == (window is not None)
+    assert os.environ == before
 
 
 def test_paraview_has_every_state(record, tmp_path):

@@ -1,4 +1,4 @@
-"""An X server for VTK, which ends the whole process where it finds none."""
+"""An X server for VTK before 9.4, which ends the whole process where it finds none; later ones can do without."""
 
 from __future__ import annotations
 
@@ -13,26 +13,52 @@ from contextlib import contextmanager
 from pathlib import Path
 
 
+WINDOWS = {"EGL": "vtkEGLRenderWindow", "OSMesa": "vtkOSOpenGLRenderWindow"}  # by the library that they need
+CHOICE = "VTK_DEFAULT_OPENGL_WINDOW"  # variable by which VTK is told
+
+
 class NoDisplay(RuntimeError):
     """There is no X server and none can be started; the message names the remedy."""
 
 
 @contextmanager
 def display() -> Iterator[None]:
-    """Make sure that DISPLAY names an X server that answers; start Xvfb where it does not."""
+    """Make sure that VTK can draw: on the X server that DISPLAY names, without one, or on Xvfb."""
     if _answers():
         yield
-        return
-    before = os.environ.get("DISPLAY")
-    server, os.environ["DISPLAY"] = _start()
+    elif window := _window():
+        with _variable(CHOICE, window):
+            yield
+    else:
+        server, name = _start()
+        try:
+            with _variable("DISPLAY", name):
+                yield
+        finally:
+            server.terminate()
+            server.wait()
+
+
+@contextmanager
+def _variable(name: str, value: str) -> Iterator[None]:
+    """Set a variable of the environment, and put it back."""
+    before = os.environ.get(name)
+    os.environ[name] = value
     try:
         yield
     finally:
-        os.environ.pop("DISPLAY")
+        os.environ.pop(name)
         if before is not None:
-            os.environ["DISPLAY"] = before
-        server.terminate()
-        server.wait()
+            os.environ[name] = before
+
+
+def _window() -> str | None:
+    """VTK's class of a window off the screen, where this version has them and their library is here."""
+    from vtkmodules.vtkCommonCore import vtkVersion
+
+    if (vtkVersion.GetVTKMajorVersion(), vtkVersion.GetVTKMinorVersion()) < (9, 4):
+        return None
+    return next((window for library, window in WINDOWS.items() if ctypes.util.find_library(library)), None)
 
 
 def save_picture(draw: Callable[[Path], None], file: Path) -> None:
