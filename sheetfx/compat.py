@@ -1,9 +1,13 @@
-"""Differences between DOLFINx versions, and nothing else."""
+"""Differences between DOLFINx versions and what each asks of the system, and nothing else."""
 
 from __future__ import annotations
 
 import ctypes
+import os
+import shutil
+import sysconfig
 from inspect import signature
+from pathlib import Path
 
 import dolfinx.cpp.fem.petsc as cpp_petsc
 import dolfinx.fem.petsc as petsc_fem
@@ -18,6 +22,27 @@ try:
     from dolfinx.io import gmsh as _gmshio
 except ImportError:
     from dolfinx.io import gmshio as _gmshio
+
+
+def require_compiler():
+    """Refuse a system on which no form can be compiled, which DOLFINx would say by a list of failed commands.
+
+    Raises
+    ------
+    FileNotFoundError
+        Where the compiler that Python was built with (or CC names) or Python's headers are missing.
+    """
+    compiler = (os.environ.get("CC") or sysconfig.get_config_var("CC") or "cc").split()[0]
+    if not shutil.which(compiler):
+        raise FileNotFoundError(f"the C compiler {compiler!r} is missing, which compiles weak forms: install one "
+                                "(apt-get install gcc), or name it by the variable CC")
+    header = Path(sysconfig.get_path("include")) / "Python.h"
+    if not header.exists():
+        raise FileNotFoundError(f"{header} is missing, without which no weak form compiles: install the headers of "
+                                "this Python (apt-get install python3-dev)")
+
+
+require_compiler()
 
 JIT = {"timeout": 600, "cffi_extra_compile_args": ["-O2"]}
 
