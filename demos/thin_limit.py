@@ -10,7 +10,7 @@
 
 # %%
 import os
-from functools import partial
+from functools import cache, partial
 from math import pi, radians
 
 import matplotlib.pyplot as plt
@@ -71,6 +71,8 @@ PLATE = {1e-1: 1.504626e-3, 1e-2: 1.267859e-3, 1e-3: 1.265345e-3, 1e-4: 1.265319
 HEMISPHERE = {1e-1: 0.21989, 1e-2: 0.191132, 1e-3: 0.184375, 1e-4: 0.18226, 1e-5: 0.18159}
 PROBLEMS = {"clamped plate": (plate, PLATE), "distorted plate": (partial(plate, distortion=0.25), PLATE),
             "pinched hemisphere": (hemisphere, HEMISPHERE)}
+if QUICK:
+    del PROBLEMS["clamped plate"]  # the distorted one asks for more
 CELLS, MIDDLE = 4 if QUICK else 8, 1e-3
 MESHES = [4, 8] if QUICK else [2, 4, 8, 16]
 NAMES = list(FORMS)[:2] if QUICK else list(FORMS)
@@ -79,8 +81,8 @@ THICKNESSES = [1e-1, 1e-3, 1e-5] if QUICK else list(PLATE)
 
 def errors(name, form):
     solve, reference = PROBLEMS[name]
-    thin = [abs(solve(form, CELLS, t) / reference[t] - 1) for t in THICKNESSES]
-    return np.array(thin), np.array([abs(solve(form, n, MIDDLE) / reference[MIDDLE] - 1) for n in MESHES])
+    error = cache(lambda n, t: abs(solve(form, n, t) / reference[t] - 1))
+    return np.array([error(CELLS, t) for t in THICKNESSES]), np.array([error(n, MIDDLE) for n in MESHES])
 
 
 results = {(name, form): errors(name, form) for name in PROBLEMS for form in NAMES}
@@ -90,7 +92,7 @@ for (name, form), (thin, fine) in results.items():
     print(f"{name:20s}{form:18s}" + "".join(f"{e:9.2%}" for e in thin) + "   " + " ".join(f"{o:5.1f}" for o in orders))
 
 # %%
-figure, axes = plt.subplots(2, 3, figsize=(12, 7.2), layout="constrained", sharey="row")
+figure, axes = plt.subplots(2, len(PROBLEMS), figsize=(12, 7.2), layout="constrained", sharey="row")
 for column, name in enumerate(PROBLEMS):
     upper, lower = axes[:, column]
     for number, form in enumerate(NAMES):
@@ -105,8 +107,8 @@ for column, name in enumerate(PROBLEMS):
     lower.minorticks_off()
 axes[0, 0].set_ylabel(f"relative error, {CELLS} x {CELLS} cells")
 axes[1, 0].set_ylabel(f"relative error, thickness {MIDDLE:g}")
-axes[0, 2].legend(loc="lower left")
-axes[1, 2].legend(fontsize=8, loc="lower left", ncols=2)
+axes[0, -1].legend(loc="lower left")
+axes[1, -1].legend(fontsize=8, loc="lower left", ncols=2)
 figure.savefig("thin_limit.png", dpi=150)
 
 # %% [markdown]
