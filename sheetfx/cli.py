@@ -49,13 +49,13 @@ def chart(
 
     console, title = Console(highlight=False), Path(name).stem
     reference, members, peers = family(name)
-    points = measure(reference, members, [] if no_peers else peers, repeat,
-                     lambda line: console.print(line, soft_wrap=True, markup=False))
-    if not points:
-        raise ValueError(f"chart of {name}: no method gave a result; the lines above say why")
     folder = output or Path("results") / f"{title}-chart"
     folder.mkdir(parents=True, exist_ok=True)
-    write_table(points, folder / "chart.csv")
+    points = measure(reference, members, [] if no_peers else peers, repeat,
+                     lambda line: console.print(line, soft_wrap=True, markup=False),
+                     lambda points: write_table(points, folder / "chart.csv"))
+    if not points:
+        raise ValueError(f"chart of {name}: no method gave a result; the lines above say why")
     draw_chart(points, title).savefig(folder / "chart.png", dpi=150)
     print_table(points, console)
     console.print(f"results in {folder}", soft_wrap=True)
@@ -71,7 +71,7 @@ def failure_map(
     """Draw which method of path following passes which trap, and how the others fail."""
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-    from .studies.failure_map import choose, failure_map, write_map
+    from .studies.failure_map import REFERENCE, choose, failure_map, write_map
     from .studies.map_picture import draw_map
     from .studies.methods import METHODS
     from .studies.traps import TRAPS
@@ -79,9 +79,13 @@ def failure_map(
     rows, columns = choose("trap", traps, TRAPS), choose("method", methods, METHODS)
     layout = TextColumn("paths"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
     with Progress(*layout, transient=True) as progress:
-        task = progress.add_task("", total=len(rows) * (len(columns) + 1))
+        output.mkdir(parents=True, exist_ok=True)
+        task, done = progress.add_task("", total=len(rows) * (len(columns) + 1)), []
 
         def say(cell) -> None:
+            if cell.method != REFERENCE:
+                done.append(cell)
+                write_map(done, output / "map.csv")
             line = f"{cell.trap}, {cell.method}: {cell.outcome}{'; ' if cell.reason else ''}{cell.reason}"
             progress.console.print(line, soft_wrap=True, markup=False, highlight=False)
             progress.advance(task)

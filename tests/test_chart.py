@@ -107,7 +107,7 @@ def test_error_is_the_largest_of_the_reference():
 
 def test_turns_mix_peers_with_members_and_take_medians(monkeypatch):
     """The first turn warms up and does not count; a peer stands between the members."""
-    order = []
+    order, kept = [], []
 
     def run(method):
         order.append(method.label)
@@ -117,7 +117,9 @@ def test_turns_mix_peers_with_members_and_take_medians(monkeypatch):
 
     monkeypatch.setattr(Member, "run", run)
     monkeypatch.setattr(Peer, "run", run)
-    points = measure({"a": 1.0}, [Member("s", {"n": 1}), Member("s", {"n": 2})], [Peer("p.py", ["x"])], 3)
+    points = measure({"a": 1.0}, [Member("s", {"n": 1}), Member("s", {"n": 2})], [Peer("p.py", ["x"])], 3,
+                     keep=lambda points: kept.append([p.label for p in points]))
     assert order == ["n 1", "x", "n 2"] * 4
+    assert kept == [["n 1"], ["n 1", "x"]] + 7 * [["n 1", "n 2", "x"]], "every result that counts is kept as it comes"
     assert [p.cpu_seconds for p in points] == [2.0] * 3
     assert [p.peer for p in points] == [False, False, True]

@@ -148,17 +148,24 @@ def family(name: str) -> tuple[dict[str, float], list[Member], list[Peer]]:
 
 
 def measure(reference: dict[str, float], members: list[Member], peers: list[Peer], repeat: int,
-            say: Callable[[str], None] = lambda line: None) -> list[Point]:
+            say: Callable[[str], None] = lambda line: None,
+            keep: Callable[[list[Point]], None] = lambda points: None) -> list[Point]:
     """Run all methods in turn, once to warm the caches and then `repeat` times.
 
     Each turn spreads the peers evenly between the members, so that a machine that gets slower or
     faster does so for all. A method that fails is left out with a line that says why.
+
+    Parameters
+    ----------
+    say : called with what runs now
+    keep : called with the points so far after each run that counts
     """
     places = [((i + 0.5) / len(group), method) for group in (members, peers) for i, method in enumerate(group)]
     runs = {method: [] for _, method in sorted(places, key=lambda place: place[0])}
     for turn in range(repeat + 1):
         say(f"run {turn} of {repeat}" if turn else "warming up")
         for method in list(runs):
+            say(f"  {method.method} {method.label}")
             try:
                 result = method.run()
                 error = error_percent(result["quantities"], reference)
@@ -168,9 +175,15 @@ def measure(reference: dict[str, float], members: list[Member], peers: list[Peer
                 continue
             if turn:
                 runs[method].append(result | {"error_percent": error})
+                keep(_points([*members, *peers], runs))
+    return _points([*members, *peers], runs)
+
+
+def _points(methods: Sequence[Member | Peer], runs: dict[Member | Peer, list[dict]]) -> list[Point]:
+    """Of the methods that have run."""
     return [Point(**results[-1] | {"label": method.label, "peer": isinstance(method, Peer),
                                    "cpu_seconds": median(r["cpu_seconds"] for r in results)})
-            for method in [*members, *peers] if (results := runs.get(method))]
+            for method in methods if (results := runs.get(method))]
 
 
 def error_percent(quantities: dict[str, float], reference: dict[str, float]) -> float:
