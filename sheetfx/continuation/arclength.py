@@ -8,6 +8,8 @@ own work as in any SNES.
 
 from __future__ import annotations
 
+from math import inf
+
 from petsc4py import PETSc
 
 from ..compat import NOT_A_NUMBER
@@ -15,6 +17,7 @@ from .control import LoadResponse, StepRule
 from .linear import DirectSolver
 
 Reason = PETSc.SNES.ConvergedReason
+SLOW = 0.1  # residual over that of the iteration before, from which a guess is corrected with a new factor
 FARTHEST = 100.0  # increment in the scaled norm (sizes of the structure, radians), beyond which an iteration is lost
 
 
@@ -35,11 +38,13 @@ class PathStep:
 
     Each iteration solves the bordered system with one factorisation and two back-substitutions:
     for the residual and for the load (Batoz and Dhatt 1979). Modified Newton keeps the factor that
-    it finds, of the state that the step starts from.
+    it finds, of the state that the step starts from. A guess is so near that its own factor serves all iterations as
+    long as each takes most of the residual away.
 
     Attributes
     ----------
     rounding : largest residual that was accepted because rounding keeps it from falling
+    behind : length of the corrections since the factor at hand was made of the tangent near a guess; infinite: it was not
     """
 
     def __init__(self):
@@ -47,6 +52,7 @@ class PathStep:
         self.control: StepRule | None = None
         self.history: list[float] = []
         self.start = self.load_increment = self.rounding = 0.0
+        self.behind = inf
 
     def attach(self, snes: PETSc.SNES, system) -> None:
         """Let the SNES solve this system; called once."""
@@ -78,7 +84,7 @@ class PathStep:
         """
         self.control, self.tangent, self.length = control, tangent, length
         self.start, self.load_increment = self.system.factor, load_increment
-        self._predict, self._guess = True, guess
+        self._predict, self._guess, self.behind = True, guess, inf
 
     def continue_step(self) -> None:
         """Let the next `solve` correct from where the last one ended."""
@@ -124,8 +130,13 @@ class PathStep:
         return Reason.DIVERGED_MAX_IT
 
     def _correct(self, snes, x) -> None:
-        if self.control.newton == "full" or self._guess is not None:
+        if self._guess is None:
+            if self.control.newton == "full":
+                self.factorise(snes, x)
+        elif len(self.history) == 1 or self.history[-1] > SLOW * self.history[-2]:
+            self.system.extrapolate_stress()
             self.factorise(snes, x)
+            self.behind = 0.0
         with self.system.clock("solve"):
             self.linear.solve(self._residual, self._part)
             self._part.scale(-1)
@@ -138,6 +149,7 @@ class PathStep:
             self._step.axpy(damping * part, self._part)
             self._step.axpy(damping * change, self._unit)
         self._correction = self.tangent.inner(self._step, self._step) ** 0.5
+        self.behind += self._correction
         self.load_increment += damping * change
         self._move(x, self._step)
 
@@ -167,6 +179,7 @@ class PathStep:
             self.linear.factorise()
 
     def _move(self, x, step) -> None:
-        self.system.extrapolate_stress(step)
+        if self._guess is None:
+            self.system.extrapolate_stress(step)
         with self.system.clock("solve"):
             self.system.retract(x, step)

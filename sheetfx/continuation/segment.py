@@ -10,6 +10,7 @@ from petsc4py import PETSc
 from scipy.interpolate import CubicHermiteSpline, KroghInterpolator
 from scipy.optimize import brentq
 
+from .course import Course
 from .state import State
 
 TURNING = 0.4  # radians between chord and tangents of a piece of path, from which its middle is looked at
@@ -20,6 +21,7 @@ NOISE = 1e-12  # of reactions, over what the stiffest unknown would take: struct
 SAMPLES, FEWEST = 6, 4  # states that are interpolated between, at most and at least
 IN_BALANCE = 1e-6  # residual over the load of an interpolated state
 CLOSE = 0.02  # of the distance between its neighbours, by which a state misses an interpolation that is good enough
+STATIONARY = 6  # interpolations of the load, after which a stationary one is looked for without them
 STRAY = 0.3  # of the distance between its neighbours, by which a state may miss their interpolation
 
 
@@ -48,6 +50,7 @@ class Segment:
         self.wavering = not tracer.system.smooth
         self.guarded = tracer.control.guarded and not self.wavering
         self.states = {0.0: before, after.length: after}
+        self.course = Course(tracer, before, after)
         self._spectra: dict[float, tuple[list[float], list]] = {}
         self.close: set[float] = set()
 
@@ -61,8 +64,9 @@ class Segment:
         if length not in self.states:
             left, right = self.neighbours(length)
             guess = self.interpolated(left, right, length)
+            start = None if self.wavering else self.course.at(length, self.states)
             self.tracer.back_to(self.before)
-            state = None if self.wavering else self.tracer.attempt(length, guess)
+            state = start and self.tracer.attempt(length, start)
             state = state or self.tracer.attempt(length)
             if state is None:
                 raise Missed
@@ -104,6 +108,18 @@ class Segment:
             return self[length]
         self.states[length] = state
         return state
+
+    def seen(self, length: float) -> tuple[float, float]:
+        """Load and deflection at a length, by interpolation without equilibrium being sought.
+
+        The tracer ends at the start of the step.
+        """
+        load, x = self.course.at(length, self.states)
+        tracer, system, increment = self.tracer, self.tracer.system, self.tracer.system.create_vector(x)
+        system.configure(increment, self.before.factor + load)
+        found = tracer.discretisation.total_load(), self.before.deflection + tracer.monitored(increment)
+        tracer.back_to(self.before)
+        return found
 
     def neighbours(self, length: float) -> tuple[float, float]:
         """Lengths of the nearest states on both sides."""
@@ -256,14 +272,33 @@ class Segment:
             slopes = [abs((known[s] - value) / (s - length)) for s in known if s not in (length, left, right)]
             slope = max(slopes, default=0.0)
             state = self.states[length]
-            size = max(abs(state.factor), abs(self.after.load_increment))
-            return 0.0 if slope and self.load_change(state, value / slope) < exact * size else value
+            return 0.0 if slope and self.load_change(state, value / slope) < exact * self._size(state) else value
 
         try:
             brentq(stopped, left, right, xtol=1e-12 * self.after.length, rtol=1e-14)
         except Missed:
             pass
         return dict(sorted(known.items(), key=lambda item: abs(item[1])))
+
+    def stationary(self, left: float, right: float, exact: float) -> dict[float, float]:
+        """Load rates at lengths that close in on a stationary load between two others, as `root` gives them."""
+        known: dict[float, float] = {}
+        for _ in range(STATIONARY):
+            length = self.course.turning(left, right, self.states)
+            if known and length is not None:
+                last = self.states[next(reversed(known))]
+                near = self.load_change(last, length - next(reversed(known)))
+                if near <= exact * self._size(last):
+                    return dict(sorted(known.items(), key=lambda item: abs(item[1])))
+            if length is None or length in (left, right) or not self.reach(length):
+                break
+            known[length] = self[length].load_rate
+            left, right = (length, right) if known[length] * self[left].load_rate > 0 else (left, length)
+        return self.root(lambda s: self[s].load_rate, left, right, exact)
+
+    def _size(self, state: State) -> float:
+        """Load factor that errors of a state's are compared with."""
+        return max(abs(state.factor), abs(self.after.load_increment))
 
     def load_change(self, state: State, length: float) -> float:
         """Change of the load factor within a small length, to the second order where the load is stationary."""

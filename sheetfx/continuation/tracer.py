@@ -21,6 +21,7 @@ from .spectrum import diagonal, nearest_to_zero
 from .state import State
 
 PROBE = 1e-6  # distance along the response at which the change of the tangent is looked at
+NEAR = 1e-9  # of a step, distance of a state from where the tangent was factored that serves as its own
 BEFORE = 0.38  # of the way to the first critical point, first step; twice as long steps then do not end on it
 
 
@@ -115,7 +116,8 @@ class Tracer(Measuring):
                 self.stepper.begin(control, tangent, length, *guess)
             if self.enforcement.solve(self._correct, multiples):
                 try:
-                    self.state = self._converged(start, self.iterations - spent, length, before)
+                    factored = self.stepper.behind <= NEAR * self.tangent.inner(self.x, self.x) ** 0.5
+                    self.state = self._converged(start, self.iterations - spent, length, before, factored)
                     self._mark_factored()
                     return self.state
                 except (SingularTangent, Uncounted) as failure:
@@ -249,10 +251,10 @@ class Tracer(Measuring):
         self._undo(state)
         self.state = state
 
-    def _converged(self, start: State | None, iterations=0, length=0.0, factorisations=0) -> State:
-        """Describe the current configuration with the tangent that led to it, then commit it."""
+    def _converged(self, start: State | None, iterations=0, length=0.0, factorisations=0, factored=False) -> State:
+        """Describe the current configuration with its tangent, which may be factored already, then commit it."""
         system, tangent = self.system, self.tangent
-        self._respond()
+        self._respond(factored)
         weight = self._load_weight()
         load_increment = self.stepper.load_increment if start else 0.0
         extremes = start.displacement_extremes + self._passes_extreme(start) if start else 0
@@ -281,12 +283,13 @@ class Tracer(Measuring):
         weight = getattr(self.control, "load_weight", None)
         return weight(self.tangent) if weight else 0.0
 
-    def _respond(self) -> None:
-        """Response of the current configuration to a unit of load."""
+    def _respond(self, factored: bool = False) -> None:
+        """Response of the current configuration to a unit of load; its tangent may be factored already."""
         system = self.system
         system.configure(self.x, system.factor)
-        system.extrapolate_stress()
-        self.stepper.factorise(self.snes, self.x)
+        if not factored:
+            system.extrapolate_stress()
+            self.stepper.factorise(self.snes, self.x)
         system.load(self._load)
         with system.clock("solve"):
             self.stepper.linear.solve(self._load, self._response)

@@ -21,6 +21,7 @@ CROWDED = 4  # bifurcations, more of which are too many for one step
 CLUSTER = 0.01  # relative difference of the loads of a step that may hold any number
 SHORTEST = 1 / 64  # of a step, piece that must be explained
 SINGULAR = 0.05  # eigenvalues of a bifurcation, over those nearest to zero at the ends of the step
+ONWARD = 0.1  # rate of a displacement at a limit point, over the larger one beside it
 STATIONARY = 1e-3  # load rate at a limit point, over those where it is looked for
 
 
@@ -146,7 +147,7 @@ def _check(segment: Segment) -> None:
 
 def _stationary_load(segment: Segment, left: float, right: float) -> tuple[Segment, float, bool]:
     """Where the load rate is zero between two lengths, and whether the load rises before."""
-    values = segment.root(lambda s: segment[s].load_rate, left, right, 1e-12)
+    values = segment.stationary(left, right, 1e-12)
     length, least = next(iter(values.items()))
     if segment.guarded and abs(least) > STATIONARY * max(abs(segment[s].load_rate) for s in (left, right)):
         raise Jump("the load turns between two states without being stationary")
@@ -171,7 +172,7 @@ def _returns(segment: Segment, length: float) -> bool:
         return one.current_stiffness * other.current_stiffness > 0
 
     reach = REACHES[1] * segment.after.length
-    if not stiff(reach):
+    if not stiff(reach) or _goes_on(segment, length):
         return False
     _surround(segment, length, REACHES[:3])
     one, other = sides(reach / 2)
@@ -179,6 +180,12 @@ def _returns(segment: Segment, length: float) -> bool:
         return False
     segment.forget(length, REACHES[2] * segment.after.length / 2)
     return True
+
+
+def _goes_on(segment: Segment, length: float) -> bool:
+    """Whether the displacement that the load works on goes on where the load turns, seen from the next states."""
+    rates = [abs(segment[s].load_rate / segment[s].current_stiffness) for s in (length, *segment.neighbours(length))]
+    return rates[0] > ONWARD * max(rates)
 
 
 def _return(segment: Segment, length: float) -> Crossing:
