@@ -18,6 +18,7 @@ from .linear import DirectSolver
 
 Reason = PETSc.SNES.ConvergedReason
 SLOW = 0.1  # residual over that of the iteration before, from which a guess is corrected with a new factor
+TINY = 1e-9  # correction over the increments, which changes nothing but rounding
 FARTHEST = 100.0  # increment in the scaled norm (sizes of the structure, radians), beyond which an iteration is lost
 
 
@@ -116,7 +117,7 @@ class PathStep:
             self.history.append(norm / size if size else norm)
             if norm <= rtol * size and (iteration or self._guess is None):
                 return Reason.CONVERGED_FNORM_RELATIVE
-            if iteration > 1 and self._at_rounding(x, norm / size):
+            if iteration > (self._guess is None) and self._at_rounding(x, norm / size):
                 self.rounding = max(self.rounding, norm)
                 return Reason.CONVERGED_SNORM_RELATIVE
             if norm != norm or norm > 1e12 * max(size, 1.0) or self.tangent.inner(x, x) > FARTHEST**2:
@@ -133,7 +134,7 @@ class PathStep:
         if self._guess is None:
             if self.control.newton == "full":
                 self.factorise(snes, x)
-        elif len(self.history) == 1 or self.history[-1] > SLOW * self.history[-2]:
+        elif len(self.history) == 1 or (self.history[-1] > SLOW * self.history[-2] and self._last_step(x) > TINY):
             self.system.extrapolate_stress()
             self.factorise(snes, x)
             self.behind = 0.0
@@ -160,12 +161,16 @@ class PathStep:
         more than the tolerance allows. Near a bifurcation rounding moves the structure along the mode, so that steps
         are small only; the residual must then have been the same for four iterations, and nothing be in contact.
         """
-        step = self._correction / (self.tangent.inner(x, x) ** 0.5 or 1.0)
-        if step <= 1e-9:
+        step = self._last_step(x)
+        if step <= TINY:
             return residual < 1e-2 and residual > 0.1 * self.history[-2]
         last = self.history[-4:]
         steady = len(last) == 4 and max(last) < 2 * min(last)
         return self.system.smooth and step <= 1e-4 and residual < 1e-3 and steady
+
+    def _last_step(self, x) -> float:
+        """Length of the last correction over that of the increments."""
+        return self._correction / (self.tangent.inner(x, x) ** 0.5 or 1.0)
 
     def _damping(self) -> float:
         """Half steps where the iteration cycles, as between two sets of contact points."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 
 import numpy as np
 from mpi4py import MPI
@@ -280,21 +281,30 @@ class Segment:
             pass
         return dict(sorted(known.items(), key=lambda item: abs(item[1])))
 
-    def stationary(self, left: float, right: float, exact: float) -> dict[float, float]:
-        """Load rates at lengths that close in on a stationary load between two others, as `root` gives them."""
-        known: dict[float, float] = {}
+    def stationary(self, left: float, right: float, exact: float) -> float:
+        """Length of a state between two others, whose load rates have other signs, at which the load is stationary.
+
+        Parameters
+        ----------
+        exact : relative error of the load at which to stop
+        """
+        def rate(length):
+            return self[length].load_rate
+
+        ends = left, right
         for _ in range(STATIONARY):
+            inside = [s for s in sorted(self.states) if left <= s <= right]
+            left, right = next(pair for pair in pairwise(inside) if rate(pair[0]) * rate(pair[1]) <= 0)
             length = self.course.turning(left, right, self.states)
-            if known and length is not None:
-                last = self.states[next(reversed(known))]
-                near = self.load_change(last, length - next(reversed(known)))
-                if near <= exact * self._size(last):
-                    return dict(sorted(known.items(), key=lambda item: abs(item[1])))
-            if length is None or length in (left, right) or not self.reach(length):
+            if length is None:
                 break
-            known[length] = self[length].load_rate
-            left, right = (length, right) if known[length] * self[left].load_rate > 0 else (left, length)
-        return self.root(lambda s: self[s].load_rate, left, right, exact)
+            nearest = min((left, right), key=lambda s: abs(s - length))
+            change = self.load_change(self[nearest], length - nearest)
+            if nearest not in ends and change <= exact * self._size(self[nearest]):
+                return nearest
+            if not self.reach(length):
+                break
+        return next(iter(self.root(rate, left, right, exact)))
 
     def _size(self, state: State) -> float:
         """Load factor that errors of a state's are compared with."""
