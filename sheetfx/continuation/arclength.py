@@ -18,6 +18,7 @@ from .linear import DirectSolver
 
 Reason = PETSc.SNES.ConvergedReason
 SLOW = 0.1  # residual over that of the iteration before, from which a guess is corrected with a new factor
+WRONG = 1e-3  # residual over the load, above which a guess whose residual grows is given up
 TINY = 1e-9  # correction over the increments, which changes nothing but rounding
 FARTHEST = 100.0  # increment in the scaled norm (sizes of the structure, radians), beyond which an iteration is lost
 
@@ -122,7 +123,7 @@ class PathStep:
                 return Reason.CONVERGED_SNORM_RELATIVE
             if norm != norm or norm > 1e12 * max(size, 1.0) or self.tangent.inner(x, x) > FARTHEST**2:
                 return NOT_A_NUMBER
-            if iteration == most:
+            if iteration == most or self._is_lost():
                 return Reason.DIVERGED_MAX_IT
             try:
                 self._correct(snes, x)
@@ -167,6 +168,10 @@ class PathStep:
         last = self.history[-4:]
         steady = len(last) == 4 and max(last) < 2 * min(last)
         return self.system.smooth and step <= 1e-4 and residual < 1e-3 and steady
+
+    def _is_lost(self) -> bool:
+        """Whether what began with a guess leads away from it."""
+        return self._guess is not None and self.history[-1] > max(WRONG, *self.history[-2:-1])
 
     def _last_step(self, x) -> float:
         """Length of the last correction over that of the increments."""

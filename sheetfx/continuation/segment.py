@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from itertools import pairwise
+from math import inf
 
 import numpy as np
 from mpi4py import MPI
@@ -23,6 +24,7 @@ SAMPLES, FEWEST = 6, 4  # states that are interpolated between, at most and at l
 IN_BALANCE = 1e-6  # residual over the load of an interpolated state
 CLOSE = 0.02  # of the distance between its neighbours, by which a state misses an interpolation that is good enough
 STATIONARY = 6  # interpolations of the load, after which a stationary one is looked for without them
+NOISY = 1e-9  # relative change of the load, below which rounding may keep a stationary one from being told better
 STRAY = 0.3  # of the distance between its neighbours, by which a state may miss their interpolation
 
 
@@ -291,7 +293,7 @@ class Segment:
         def rate(length):
             return self[length].load_rate
 
-        ends = left, right
+        ends, last = (left, right), inf
         for _ in range(STATIONARY):
             inside = [s for s in sorted(self.states) if left <= s <= right]
             left, right = next(pair for pair in pairwise(inside) if rate(pair[0]) * rate(pair[1]) <= 0)
@@ -299,9 +301,10 @@ class Segment:
             if length is None:
                 break
             nearest = min((left, right), key=lambda s: abs(s - length))
-            change = self.load_change(self[nearest], length - nearest)
-            if nearest not in ends and change <= exact * self._size(self[nearest]):
+            change = self.load_change(self[nearest], length - nearest) / self._size(self[nearest])
+            if nearest not in ends and (change <= exact or last / 4 < change < NOISY):
                 return nearest
+            last = change
             if not self.reach(length):
                 break
         return next(iter(self.root(rate, left, right, exact)))

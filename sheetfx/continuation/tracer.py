@@ -93,9 +93,15 @@ class Tracer(Measuring):
         return self._attempted(self.control, self.tangent, length, guess)
 
     def attempt_by(self, control: StepRule, length: float) -> State | None:
-        """Try one step by another control, of the monitored displacement where it is one of displacements."""
+        """Try one step by another control, of the monitored displacement where it is one of displacements.
+
+        It is given half as many iterations as others.
+        """
         tangent = replace(self.tangent, functional=self._monitor)
+        _, _, _, most = self.snes.getTolerances()
+        self.snes.setTolerances(max_it=most // 2)
         found = self._attempted(control, tangent, length)
+        self.snes.setTolerances(max_it=most)
         if found is not None:
             x = self.system.create_vector(found.increment)
             self.state = replace(found, length=self.control.measure(self.tangent, x, found.load_increment))
