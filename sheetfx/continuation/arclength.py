@@ -171,7 +171,7 @@ class PathStep:
 
     def _is_lost(self) -> bool:
         """Whether what began with a guess leads away from it."""
-        return self._guess is not None and self.history[-1] > max(WRONG, *self.history[-2:-1])
+        return self._guess is not None and len(self.history) > 1 and self.history[-1] > max(WRONG, self.history[-2])
 
     def _last_step(self, x) -> float:
         """Length of the last correction over that of the increments."""
