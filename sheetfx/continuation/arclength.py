@@ -46,7 +46,8 @@ class PathStep:
     Attributes
     ----------
     rounding : largest residual that was accepted because rounding keeps it from falling
-    behind : length of the corrections since the factor at hand was made of the tangent near a guess; infinite: it was not
+    behind : length of the corrections since the factor at hand was made, of the tangent near a guess; infinite: it was
+        not
     """
 
     def __init__(self):

@@ -249,12 +249,12 @@ class Segment:
         ends = (0.0, self.after.length)
         self.states = {s: state for s, state in self.states.items() if s in ends or abs(s - length) > near}
 
-    def spectrum(self, length: float, count: int) -> tuple[list[float], list]:
-        """Eigenvalues of the tangent nearest to zero, and modes, at a length."""
+    def spectrum(self, length: float, count: int, tolerance: float = 1e-12) -> tuple[list[float], list]:
+        """Eigenvalues of the tangent nearest to zero, and modes, at a length; those that are known already serve."""
         found = self._spectra.get(length)
         if found is None or len(found[0]) < count:
             self.tracer.factorise_at(self[length])
-            found = self._spectra[length] = self.tracer.spectrum(count)
+            found = self._spectra[length] = self.tracer.spectrum(count, tolerance)
         return found
 
     def softest_beside(self, length: float) -> float:

@@ -223,9 +223,10 @@ class Tracer(Measuring):
         """Remember that the last factor is that of the current state."""
         self._factored = self.state, self.total_factorisations
 
-    def spectrum(self, count: int) -> tuple[list[float], list[PETSc.Vec]]:
+    def spectrum(self, count: int, tolerance: float = 1e-12) -> tuple[list[float], list[PETSc.Vec]]:
         """Eigenvalues of the last factored tangent nearest to zero in the scaled inner product, and modes."""
-        values, modes = nearest_to_zero(self.stepper.linear, diagonal(self.system.weights), count)
+        with self.system.clock("solve"):
+            values, modes = nearest_to_zero(self.stepper.linear, diagonal(self.system.weights), count, tolerance)
         return values, [self.system.create_vector(mode.array) for mode in modes]
 
     def load_vector(self) -> PETSc.Vec:

@@ -31,6 +31,7 @@ APART = 0.1  # of a piece of path, distance of crossings that are looked for one
 FOLD = 0.9  # of the length of a piece of path, motion along the mode where a limit point is
 NOISE = 1e-6  # of the length of a piece of path, motion along a mode that does not count
 ROUNDED = 1e-10  # of the structure's size, imperfection along a mode that rounding may cause, as in a mesh
+ABOUT = 1e-5  # relative error of modes that become unstable, near which vectors do
 RIGID = 1e-10  # flexibility over the largest of vectors that do not yield
 
 
@@ -181,7 +182,7 @@ class _Border:
         self._left, self._right = (self._signs(s) for s in (left, right))
 
     def _modes_at(self, length: float, count: int) -> list[PETSc.Vec]:
-        return self._segment.spectrum(length, count + 2)[1]
+        return self._segment.spectrum(length, count + 2, ABOUT)[1]
 
     def _soft(self, length: float, modes: Sequence[PETSc.Vec]) -> list[PETSc.Vec]:
         """Orthonormal vectors that span some modes but for those that do not yield, which a prescribed motion holds."""
@@ -198,7 +199,8 @@ class _Border:
         solutions, inverse = [], np.empty((len(vectors),) * 2)
         for j, vector in enumerate(vectors):
             solution = vector.duplicate()
-            self._tracer.stepper.linear.solve(self._weights * vector, solution)
+            with self._tracer.system.clock("solve"):
+                self._tracer.stepper.linear.solve(self._weights * vector, solution)
             solutions.append(solution)
             weighted = self._weights * solution
             inverse[:, j] = [one.dot(weighted) for one in vectors]
