@@ -155,12 +155,12 @@ def _quartic(energy: Energy, mode: PETSc.Vec, bend: PETSc.Vec) -> float:
     The odd part of its derivative is c s + 4 quartic s^3 + d s^5; three neighbours of a sequence of halved s give the
     quartic. Long ones suffer from higher terms and short ones from rounding: those count that agree best, or well.
     """
-    lengths = LONGEST / 2.0 ** np.arange(HALVINGS)
+    lengths = [LONGEST / 2**n for n in range(HALVINGS)]
     odd, found, changes = [], [], [np.inf]
     for n, length in enumerate(lengths):
         odd.append((_slope(energy, mode, bend, length) - _slope(energy, mode, bend, -length)) / 2)
         if n >= 2:
-            s = lengths[n - 2: n + 1]
+            s = np.array(lengths[n - 2: n + 1])
             found.append(np.linalg.solve(np.column_stack((s, s**3, s**5)) / s[0] ** np.array([1, 3, 5]),
                                          odd[-3:])[1] / s[0] ** 3 / 4)
         if n >= 3:
