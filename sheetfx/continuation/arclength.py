@@ -8,6 +8,8 @@ own work as in any SNES.
 
 from __future__ import annotations
 
+from math import inf
+
 from petsc4py import PETSc
 
 from ..compat import NOT_A_NUMBER
@@ -15,6 +17,9 @@ from .control import LoadResponse, StepRule
 from .linear import DirectSolver
 
 Reason = PETSc.SNES.ConvergedReason
+SLOW = 0.1  # residual over that of the iteration before, from which a guess is corrected with a new factor
+WRONG = 1e-3  # residual over the load, above which a guess whose residual grows is given up
+TINY = 1e-9  # correction over the increments, which changes nothing but rounding
 FARTHEST = 100.0  # increment in the scaled norm (sizes of the structure, radians), beyond which an iteration is lost
 
 
@@ -35,11 +40,14 @@ class PathStep:
 
     Each iteration solves the bordered system with one factorisation and two back-substitutions:
     for the residual and for the load (Batoz and Dhatt 1979). Modified Newton keeps the factor that
-    it finds, of the state that the step starts from.
+    it finds, of the state that the step starts from. A guess is so near that its own factor serves all iterations as
+    long as each takes most of the residual away.
 
     Attributes
     ----------
     rounding : largest residual that was accepted because rounding keeps it from falling
+    behind : length of the corrections since the factor at hand was made, of the tangent near a guess; infinite: it was
+        not
     """
 
     def __init__(self):
@@ -47,6 +55,7 @@ class PathStep:
         self.control: StepRule | None = None
         self.history: list[float] = []
         self.start = self.load_increment = self.rounding = 0.0
+        self.behind = inf
 
     def attach(self, snes: PETSc.SNES, system) -> None:
         """Let the SNES solve this system; called once."""
@@ -78,7 +87,7 @@ class PathStep:
         """
         self.control, self.tangent, self.length = control, tangent, length
         self.start, self.load_increment = self.system.factor, load_increment
-        self._predict, self._guess = True, guess
+        self._predict, self._guess, self.behind = True, guess, inf
 
     def continue_step(self) -> None:
         """Let the next `solve` correct from where the last one ended."""
@@ -110,12 +119,12 @@ class PathStep:
             self.history.append(norm / size if size else norm)
             if norm <= rtol * size and (iteration or self._guess is None):
                 return Reason.CONVERGED_FNORM_RELATIVE
-            if iteration > 1 and self._at_rounding(x, norm / size):
+            if iteration > (self._guess is None) and self._at_rounding(x, norm / size):
                 self.rounding = max(self.rounding, norm)
                 return Reason.CONVERGED_SNORM_RELATIVE
             if norm != norm or norm > 1e12 * max(size, 1.0) or self.tangent.inner(x, x) > FARTHEST**2:
                 return NOT_A_NUMBER
-            if iteration == most:
+            if iteration == most or self._is_lost():
                 return Reason.DIVERGED_MAX_IT
             try:
                 self._correct(snes, x)
@@ -124,8 +133,13 @@ class PathStep:
         return Reason.DIVERGED_MAX_IT
 
     def _correct(self, snes, x) -> None:
-        if self.control.newton == "full" or self._guess is not None:
+        if self._guess is None:
+            if self.control.newton == "full":
+                self.factorise(snes, x)
+        elif len(self.history) == 1 or (self.history[-1] > SLOW * self.history[-2] and self._last_step(x) > TINY):
+            self.system.extrapolate_stress()
             self.factorise(snes, x)
+            self.behind = 0.0
         with self.system.clock("solve"):
             self.linear.solve(self._residual, self._part)
             self._part.scale(-1)
@@ -138,6 +152,7 @@ class PathStep:
             self._step.axpy(damping * part, self._part)
             self._step.axpy(damping * change, self._unit)
         self._correction = self.tangent.inner(self._step, self._step) ** 0.5
+        self.behind += self._correction
         self.load_increment += damping * change
         self._move(x, self._step)
 
@@ -148,12 +163,20 @@ class PathStep:
         more than the tolerance allows. Near a bifurcation rounding moves the structure along the mode, so that steps
         are small only; the residual must then have been the same for four iterations, and nothing be in contact.
         """
-        step = self._correction / (self.tangent.inner(x, x) ** 0.5 or 1.0)
-        if step <= 1e-9:
+        step = self._last_step(x)
+        if step <= TINY:
             return residual < 1e-2 and residual > 0.1 * self.history[-2]
         last = self.history[-4:]
         steady = len(last) == 4 and max(last) < 2 * min(last)
         return self.system.smooth and step <= 1e-4 and residual < 1e-3 and steady
+
+    def _is_lost(self) -> bool:
+        """Whether what began with a guess leads away from it."""
+        return self._guess is not None and len(self.history) > 1 and self.history[-1] > max(WRONG, self.history[-2])
+
+    def _last_step(self, x) -> float:
+        """Length of the last correction over that of the increments."""
+        return self._correction / (self.tangent.inner(x, x) ** 0.5 or 1.0)
 
     def _damping(self) -> float:
         """Half steps where the iteration cycles, as between two sets of contact points."""
@@ -167,6 +190,7 @@ class PathStep:
             self.linear.factorise()
 
     def _move(self, x, step) -> None:
-        self.system.extrapolate_stress(step)
+        if self._guess is None:
+            self.system.extrapolate_stress(step)
         with self.system.clock("solve"):
             self.system.retract(x, step)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import pairwise
+from math import inf
 
 import numpy as np
 from mpi4py import MPI
@@ -10,6 +12,7 @@ from petsc4py import PETSc
 from scipy.interpolate import CubicHermiteSpline, KroghInterpolator
 from scipy.optimize import brentq
 
+from .course import Course
 from .state import State
 
 TURNING = 0.4  # radians between chord and tangents of a piece of path, from which its middle is looked at
@@ -20,6 +23,8 @@ NOISE = 1e-12  # of reactions, over what the stiffest unknown would take: struct
 SAMPLES, FEWEST = 6, 4  # states that are interpolated between, at most and at least
 IN_BALANCE = 1e-6  # residual over the load of an interpolated state
 CLOSE = 0.02  # of the distance between its neighbours, by which a state misses an interpolation that is good enough
+STATIONARY = 6  # interpolations of the load, after which a stationary one is looked for without them
+NOISY = 1e-9  # relative change of the load, below which rounding may keep a stationary one from being told better
 STRAY = 0.3  # of the distance between its neighbours, by which a state may miss their interpolation
 
 
@@ -48,6 +53,7 @@ class Segment:
         self.wavering = not tracer.system.smooth
         self.guarded = tracer.control.guarded and not self.wavering
         self.states = {0.0: before, after.length: after}
+        self.course = Course(tracer, before, after)
         self._spectra: dict[float, tuple[list[float], list]] = {}
         self.close: set[float] = set()
 
@@ -61,8 +67,9 @@ class Segment:
         if length not in self.states:
             left, right = self.neighbours(length)
             guess = self.interpolated(left, right, length)
+            start = None if self.wavering else self.course.at(length, self.states)
             self.tracer.back_to(self.before)
-            state = None if self.wavering else self.tracer.attempt(length, guess)
+            state = start and self.tracer.attempt(length, start)
             state = state or self.tracer.attempt(length)
             if state is None:
                 raise Missed
@@ -104,6 +111,18 @@ class Segment:
             return self[length]
         self.states[length] = state
         return state
+
+    def seen(self, length: float) -> tuple[float, float]:
+        """Load and deflection at a length, by interpolation without equilibrium being sought.
+
+        The tracer ends at the start of the step.
+        """
+        load, x = self.course.at(length, self.states)
+        tracer, system, increment = self.tracer, self.tracer.system, self.tracer.system.create_vector(x)
+        system.configure(increment, self.before.factor + load)
+        found = tracer.discretisation.total_load(), self.before.deflection + tracer.monitored(increment)
+        tracer.back_to(self.before)
+        return found
 
     def neighbours(self, length: float) -> tuple[float, float]:
         """Lengths of the nearest states on both sides."""
@@ -230,12 +249,12 @@ class Segment:
         ends = (0.0, self.after.length)
         self.states = {s: state for s, state in self.states.items() if s in ends or abs(s - length) > near}
 
-    def spectrum(self, length: float, count: int) -> tuple[list[float], list]:
-        """Eigenvalues of the tangent nearest to zero, and modes, at a length."""
+    def spectrum(self, length: float, count: int, tolerance: float = 1e-12) -> tuple[list[float], list]:
+        """Eigenvalues of the tangent nearest to zero, and modes, at a length; those that are known already serve."""
         found = self._spectra.get(length)
         if found is None or len(found[0]) < count:
             self.tracer.factorise_at(self[length])
-            found = self._spectra[length] = self.tracer.spectrum(count)
+            found = self._spectra[length] = self.tracer.spectrum(count, tolerance)
         return found
 
     def softest_beside(self, length: float) -> float:
@@ -256,14 +275,43 @@ class Segment:
             slopes = [abs((known[s] - value) / (s - length)) for s in known if s not in (length, left, right)]
             slope = max(slopes, default=0.0)
             state = self.states[length]
-            size = max(abs(state.factor), abs(self.after.load_increment))
-            return 0.0 if slope and self.load_change(state, value / slope) < exact * size else value
+            return 0.0 if slope and self.load_change(state, value / slope) < exact * self._size(state) else value
 
         try:
             brentq(stopped, left, right, xtol=1e-12 * self.after.length, rtol=1e-14)
         except Missed:
             pass
         return dict(sorted(known.items(), key=lambda item: abs(item[1])))
+
+    def stationary(self, left: float, right: float, exact: float) -> float:
+        """Length of a state between two others, whose load rates have other signs, at which the load is stationary.
+
+        Parameters
+        ----------
+        exact : relative error of the load at which to stop
+        """
+        def rate(length):
+            return self[length].load_rate
+
+        ends, last = (left, right), inf
+        for _ in range(STATIONARY):
+            inside = [s for s in sorted(self.states) if left <= s <= right]
+            left, right = next(pair for pair in pairwise(inside) if rate(pair[0]) * rate(pair[1]) <= 0)
+            length = self.course.turning(left, right, self.states)
+            if length is None:
+                break
+            nearest = min((left, right), key=lambda s: abs(s - length))
+            change = self.load_change(self[nearest], length - nearest) / self._size(self[nearest])
+            if nearest not in ends and (change <= exact or last / 4 < change < NOISY):
+                return nearest
+            last = change
+            if not self.reach(length):
+                break
+        return next(iter(self.root(rate, left, right, exact)))
+
+    def _size(self, state: State) -> float:
+        """Load factor that errors of a state's are compared with."""
+        return max(abs(state.factor), abs(self.after.load_increment))
 
     def load_change(self, state: State, length: float) -> float:
         """Change of the load factor within a small length, to the second order where the load is stationary."""

@@ -21,6 +21,7 @@ from .spectrum import diagonal, nearest_to_zero
 from .state import State
 
 PROBE = 1e-6  # distance along the response at which the change of the tangent is looked at
+NEAR = 1e-9  # of a step, distance of a state from where the tangent was factored that serves as its own
 BEFORE = 0.38  # of the way to the first critical point, first step; twice as long steps then do not end on it
 
 
@@ -92,9 +93,15 @@ class Tracer(Measuring):
         return self._attempted(self.control, self.tangent, length, guess)
 
     def attempt_by(self, control: StepRule, length: float) -> State | None:
-        """Try one step by another control, of the monitored displacement where it is one of displacements."""
+        """Try one step by another control, of the monitored displacement where it is one of displacements.
+
+        It is given half as many iterations as others.
+        """
         tangent = replace(self.tangent, functional=self._monitor)
+        _, _, _, most = self.snes.getTolerances()
+        self.snes.setTolerances(max_it=most // 2)
         found = self._attempted(control, tangent, length)
+        self.snes.setTolerances(max_it=most)
         if found is not None:
             x = self.system.create_vector(found.increment)
             self.state = replace(found, length=self.control.measure(self.tangent, x, found.load_increment))
@@ -115,7 +122,8 @@ class Tracer(Measuring):
                 self.stepper.begin(control, tangent, length, *guess)
             if self.enforcement.solve(self._correct, multiples):
                 try:
-                    self.state = self._converged(start, self.iterations - spent, length, before)
+                    factored = self.stepper.behind <= NEAR * self.tangent.inner(self.x, self.x) ** 0.5
+                    self.state = self._converged(start, self.iterations - spent, length, before, factored)
                     self._mark_factored()
                     return self.state
                 except (SingularTangent, Uncounted) as failure:
@@ -215,9 +223,10 @@ class Tracer(Measuring):
         """Remember that the last factor is that of the current state."""
         self._factored = self.state, self.total_factorisations
 
-    def spectrum(self, count: int) -> tuple[list[float], list[PETSc.Vec]]:
+    def spectrum(self, count: int, tolerance: float = 1e-12) -> tuple[list[float], list[PETSc.Vec]]:
         """Eigenvalues of the last factored tangent nearest to zero in the scaled inner product, and modes."""
-        values, modes = nearest_to_zero(self.stepper.linear, diagonal(self.system.weights), count)
+        with self.system.clock("solve"):
+            values, modes = nearest_to_zero(self.stepper.linear, diagonal(self.system.weights), count, tolerance)
         return values, [self.system.create_vector(mode.array) for mode in modes]
 
     def load_vector(self) -> PETSc.Vec:
@@ -249,10 +258,10 @@ class Tracer(Measuring):
         self._undo(state)
         self.state = state
 
-    def _converged(self, start: State | None, iterations=0, length=0.0, factorisations=0) -> State:
-        """Describe the current configuration with the tangent that led to it, then commit it."""
+    def _converged(self, start: State | None, iterations=0, length=0.0, factorisations=0, factored=False) -> State:
+        """Describe the current configuration with its tangent, which may be factored already, then commit it."""
         system, tangent = self.system, self.tangent
-        self._respond()
+        self._respond(factored)
         weight = self._load_weight()
         load_increment = self.stepper.load_increment if start else 0.0
         extremes = start.displacement_extremes + self._passes_extreme(start) if start else 0
@@ -281,12 +290,13 @@ class Tracer(Measuring):
         weight = getattr(self.control, "load_weight", None)
         return weight(self.tangent) if weight else 0.0
 
-    def _respond(self) -> None:
-        """Response of the current configuration to a unit of load."""
+    def _respond(self, factored: bool = False) -> None:
+        """Response of the current configuration to a unit of load; its tangent may be factored already."""
         system = self.system
         system.configure(self.x, system.factor)
-        system.extrapolate_stress()
-        self.stepper.factorise(self.snes, self.x)
+        if not factored:
+            system.extrapolate_stress()
+            self.stepper.factorise(self.snes, self.x)
         system.load(self._load)
         with system.clock("solve"):
             self.stepper.linear.solve(self._load, self._response)

@@ -86,6 +86,10 @@ class AdditiveField:
             return components
         return np.einsum("nij,nj->ni", self.axes, components.reshape(-1, self.width)).ravel()
 
+    def rate(self, motions: np.ndarray) -> np.ndarray:
+        """Rates of the present increment at nodes with given rates of displacement, or spins, along space; flat."""
+        return self.inward(motions.ravel())
+
     def inward(self, components: np.ndarray) -> np.ndarray:
         """Forces on increments from nodal forces or moments along the directions of space."""
         motions = self.motions()
@@ -220,6 +224,10 @@ class QuaternionField(AdditiveField):
         motions = np.tile(np.eye(3), (len(self.charted), 1, 1)) if directions is None else directions.copy()
         motions[self.charted] = _spins(self._increment()[self.charted]) @ motions[self.charted]
         return motions
+
+    def rate(self, motions):
+        directions, spins = self._directions(), _spins(self._increment())
+        return np.linalg.solve(spins if directions is None else spins @ directions, motions[..., None]).ravel()
 
     def pull(self, force):
         return np.einsum("na,nai->ni", force, self.variations()).ravel()

@@ -248,6 +248,14 @@ class System:
             found.append(own if along is None else np.einsum("nij,nj->ni", along, own))
         return found
 
+    def rate_by(self, motions: Sequence[np.ndarray]) -> PETSc.Vec:
+        """Rate of the increments since the last converged state with which nodes move as `motions` says now."""
+        arrays, rate = self._layout.zeros(), self.create_vector()
+        for (f, array), motion in zip(self._layout.fields(arrays), motions, strict=True):
+            array[f.dofs] = f.rate(motion)
+        self._layout.put(arrays, rate)
+        return rate
+
     def step_by(self, motions: Sequence[np.ndarray]) -> PETSc.Vec:
         """The further step from the last converged state that gives `motions`; its axes may differ from theirs."""
         arrays, step = self._layout.zeros(), self.create_vector()

@@ -21,6 +21,8 @@ CROWDED = 4  # bifurcations, more of which are too many for one step
 CLUSTER = 0.01  # relative difference of the loads of a step that may hold any number
 SHORTEST = 1 / 64  # of a step, piece that must be explained
 SINGULAR = 0.05  # eigenvalues of a bifurcation, over those nearest to zero at the ends of the step
+EXACTLY, ROUGHLY = 1e-12, 1e-6  # relative error of the load at a limit point, and where that may be a return
+ONWARD = 0.1  # rate of a displacement at a limit point, over the larger one beside it
 STATIONARY = 1e-3  # load rate at a limit point, over those where it is looked for
 
 
@@ -50,21 +52,16 @@ def locate(tracer, earlier: State | None, before: State, after: State,
     if segment.guarded and _crowded(before, after):
         raise Jump("too many bifurcations lie in one step")
     if not tracer.system.smooth:
-        limits = _turning_loads(segment, earlier)
+        limits, returns = _turning_loads(segment, earlier), []
     else:
         if segment.guarded:
             _check(segment)
-        limits = [_stationary_load(segment, *pair) for pair in segment.pairs()
-                  if segment[pair[0]].load_rate * segment[pair[1]].load_rate < 0]
-    if limits and segment.guarded and not tracer.control.passes_limits:
+        limits, returns = _stationary_loads(segment)
+    if limits + returns and segment.guarded and not tracer.control.passes_limits:
         raise Jump("a limit point lies in a step that prescribes the load")
-    returns = []
-    if segment.guarded and tracer.system.conservative:
-        returns = [found for found in limits if _returns(segment, found[1])]
-        limits = [found for found in limits if found not in returns]
     points = [_limit(*found) for found in limits]
     crossings = _bifurcations(segment, [length for s, length, _ in limits if s is segment])
-    crossings += [_return(segment, length) for _, length, _ in returns]
+    crossings += [_return(segment, length) for length in returns]
     points += [_bifurcation(segment, cluster) for cluster in _clusters(crossings, TOGETHER * after.length)]
     for other in others:
         points += other(segment)
@@ -144,13 +141,22 @@ def _check(segment: Segment) -> None:
             pieces += [(left, middle), (middle, right)]
 
 
-def _stationary_load(segment: Segment, left: float, right: float) -> tuple[Segment, float, bool]:
-    """Where the load rate is zero between two lengths, and whether the load rises before."""
-    values = segment.root(lambda s: segment[s].load_rate, left, right, 1e-12)
-    length, least = next(iter(values.items()))
-    if segment.guarded and abs(least) > STATIONARY * max(abs(segment[s].load_rate) for s in (left, right)):
-        raise Jump("the load turns between two states without being stationary")
-    return segment, length, segment[left].load_rate > 0
+def _stationary_loads(segment: Segment) -> tuple[list[tuple[Segment, float, bool]], list[float]]:
+    """Where the load rate is zero: limit points, with whether the load rises before, and lengths of returns."""
+    limits, returns = [], []
+    for left, right in segment.pairs():
+        if not segment[left].load_rate * segment[right].load_rate < 0:
+            continue
+        length = segment.stationary(left, right, ROUGHLY)
+        if _returns(segment, length):
+            returns.append(length)
+            continue
+        length = segment.stationary(left, right, EXACTLY)
+        steepest = max(abs(segment[s].load_rate) for s in (left, right))
+        if segment.guarded and abs(segment[length].load_rate) > STATIONARY * steepest:
+            raise Jump("the load turns between two states without being stationary")
+        limits.append((segment, length, segment[left].load_rate > 0))
+    return limits, returns
 
 
 def _returns(segment: Segment, length: float) -> bool:
@@ -170,8 +176,11 @@ def _returns(segment: Segment, length: float) -> bool:
         one, other = sides(reach)
         return one.current_stiffness * other.current_stiffness > 0
 
+    if not (segment.guarded and segment.tracer.system.conservative):
+        return False
     reach = REACHES[1] * segment.after.length
-    if not stiff(reach):
+    rate, *beside = (abs(s.load_rate / s.current_stiffness) for s in (segment[length], *sides(reach)))
+    if not stiff(reach) or rate > ONWARD * max(beside):
         return False
     _surround(segment, length, REACHES[:3])
     one, other = sides(reach / 2)

@@ -23,6 +23,7 @@ from scipy.optimize import brentq
 from ..continuation.segment import Jump, Segment
 
 REACHES = (0.1, 0.03, 0.01, 0.003)  # of a piece of path, distances from crossings of the states that are looked at
+ALTERNATELY = (0.1, (-1,)), (0.03, (1,)), (0.01, (-1,))  # likewise, first on one side each
 EXACT, ROUGH = 1e-8, 1e-5  # relative error of the load at which to stop, and which is too large
 SAMPLES = 6  # states that are interpolated between
 CLOSEST = 1e-4  # of a step, piece that is not divided any more
@@ -30,6 +31,7 @@ APART = 0.1  # of a piece of path, distance of crossings that are looked for one
 FOLD = 0.9  # of the length of a piece of path, motion along the mode where a limit point is
 NOISE = 1e-6  # of the length of a piece of path, motion along a mode that does not count
 ROUNDED = 1e-10  # of the structure's size, imperfection along a mode that rounding may cause, as in a mesh
+ABOUT = 1e-5  # relative error of modes that become unstable, near which vectors do
 RIGID = 1e-10  # flexibility over the largest of vectors that do not yield
 
 
@@ -65,16 +67,16 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
         return _halves(segment, left, right)
     roots = border.roots(lengths)
     error = between = np.inf
-    for reach in REACHES:
+    for reach, sides in (*ALTERNATELY, *((reach, (-1, 1)) for reach in REACHES)):
         gaps = np.diff(roots)
         if len(gaps) and gaps.max() > APART * (right - left):
             middle = float(roots[np.argmax(gaps)] + gaps.max() / 2)
             if segment.reach(middle):
                 return _pieces(segment, left, right)
         try:
-            lengths = _sampled(segment, lengths, roots, reach * (right - left))
+            lengths = _sampled(segment, lengths, roots, reach * (right - left), sides)
         except Jump:  # so near that rounding moves states along the mode: those that are further off must do
-            if reach == REACHES[0]:
+            if len(lengths) == 2:
                 raise
             error = between
             break
@@ -93,8 +95,7 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
         return _halves(segment, left, right)
     if segment.guarded:
         _compare_sides(segment, roots, samples, border)
-    table = KroghInterpolator(samples, [(segment[s].load, segment[s].deflection) for s in samples])
-    return [Crossing(float(s), *map(float, table(s))) for s in roots]
+    return [Crossing(float(s), *segment.seen(s)) for s in roots]
 
 
 def _load_change(segment: Segment, near: float, change: float) -> float:
@@ -144,10 +145,11 @@ def _nearest(lengths: Sequence[float], roots: np.ndarray) -> list[float]:
     return sorted(lengths, key=lambda s: abs(s - roots.mean()))[:SAMPLES]
 
 
-def _sampled(segment: Segment, lengths: Sequence[float], roots: np.ndarray, reach: float) -> list[float]:
-    """Lengths of states with one more on each side of the crossings, as far as they converge."""
+def _sampled(segment: Segment, lengths: Sequence[float], roots: np.ndarray, reach: float,
+             sides: Sequence[int]) -> list[float]:
+    """Lengths of states with one more before (-1) or behind (1) the crossings, as far as they converge."""
     found = set(lengths)
-    for wanted in (float(roots.min() - reach), float(roots.max() + reach)):
+    for wanted in (float((roots.min() if side < 0 else roots.max()) + side * reach) for side in sides):
         nearest = min(segment.states, key=lambda s, wanted=wanted: abs(s - wanted))
         if abs(nearest - wanted) < reach / 4:
             found.add(nearest)
@@ -180,7 +182,7 @@ class _Border:
         self._left, self._right = (self._signs(s) for s in (left, right))
 
     def _modes_at(self, length: float, count: int) -> list[PETSc.Vec]:
-        return self._segment.spectrum(length, count + 2)[1]
+        return self._segment.spectrum(length, count + 2, ABOUT)[1]
 
     def _soft(self, length: float, modes: Sequence[PETSc.Vec]) -> list[PETSc.Vec]:
         """Orthonormal vectors that span some modes but for those that do not yield, which a prescribed motion holds."""
@@ -197,7 +199,8 @@ class _Border:
         solutions, inverse = [], np.empty((len(vectors),) * 2)
         for j, vector in enumerate(vectors):
             solution = vector.duplicate()
-            self._tracer.stepper.linear.solve(self._weights * vector, solution)
+            with self._tracer.system.clock("solve"):
+                self._tracer.stepper.linear.solve(self._weights * vector, solution)
             solutions.append(solution)
             weighted = self._weights * solution
             inverse[:, j] = [one.dot(weighted) for one in vectors]
@@ -278,12 +281,12 @@ def _compare_sides(segment: Segment, roots: np.ndarray, samples: Sequence[float]
         return
     nearest = min((left, right), key=lambda s: min(abs(s - root) for root in roots))
     factors = KroghInterpolator(samples, [segment[s].factor for s in samples])
-    noise = 10 * max(segment.uncertainty(segment[s]) for s in (left, right))
     distance = segment.distance(left, right)
     for root, mode in zip(sorted(roots, key=lambda s: abs(s - nearest)), border.null_vectors(nearest), strict=True):
         moved, led = segment.along(mode, left, right)
         size, critical = max(abs(moved), abs(led)), factors(root)
         grown = sum(abs(critical / (segment[s].factor - critical)) for s in (left, right))
         strays = abs(moved - led) > size / 2 and size > NOISE * distance + ROUNDED * grown
-        if (strays or abs(moved) > FOLD * distance) and size > noise:
+        if (strays or abs(moved) > FOLD * distance) and size > 10 * max(
+                segment.uncertainty(segment[s]) for s in (left, right)):
             raise Jump("the path bends away from a bifurcation that the step passes")

@@ -23,6 +23,7 @@ from .modes import scaled
 
 STEP = 1e-4  # of differences of the Hessian, in the scaled norm of increments
 LONGEST, HALVINGS = 0.1, 14  # of differences of the gradient
+AGREED = 1e-7  # relative change of the quartic coefficient, from which it is good enough
 RESOLVED = 1e-6  # amplitude, in the scaled norm, for a load changed by one per cent; less beside a limit point
 NEGLIGIBLE = 1e-2  # share of the slope in the load's change, where that is one per cent, of a symmetric bifurcation
 
@@ -152,17 +153,21 @@ def _quartic(energy: Energy, mode: PETSc.Vec, bend: PETSc.Vec) -> float:
     """Coefficient of s^4 in the energy along s mode + s^2 bend.
 
     The odd part of its derivative is c s + 4 quartic s^3 + d s^5; three neighbours of a sequence of halved s give the
-    quartic. Long ones suffer from higher terms and short ones from rounding: those count that agree best.
+    quartic. Long ones suffer from higher terms and short ones from rounding: those count that agree best, or well.
     """
     lengths = [LONGEST / 2**n for n in range(HALVINGS)]
-    odd = [(_slope(energy, mode, bend, s) - _slope(energy, mode, bend, -s)) / 2 for s in lengths]
-    found = []
-    for n in range(HALVINGS - 2):
-        s = np.array(lengths[n: n + 3])
-        found.append(np.linalg.solve(np.column_stack((s, s**3, s**5)) / s[0] ** np.array([1, 3, 5]),
-                                     odd[n: n + 3])[1] / s[0] ** 3 / 4)
-    changes = np.abs(np.diff(found)) / np.abs(found[1:])
-    return float(found[1 + int(np.argmin(changes))])
+    odd, found, changes = [], [], [np.inf]
+    for n, length in enumerate(lengths):
+        odd.append((_slope(energy, mode, bend, length) - _slope(energy, mode, bend, -length)) / 2)
+        if n >= 2:
+            s = np.array(lengths[n - 2: n + 1])
+            found.append(np.linalg.solve(np.column_stack((s, s**3, s**5)) / s[0] ** np.array([1, 3, 5]),
+                                         odd[-3:])[1] / s[0] ** 3 / 4)
+        if n >= 3:
+            changes.append(abs((found[-1] - found[-2]) / found[-1]))
+        if changes[-1] < AGREED:
+            break
+    return float(found[int(np.argmin(changes))])
 
 
 def _slope(energy: Energy, mode: PETSc.Vec, bend: PETSc.Vec, length: float) -> float:
