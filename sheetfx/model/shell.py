@@ -7,20 +7,18 @@ from dataclasses import dataclass
 
 import basix
 import ufl
-from ufl.algorithms.expand_indices import IndexExpander
 
 from .. import forms
 from ..compat import geometry_degree
 from ..mesh.cellwise import cellwise
 from ..mesh.numbers import as_constants
-from ..mesh.quadrature import Rule, gauss, simplex
+from ..mesh.quadrature import Rule, extrapolation, gauss, simplex
 from ..mesh.reader import NamedMesh
 from .gradient import require_gradient
 from .section import Elastic, GivenPlate, Plate
-from .work import Internal, Term
+from .work import Internal, Term, Tying
 
 TRIANGLE, QUADRILATERAL = basix.CellType.triangle, basix.CellType.quadrilateral
-GROUPS = MEMBRANE, BENDING, SHEAR_AND_DRILLING = (0, 1, 2), (3, 4, 5), (6, 7, 8)
 
 
 @dataclass(frozen=True)
@@ -57,6 +55,12 @@ class ShellForm:
             bent = sum(ufl.inner(s, s) for s in (frame.along(frame.director, t) for t in frame.tangents))
             membrane = share * (1 + 0.1 / (bent * area + 1e-12))
         return ufl.min_value(1.0, membrane), ufl.min_value(1.0, share)
+
+    def tying(self, frame, thickness) -> Tying:
+        """Membrane, shear and drilling strains are tied to the low rule, bending is as it is."""
+        stretch, rest = self.shares(frame, thickness)
+        return Tying(self.low, extrapolation(self.cell, self.low, self.full),
+                     [*3 * [stretch], *3 * [ufl.as_ufl(1.0)], *3 * [rest]])
 
 
 def _quadrilateral(degree: int) -> ShellForm:
@@ -151,26 +155,11 @@ class Shell:
         return law(strains), self.discrete.low.points
 
     def internal(self, u, rotation) -> Internal:
-        """Internal virtual work: each energy, and their coupling where there is one, with its rule."""
-        form, domain, frame = self.discrete, self.mesh.domain, self.frame()
+        """Internal virtual work."""
+        form, frame = self.discrete, self.frame()
         strains, law, thickness = self._strains_and_law(u, rotation, frame)
-        stretch, shear = form.shares(frame, thickness)
-        coupled = is_coupled(law, domain)
-
-        def full(e):
-            return (stretch * _restricted(law, MEMBRANE)(e) + shear * _restricted(law, SHEAR_AND_DRILLING)(e)
-                    + _restricted(law, BENDING)(e))
-
-        def low(e):
-            if coupled:
-                return law(e) - full(e)
-            return ((1 - stretch) * _restricted(law, MEMBRANE)(e)
-                    + (1 - shear) * _restricted(law, SHEAR_AND_DRILLING)(e))
-
-        everything = range(9)
-        low_places = everything if coupled else [*MEMBRANE, *SHEAR_AND_DRILLING]
-        return Internal([_term(strains, low, low_places, form.low), _term(strains, full, everything, form.full)],
-                        domain, self.mesh.group(self.group))
+        term = Term(strains, law, form.full, form.tying(frame, thickness))
+        return Internal([term], self.mesh.domain, self.mesh.group(self.group))
 
 
 def surface_frame(domain) -> forms.shell.SurfaceFrame:
@@ -178,54 +167,3 @@ def surface_frame(domain) -> forms.shell.SurfaceFrame:
     if domain.basix_cell() == TRIANGLE and geometry_degree(domain) == 1:
         return forms.shell.surface_frame(domain)
     return forms.shell.surface_frame(domain, cellwise(domain, forms.shell.unit_normal(domain)))
-
-
-def is_coupled(law, domain) -> bool:
-    """Whether a section law gives forces of one of the GROUPS to strains of another."""
-    strains = [ufl.Constant(domain.ufl_domain()) for _ in range(9)]
-    resultants = ufl.algorithms.expand_derivatives(law(ufl.as_vector(strains)))
-    components = _Components()
-    for group in GROUPS:
-        others = {e for n, e in enumerate(strains) if n not in group}
-        if any(others.intersection(ufl.algorithms.extract_type(components.visit(resultants[n]), ufl.Constant))
-               for n in group):
-            return True
-    return False
-
-
-class _Components(IndexExpander):
-    """Writes out scalar expressions without indices, so that they contain only what they depend on.
-
-    Each component of a subexpression is written out once: UFL's expander repeats it wherever it occurs, which takes
-    forever for a law that iterates, and confuses the components of variables.
-    """
-
-    def __init__(self):
-        super().__init__()
-        self._known = {}
-
-    def visit(self, o):
-        indices = tuple(self._index2value[ufl.classes.Index(n)] for n in o.ufl_free_indices)
-        key = o, self.component(), indices
-        if key not in self._known:
-            self._known[key] = super().visit(o)
-        return self._known[key]
-
-    def variable(self, o):
-        return self.visit(o.ufl_operands[0])
-
-
-def _term(strains, law, places, rule) -> Term:
-    """Term of those strains that the law gives forces to."""
-    def chosen(e):
-        given = dict(zip(places, e, strict=True))
-        resultants = law(ufl.as_vector([given.get(n, ufl.as_ufl(0.0)) for n in range(9)]))
-        return ufl.as_vector([resultants[n] for n in places])
-    return Term(ufl.as_vector([strains[n] for n in places]), chosen, rule)
-
-
-def _restricted(law, places):
-    """A section law of which only some strains and the forces conjugate to them are kept."""
-    def kept(vector):
-        return ufl.as_vector([vector[n] if n in places else ufl.as_ufl(0.0) for n in range(9)])
-    return lambda strains: kept(law(kept(strains)))

@@ -12,6 +12,22 @@ from ..mesh.quadrature import Rule
 
 
 @dataclass(frozen=True)
+class Tying:
+    """Assumed strains, see `discrete.assumed`.
+
+    Attributes
+    ----------
+    low : rule at whose points strains are sampled
+    extrapolation : matrix from values at the low rule's points to those at the points of integration
+    shares : UFL scalar for each strain, the share of its energy that is integrated with the full rule; 1: as it is
+    """
+
+    low: Rule
+    extrapolation: np.ndarray
+    shares: Sequence
+
+
+@dataclass(frozen=True)
 class Term:
     """Internal virtual work with one quadrature rule.
 
@@ -20,11 +36,13 @@ class Term:
     strains : UFL vector of generalised strains
     law : function from strains to stress resultants, the gradient of an energy density
     rule : quadrature
+    tying : strains that the law is given instead; None: those at the points
     """
 
     strains: object
     law: Callable
     rule: Rule
+    tying: Tying | None = None
 
 
 @dataclass(frozen=True)
