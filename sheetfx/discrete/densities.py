@@ -70,7 +70,11 @@ class Densities:
             density = density.reshape(*values.shape[:2], -1, orders).transpose(0, 2, 1, 3)
             shape = (*density.shape[:2], *products.shape[1:])
             flat = np.ascontiguousarray(density).reshape(-1, products.shape[0])
-            add_matrix(matrices, pair, (flat @ products.reshape(products.shape[0], -1)).reshape(shape))
+            found = (flat @ products.reshape(products.shape[0], -1)).reshape(shape)
+            if pair in matrices:
+                matrices[pair] += found
+            else:
+                matrices[pair] = found
             start += len(entries)
         return start
 
@@ -147,13 +151,6 @@ def values_at_points(domain: Mesh, cells: np.ndarray, rule: Rule, shape: tuple) 
 def put(function: fem.Function, rows: np.ndarray, values: np.ndarray) -> None:
     """Give a function of `values_at_points` values of shape (cells, points, components)."""
     function.x.array.reshape(-1, values.shape[2])[rows.ravel()] = values.reshape(-1, values.shape[2])
-
-
-def add_matrix(matrices: dict, pair: tuple[int, int], found: np.ndarray) -> None:
-    if pair in matrices:
-        matrices[pair] += found
-    else:
-        matrices[pair] = found
 
 
 def component_pairs(rows: int, columns: int, same: bool) -> list[tuple[int, int]]:

@@ -31,7 +31,7 @@ class SurfaceFrame:
         return ufl.dot(ufl.grad(f), direction)
 
 
-def surface_frame(domain, director=None) -> SurfaceFrame:
+def surface_frame(domain, director=None, direction=None) -> SurfaceFrame:
     """Frame of a surface from the Jacobian of its mesh.
 
     Parameters
@@ -39,12 +39,21 @@ def surface_frame(domain, director=None) -> SurfaceFrame:
     domain : ufl mesh of topological dimension 2 in space
     director : UFL vector, shape (3,)
         Unit normals interpolated in each cell; None: the normal of flat cells.
+    direction : UFL vector, shape (3,)
+        Constant in each cell; the first axis is its projection on the tangent plane. None: that of the cell's first
+        reference coordinate.
     """
-    jacobian = ufl.Jacobian(domain)
-    column = ufl.as_vector([jacobian[i, 0] for i in range(3)])
-    first = column / ufl.sqrt(ufl.dot(column, column))
     normal = unit_normal(domain)
+    direction = first_direction(domain) if direction is None else direction
+    first = direction - ufl.dot(direction, normal) * normal
+    first = first / ufl.sqrt(ufl.dot(first, first))
     return SurfaceFrame(domain, (first, ufl.cross(normal, first), normal), normal if director is None else director)
+
+
+def first_direction(domain):
+    """Tangent of a cell along its first reference coordinate."""
+    jacobian = ufl.Jacobian(domain)
+    return ufl.as_vector([jacobian[i, 0] for i in range(3)])
 
 
 def unit_normal(domain):

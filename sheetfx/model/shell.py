@@ -19,6 +19,7 @@ from .section import Elastic, GivenPlate, Plate
 from .work import Internal, Term, Tying
 
 TRIANGLE, QUADRILATERAL = basix.CellType.triangle, basix.CellType.quadrilateral
+TIED = 0, 1, 2, 6, 7, 8  # membrane, shear and drilling strains
 
 
 @dataclass(frozen=True)
@@ -59,8 +60,7 @@ class ShellForm:
     def tying(self, frame, thickness) -> Tying:
         """Membrane, shear and drilling strains are tied to the low rule, bending is as it is."""
         stretch, rest = self.shares(frame, thickness)
-        return Tying(self.low, extrapolation(self.cell, self.low, self.full),
-                     [*3 * [stretch], *3 * [ufl.as_ufl(1.0)], *3 * [rest]])
+        return Tying(self.low, extrapolation(self.cell, self.low, self.full), TIED, [*3 * [stretch], *3 * [rest]])
 
 
 def _quadrilateral(degree: int) -> ShellForm:
@@ -163,7 +163,12 @@ class Shell:
 
 
 def surface_frame(domain) -> forms.shell.SurfaceFrame:
-    """Frame of a surface with its normals interpolated at the nodes of each cell."""
+    """Frame of a surface with its normals interpolated at the nodes of each cell.
+
+    Its first axis follows one direction in each cell, that of its middle, so that constant strains have constant
+    components wherever a cell is flat.
+    """
     if domain.basix_cell() == TRIANGLE and geometry_degree(domain) == 1:
         return forms.shell.surface_frame(domain)
-    return forms.shell.surface_frame(domain, cellwise(domain, forms.shell.unit_normal(domain)))
+    return forms.shell.surface_frame(domain, cellwise(domain, forms.shell.unit_normal(domain)),
+                                     cellwise(domain, forms.shell.first_direction(domain), 0))

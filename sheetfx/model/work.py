@@ -19,11 +19,13 @@ class Tying:
     ----------
     low : rule at whose points strains are sampled
     extrapolation : matrix from values at the low rule's points to those at the points of integration
-    shares : UFL scalar for each strain, the share of its energy that is integrated with the full rule; 1: as it is
+    tied : places of the strains that are tied; others are as they are
+    shares : UFL scalar for each of them, the share of its energy that is integrated with the full rule
     """
 
     low: Rule
     extrapolation: np.ndarray
+    tied: Sequence[int]
     shares: Sequence
 
 
