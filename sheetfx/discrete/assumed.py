@@ -27,7 +27,7 @@ from dolfinx.mesh import Mesh
 
 from ..mesh.quadrature import Rule
 from ..model.work import Term
-from .densities import Densities, at_points, component_pairs, put
+from .densities import WAY, Densities, at_points, component_pairs, put
 from .laws import FormulaLaw
 
 
@@ -93,6 +93,12 @@ class AssumedWork:
         strains, slopes = self._sample(chunk)
         return self._integrated(self._forces(chunk, self._law(chunk, strains)[0]), slopes)
 
+    def energy(self, chunk: slice) -> float:
+        """Work of the resultants on the way to the present strains."""
+        strains, _ = self._sample(chunk)
+        density = sum(weight * np.sum(self._law(chunk, share * strains)[0] * strains, axis=2) for share, weight in WAY)
+        return float(np.sum(self._measure[chunk] * density))
+
     def extrapolate_stress(self, chunk: slice) -> None:
         strains, slopes = self._sample(chunk)
         resultants, moduli = self._law(chunk, strains)
@@ -122,7 +128,7 @@ class AssumedWork:
             _add_component_pairs(matrices[one, other], found, np.array(pairs))
 
     def _nodal(self, chunk: slice, slopes: list[np.ndarray], place: int) -> np.ndarray:
-        """Derivatives of the assumed strains by the nodal values of a field: (cells, points, strains, components * nodes)."""
+        """Derivatives of the assumed strains by the nodal values of a field, see `_by_nodes`."""
         nodal = self._full.by_nodes(slopes[0], self.numbers[place])
         if self._low is None or self.numbers[place] not in self._low.numbers:
             return nodal

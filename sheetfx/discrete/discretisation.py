@@ -20,7 +20,6 @@ from .contact import ContactFields
 from .contact_work import ContactWork
 from .contribution import Contribution
 from .elements import ElementWork
-from .energy import strain_energy
 from .fields import Fields
 from .form_work import FormWork, by_mesh
 from .kinematics import Kinematics
@@ -75,7 +74,7 @@ class Discretisation:
                         for n, stage in enumerate(scene.all_stages)]
 
     @property
-    def works_of_parts(self) -> list[Contribution]:
+    def works_of_parts(self) -> list[ElementWork]:
         """Internal virtual work of each part of the scene, in their order."""
         return self.system.contributions[:len(self.scene.parts)]
 
@@ -161,8 +160,7 @@ class Discretisation:
 
     def strain_energy(self, part) -> float:
         """Energy that a part stores now, on all processes."""
-        k = self.kinematics(part.mesh)
-        return strain_energy(part.internal(k.u, k.total_rotation), part.mesh.domain.comm)
+        return part.mesh.domain.comm.allreduce(self.works_of_parts[self.scene.parts.index(part)].energy())
 
     def total_load(self) -> float:
         """Load of the present stage on the whole structure: the sum of the magnitudes of its loads, or the reaction."""

@@ -100,6 +100,14 @@ class ElementWork(Contribution):
                 for number, vectors in term.vectors(chunk):
                     _add_rows(forces.on(number), self._nodes[self.numbers.index(number)][chunk], vectors)
 
+    def energy(self) -> float:
+        """Energy that the cells of this process store now: the work of resultants on the way to the present strains.
+
+        It is the integral of s(t e) . e over 0 < t < 1 for strains e and resultants s, which holds for any law that is
+        the gradient of an energy density.
+        """
+        return sum(term.energy(chunk) for chunk in self._chunks() for term in self._terms)
+
     def extrapolate_stress(self) -> None:
         for chunk in self._chunks():
             for term in self._terms:
