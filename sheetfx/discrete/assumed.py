@@ -26,9 +26,10 @@ import ufl
 from dolfinx.mesh import Mesh
 
 from ..mesh.quadrature import Rule
+from ..model.history import has_history
 from ..model.work import Term
 from .densities import WAY, Densities, at_points, component_pairs, put
-from .laws import FormulaLaw
+from .laws import FormulaLaw, RememberingLaw
 
 
 class AssumedWork:
@@ -53,7 +54,8 @@ class AssumedWork:
         self.numbers = self._full.numbers
         self._measure, self._roots = _measure_and_roots(term, domain, cells)
         self._projection = _projection(term, domain, cells) if self._tying else None
-        self._law = FormulaLaw(term.law, self._size, domain, cells, term.rule)
+        self._law = (RememberingLaw(term.law, (*self._measure.shape, self._size)) if has_history(term.law)
+                     else FormulaLaw(term.law, self._size, domain, cells, term.rule))
         self._increments = increments
         self._held = np.zeros((*self._measure.shape, self._size))
 
@@ -92,6 +94,20 @@ class AssumedWork:
         """Number of each field and its internal forces."""
         strains, slopes = self._sample(chunk)
         return self._integrated(self._forces(chunk, self._law(chunk, strains)[0]), slopes)
+
+    @property
+    def memory(self) -> RememberingLaw | None:
+        """The law where it is one with history."""
+        return self._law if isinstance(self._law, RememberingLaw) else None
+
+    def commit(self, chunk: slice) -> None:
+        """Let history move on to the present strains."""
+        if self.memory:
+            self.memory.commit(chunk, self._sample(chunk)[0])
+
+    def resultants(self, chunk: slice) -> np.ndarray:
+        """Present resultants at the points of integration, (cells, points, strains)."""
+        return self._law(chunk, self._sample(chunk)[0])[0]
 
     def energy(self, chunk: slice) -> float:
         """Work of the resultants on the way to the present strains."""
@@ -191,7 +207,7 @@ def _measure_and_roots(term: Term, domain: Mesh, cells: np.ndarray) -> tuple[np.
     It is the root of the mean share: were it not constant in a cell, constant forces would do work on e - P e.
     """
     shares = term.tying.shares if term.tying else ()
-    data = ufl.as_vector([ufl.JacobianDeterminant(domain), *shares])
+    data = ufl.as_vector([ufl.JacobianDeterminant(domain) * term.stretch, *shares])
     values = at_points(data, domain, term.rule.points).eval(domain, cells)
     values = values.reshape(len(cells), len(term.rule.points), -1)
     measure = values[..., 0] * term.rule.weights

@@ -104,6 +104,9 @@ class Contribution:
     def rewind(self) -> None:
         """Forget what a step that failed has changed since the last accepted state."""
 
+    def freeze(self, frozen: bool) -> None:
+        """Answer as the linear comparison solid of the last accepted state, or as one with history again."""
+
     def regularise(self, times: float) -> None:
         """Make the regularisation a multiple of what it is in accepted states; see `approaches`."""
 

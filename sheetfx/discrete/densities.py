@@ -122,7 +122,7 @@ class PointwiseWork(Densities):
                 given, [p.field for p in self.parts], [increments[n] for n in self.numbers]))
             held = ufl.as_vector(self._stress[i] * slopes[i, j], j)
             stiffness = ufl.as_matrix(ufl.diff(resultants, jet)[i, j] * slopes[i, k], (j, k)) + ufl.diff(held, jet)
-        size = ufl.JacobianDeterminant(domain)
+        size = ufl.JacobianDeterminant(domain) * term.stretch
         self._force = self.expression(size * force)
         entries = self.pairs(stiffness) + [held[e] for e in range(jet.ufl_shape[0])]
         self._stiffness = self.expression(size * ufl.as_vector(entries))
@@ -131,7 +131,7 @@ class PointwiseWork(Densities):
     def _energy(self) -> fem.Expression:
         density = sum(weight * ufl.dot(self._term.law(share * self._term.strains), self._term.strains)
                       for share, weight in WAY)
-        return self.expression(ufl.JacobianDeterminant(self.domain) * density)
+        return self.expression(ufl.JacobianDeterminant(self.domain) * self._term.stretch * density)
 
     def energy(self, chunk: slice) -> float:
         """Work of the resultants on the way to the present strains."""

@@ -17,6 +17,7 @@ import numba
 import numpy as np
 from dolfinx import fem
 
+from ..model.history import has_history
 from ..model.work import Internal
 from .assumed import AssumedWork
 from .contribution import Contribution, Forces
@@ -58,6 +59,7 @@ class ElementWork(Contribution):
     fields : fields that the strains may depend on
     increments : for each field a Function with its change in the last Newton step, for the mixed integration
         point tangent (Magisano, Leonetti and Garcea 2017); None: the plain tangent
+    name : of its history in snapshots, where a law has one
 
     Attributes
     ----------
@@ -65,10 +67,16 @@ class ElementWork(Contribution):
     couplings : list of Coupling, filled by `tangent`
     """
 
-    def __init__(self, internal: Internal, fields: list[AdditiveField], increments: list[fem.Function | None] | None):
+    def __init__(self, internal: Internal, fields: list[AdditiveField], increments: list[fem.Function | None] | None,
+                 name: str = "history"):
         self.internal, domain, cells = internal, internal.domain, internal.cells
-        self._terms = [(AssumedWork if t.tying else PointwiseWork)(t, domain, cells, fields, increments)
-                       for t in internal.terms]
+        self._terms = [(AssumedWork if t.tying or has_history(t.law) else PointwiseWork)(
+            t, domain, cells, fields, increments) for t in internal.terms]
+        self._memories = [(t, t.memory) for t in self._terms if isinstance(t, AssumedWork) and t.memory]
+        self._name = name
+        if self._memories:
+            self.without_descent = ("parts whose law has history have no energy to descend; trace their paths by arc "
+                                    "length, through the limit point")
         self.numbers = sorted({n for t in self._terms for n in t.numbers})
         self._fields = [fields[n] for n in self.numbers]
         self._nodes = [f.value.function_space.dofmap.list[cells].astype(np.int64) for f in self._fields]
@@ -105,8 +113,42 @@ class ElementWork(Contribution):
 
         It is the integral of s(t e) . e over 0 < t < 1 for strains e and resultants s, which holds for any law that is
         the gradient of an energy density.
+
+        Raises
+        ------
+        ValueError
+            For a law with history.
         """
+        if self._memories:
+            raise ValueError("strain energy: a law with history does not say how much of the work it has taken is "
+                             "stored; ask for forces instead")
         return sum(term.energy(chunk) for chunk in self._chunks() for term in self._terms)
+
+    @property
+    def remembers(self) -> bool:
+        """Whether a law has history."""
+        return bool(self._memories)
+
+    def resultants(self) -> np.ndarray:
+        """Present resultants of a law with history at the points of integration, (cells, points, resultants)."""
+        ((term, _),) = self._memories
+        return np.concatenate([term.resultants(chunk) for chunk in self._chunks()])
+
+    def commit(self) -> None:
+        for term, _ in self._memories:
+            for chunk in self._chunks():
+                term.commit(chunk)
+
+    def freeze(self, frozen: bool) -> None:
+        for _, memory in self._memories:
+            memory.frozen = frozen
+
+    def snapshot(self) -> dict[str, np.ndarray]:
+        return {f"{self._name} {n}": memory.snapshot() for n, (_, memory) in enumerate(self._memories)}
+
+    def restore(self, snapshot: dict[str, np.ndarray]) -> None:
+        for n, (_, memory) in enumerate(self._memories):
+            memory.restore(snapshot[f"{self._name} {n}"])
 
     def extrapolate_stress(self) -> None:
         for chunk in self._chunks():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import basix
 import ufl
@@ -14,7 +15,9 @@ from ..mesh.cellwise import cellwise
 from ..mesh.numbers import as_constants
 from ..mesh.quadrature import Rule, extrapolation, gauss, simplex
 from ..mesh.reader import NamedMesh
-from .gradient import require_gradient
+from .gradient import require_law
+from .history import LawWithHistory, has_history
+from .plasticity import section_law
 from .section import Elastic, GivenPlate, Plate
 from .work import Internal, Term, Tying
 
@@ -97,11 +100,11 @@ class Shell:
     Attributes
     ----------
     mesh : NamedMesh
-    section, material : constants of the section law
+    section, material : constants of the section law; a Plastic one is integrated through the section's layers
     form : name of a form in FORMS, or a ShellForm
     strains : function (u, rotation, frame) -> ShellStrains
     law : function (strains, stiffness) -> stress resultants, gradient of an energy, see forms.section.linear_shell;
-        it may couple stretching, bending, shear and drilling
+        it may couple stretching, bending, shear and drilling; or a LawWithHistory
     group : physical group of the surfaces; None: all
     offset : distance of the mid-surface from the meshed surface, along its normal
     """
@@ -111,7 +114,7 @@ class Shell:
     material: Elastic | None = None
     form: str | ShellForm = "naghdi-q2"
     strains: Callable | None = None
-    law: Callable = forms.section.linear_shell
+    law: Callable | LawWithHistory = forms.section.linear_shell
     group: str | None = None
     offset: float = 0.0
 
@@ -123,7 +126,12 @@ class Shell:
         if self.discrete.cell != cell:
             raise ValueError(f"Shell: form {self.form!r} needs a mesh of {self.discrete.cell.name} cells, "
                              f"this one has {cell.name} cells")
-        require_gradient("Shell", self.law, self.section.stiffness(self.material), 9)
+        require_law("Shell", self.section_law, self.section.stiffness(self.material), 9)
+
+    @cached_property
+    def section_law(self):
+        """The law, or that of the section's layers where the material is plastic."""
+        return section_law(self.law, self.section, self.material, self.section.stiffness(self.material))
 
     @property
     def discrete(self) -> ShellForm:
@@ -147,7 +155,9 @@ class Shell:
         stiffness, thickness, offset = as_constants(
             self.mesh.domain, (self.section.stiffness(self.material), self.section.thickness, self.offset))
         measure = self.strains or (lambda u, rotation, frame: forms.shell.naghdi(u, rotation, frame, offset))
-        return measure(u, rotation, frame).vector, lambda e: self.law(e, stiffness), thickness
+        law = self.section_law
+        return (measure(u, rotation, frame).vector, law if has_history(law) else lambda e: law(e, stiffness),
+                thickness)
 
     def resultants(self, u, rotation):
         """Forces and moments as a UFL vector, and the points of a cell at which they are most exact: the low rule's."""

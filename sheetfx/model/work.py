@@ -9,6 +9,7 @@ import numpy as np
 from dolfinx.mesh import Mesh
 
 from ..mesh.quadrature import Rule
+from .history import LawWithHistory
 
 
 @dataclass(frozen=True)
@@ -36,15 +37,17 @@ class Term:
     Attributes
     ----------
     strains : UFL vector of generalised strains
-    law : function from strains to stress resultants, the gradient of an energy density
+    law : function from strains to stress resultants, the gradient of an energy density, or a LawWithHistory
     rule : quadrature
     tying : strains that the law is given instead; None: those at the points
+    stretch : length or area that resultants belong to, over that of the mesh
     """
 
     strains: object
-    law: Callable
+    law: Callable | LawWithHistory
     rule: Rule
     tying: Tying | None = None
+    stretch: object = 1.0
 
 
 @dataclass(frozen=True)
