@@ -31,7 +31,7 @@ class SurfaceFrame:
         return ufl.dot(ufl.grad(f), direction)
 
 
-def surface_frame(domain, director=None, direction=None) -> SurfaceFrame:
+def surface_frame(domain, director=None, middle=None) -> SurfaceFrame:
     """Frame of a surface from the Jacobian of its mesh.
 
     Parameters
@@ -39,21 +39,23 @@ def surface_frame(domain, director=None, direction=None) -> SurfaceFrame:
     domain : ufl mesh of topological dimension 2 in space
     director : UFL vector, shape (3,)
         Unit normals interpolated in each cell; None: the normal of flat cells.
-    direction : UFL vector, shape (3,)
-        Constant in each cell; the first axis is its projection on the tangent plane. None: that of the cell's first
-        reference coordinate.
+    middle : pair of UFL vectors, shape (3,)
+        Tangent and normal of each cell's middle: the axes are turned from there by the smallest rotation, so that
+        those of another tangent are the same but for a constant angle. None: the tangent of flat cells.
     """
     normal = unit_normal(domain)
-    direction = first_direction(domain) if direction is None else direction
-    first = direction - ufl.dot(direction, normal) * normal
-    first = first / ufl.sqrt(ufl.dot(first, first))
+    first = unit_tangent(domain)
+    if middle is not None:
+        first, before = middle
+        first = first - ufl.dot(normal, first) / (1 + ufl.dot(normal, before)) * (normal + before)
     return SurfaceFrame(domain, (first, ufl.cross(normal, first), normal), normal if director is None else director)
 
 
-def first_direction(domain):
+def unit_tangent(domain):
     """Tangent of a cell along its first reference coordinate."""
     jacobian = ufl.Jacobian(domain)
-    return ufl.as_vector([jacobian[i, 0] for i in range(3)])
+    column = ufl.as_vector([jacobian[i, 0] for i in range(3)])
+    return column / ufl.sqrt(ufl.dot(column, column))
 
 
 def unit_normal(domain):

@@ -175,10 +175,11 @@ class Shell:
 def surface_frame(domain) -> forms.shell.SurfaceFrame:
     """Frame of a surface with its normals interpolated at the nodes of each cell.
 
-    Its first axis follows one direction in each cell, that of its middle, so that constant strains have constant
-    components wherever a cell is flat.
+    Its axes follow those of each cell's middle, so that constant strains have constant components wherever a cell is
+    flat.
     """
     if domain.basix_cell() == TRIANGLE and geometry_degree(domain) == 1:
         return forms.shell.surface_frame(domain)
-    return forms.shell.surface_frame(domain, cellwise(domain, forms.shell.unit_normal(domain)),
-                                     cellwise(domain, forms.shell.first_direction(domain), 0))
+    tangent, normal = forms.shell.unit_tangent(domain), forms.shell.unit_normal(domain)
+    return forms.shell.surface_frame(domain, cellwise(domain, normal),
+                                     (cellwise(domain, tangent, 0), cellwise(domain, normal, 0)))
