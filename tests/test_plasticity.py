@@ -153,7 +153,7 @@ def test_plate_bends_to_a_cylinder():
 
 
 def test_residual_stress_after_unloading():
-    """Rectangle bent to 3 times its yield curvature and released: M = 0 leaves k - M / EI, and stresses that balance."""
+    """Rectangle bent to 3 times its yield curvature and let go: k - M / EI stays, and stresses that balance."""
     law = fibres(Rectangle(1.0, 1.0, points=40), STEEL)
     first, stiffness = 2 * 200 / 200e3, 200e3 / 12
     largest = moment(law, 3 * first, 2)

@@ -56,12 +56,13 @@ class Contribution:
     moved : whether it couples other unknowns than when `pattern` was last asked; the system then asks again
     gives_moments : whether it adds moments to `Forces.along_space`, which turn with the nodes
     stage : number of the load stage that its load belongs to; None: it has none
+    history_moved : whether a law remembers something, such as plastic strains, on any process
     approaches : multiples of its regularisation through which a step's solution is approached
     """
 
     smooth = conservative = True
     without_descent = ""
-    moved = gives_moments = False
+    moved = gives_moments = history_moved = False
     stage: int | None = None
     approaches: Sequence[float] = (1.0,)
 

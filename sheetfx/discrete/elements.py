@@ -16,6 +16,7 @@ from itertools import combinations_with_replacement
 import numba
 import numpy as np
 from dolfinx import fem
+from mpi4py import MPI
 
 from ..model.history import has_history
 from ..model.work import Internal
@@ -138,6 +139,10 @@ class ElementWork(Contribution):
         for term, _ in self._memories:
             for chunk in self._chunks():
                 term.commit(chunk)
+
+    @property
+    def history_moved(self) -> bool:
+        return self.internal.domain.comm.allreduce(any(memory.moved for _, memory in self._memories), op=MPI.LOR)
 
     def freeze(self, frozen: bool) -> None:
         for _, memory in self._memories:

@@ -43,6 +43,11 @@ class History:
         for contribution in self._contributions:
             contribution.rewind()
 
+    @property
+    def moved(self) -> bool:
+        """Whether laws remember something, so that forces have no potential but for the comparison solid."""
+        return any(contribution.history_moved for contribution in self._contributions)
+
     @contextmanager
     def frozen(self) -> Iterator[None]:
         """Let history stand still, so that forces are a smooth function of the increments since the last state.

@@ -75,6 +75,11 @@ class RememberingLaw:
         self._history[chunk] = self._update(chunk, strains)[2]
         self._strains[chunk] = strains
 
+    @property
+    def moved(self) -> bool:
+        """Whether a point of this process remembers something."""
+        return bool(self._history.any())
+
     def snapshot(self) -> np.ndarray:
         """Strains and history of the last accepted state."""
         return np.concatenate((self._strains, self._history), axis=2)
