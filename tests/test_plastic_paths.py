@@ -17,21 +17,23 @@ from sheetfx.case import Case, run, trace
 SMALL = 1e-5  # yield strain, for which geometry hardly changes before collapse
 
 
-def hinged_beam(kinematic=0.0, points=10):
+def hinged_beam(kinematic=0.0):
     """Half of a beam on clamps under a force in its middle."""
-    mesh = straight(16)
+    mesh = straight(40)
     material = fx.Plastic(1.0, 0.0, yield_stress=SMALL, kinematic=kinematic)
-    beam = fx.Beam(mesh, fx.Rectangle(0.02, 0.02, points=points), material, shear_rigidity=1e2)
+    beam = fx.Beam(mesh, fx.Rectangle(0.02, 0.02, points=10), material, shear_rigidity=1e2)
     return fx.Scene([beam], [fx.clamp(mesh, "base"), fx.symmetry(mesh, "tip")],
                     [fx.PointForce(mesh, "tip", (0, -1e-10))], fx.Monitor(mesh, "tip", "y", -1.0), symmetry_factor=2)
 
 
 def test_clamped_beam_collapses_with_three_hinges():
-    """P = 8 M_p / L with M_p = s b d^2 / 4; ten of Gauss's points give a moment 0.9 % larger, see test_plasticity."""
-    record = follow(hinged_beam(), fx.DisplacementControl(step=2e-4), deflection=1e-3)
+    """P = 8 M_p / L with M_p = s b d^2 / 4. Hinges are at points of quadrature, 0.21 cells from the ends: 1.1 % more;
+    ten of Gauss's points give a moment that is 0.9 % too large.
+    """
+    record = follow(hinged_beam(), fx.DisplacementControl(step=1e-4), deflection=6e-4)
     collapse = 8 * SMALL * 0.02**3 / 4 / 2.0
-    assert record.states[-1].load == pytest.approx(collapse, rel=2e-2)
-    assert record.states[-2].load == pytest.approx(record.states[-1].load, rel=2e-3)
+    assert record.states[-1].load == pytest.approx(collapse, rel=2.5e-2)
+    assert record.states[-2].load == pytest.approx(record.states[-1].load, rel=5e-3)
 
 
 def test_newton_converges_quadratically_in_flow():
@@ -41,7 +43,6 @@ def test_newton_converges_quadratically_in_flow():
                               material=fx.Plastic(1e3, 0.3, yield_stress=1.0, hardening=10.0)),
                    fx.LoadControl(step=0.4e-3, target=1.2e-3 * 0.25, fixed=True), mixed_points=False)
     residuals = [list(path.tracer.stepper.history) for state in path if state.step][-1]
-    print(residuals[-3:])
     first, second, last = residuals[-3:]
     assert last < max(100 * second**2, 1e-9)
     assert second < 0.1

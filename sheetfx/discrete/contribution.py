@@ -50,7 +50,7 @@ class Contribution:
 
     Attributes
     ----------
-    smooth : whether its tangent changes continuously with the state; contact does not
+    smooth : whether its tangent changes continuously with the state; that of contact and of yielding does not
     conservative : whether its forces have a potential, so that its tangent is symmetric
     without_descent : why falls cannot descend its energy, in words; "": they can
     moved : whether it couples other unknowns than when `pattern` was last asked; the system then asks again

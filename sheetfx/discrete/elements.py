@@ -76,6 +76,7 @@ class ElementWork(Contribution):
         self._memories = [(t, t.memory) for t in self._terms if isinstance(t, AssumedWork) and t.memory]
         self._name = name
         if self._memories:
+            self.smooth = False  # moduli jump where points begin to yield or unload
             self.without_descent = ("parts whose law has history have no energy to descend; trace their paths by arc "
                                     "length, through the limit point")
         self.numbers = sorted({n for t in self._terms for n in t.numbers})

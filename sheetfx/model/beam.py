@@ -129,7 +129,8 @@ class Beam:
 
     def internal(self, u, rotation) -> Internal:
         """Internal virtual work."""
-        return _integrated(self, *self._strains_and_law(u, rotation), self.eccentricity()[1])
+        strains, law = self._strains_and_law(u, rotation)
+        return _integrated(self, strains, law, self.eccentricity()[1])
 
     def resultants(self, u, rotation):
         """Forces and moments as a UFL vector, and the points of a cell at which they are exact."""

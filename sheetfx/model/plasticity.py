@@ -54,11 +54,13 @@ def section_law(law: Callable, section, material: Elastic, stiffness):
     if not isinstance(material, Plastic) or law not in (linear_elastic, linear_shell):
         return law
     if law is linear_elastic:
-        return Fibres(*section.fibres(), material, stiffness)
+        places, areas = section.fibres()
+        return Fibres(places, areas, material, stiffness)
     if not isinstance(section, Plate):
         raise ValueError(f"{type(section).__name__}: has no layers, which a plastic material needs; give a Plate, or a "
                          "law of your own")
-    return Layers(*section.layers(), material, stiffness)
+    places, weights = section.layers()
+    return Layers(places, weights, material, stiffness)
 
 
 class Layers(LawWithHistory):

@@ -106,10 +106,6 @@ def postbuckling(tracer, state: State, modes: Sequence[PETSc.Vec], point: Critic
                  neighbours: Sequence[State]) -> CriticalPoint:
     """A bifurcation with its name and, where it is simple, Koiter's a and b; none if the load leaves it singular.
 
-    Where points have yielded the tangent is that of Hill's (1958) linear comparison solid, which goes on loading; its
-    bifurcation is the first one of the structure (Shanley's load of a column), but its energy says nothing about what
-    follows, when points unload.
-
     Parameters
     ----------
     tracer : at the state of the bifurcation, with its tangent factored
@@ -118,8 +114,6 @@ def postbuckling(tracer, state: State, modes: Sequence[PETSc.Vec], point: Critic
     """
     if len(modes) > 1:
         return replace(point, name="multiple")
-    if tracer.system.history.moved:
-        return replace(point, name="comparison solid")
     e = expansion(tracer, modes[0], neighbours)
     if not e.stiffness:
         return point
