@@ -19,13 +19,16 @@ _ROOMS = {
     "model.beam": "Bar Beam",
     "model.contact": "Contact",
     "model.joints": "Compatible Foundation Joint Spring Uniform",
+    "model.history": "LawWithHistory",
     "model.interface": "Interface bolt hinge link weld",
     "model.loads": "EdgeForce LineForce Load Moment "
                    "ObstacleForce PointForce PrescribedDisplacement PrescribedRotation SurfaceForce",
     "model.obstacles": "RigidCylinder RigidPlane",
     "model.following": "FollowerForce LinePressure Pressure",
     "model.scene": "Monitor Scene Stage",
-    "model.section": "Elastic Flanged GivenPlate Plate Rectangle ShellStiffness Tube effective_width round_bar",
+    "model.plasticity": "Plastic",
+    "model.section": "Elastic FibreList Flanged GivenPlate Plate Rectangle ShellStiffness Tube effective_width "
+                     "round_bar",
     "model.shell": "Shell ShellForm",
     "model.supports": "Support clamp pin symmetry",
     "discrete.contribution": "Contribution",

@@ -14,13 +14,12 @@ from sheetfx.continuation.control import LoadControl
 from sheetfx.discrete.discretisation import Discretisation
 from sheetfx.forms.section import linear_shell
 from sheetfx.forms.shell import ShellStrains
-from sheetfx.mesh.numbers import as_constants
 from sheetfx.mesh.reader import read
 from sheetfx.model.following import Pressure
 from sheetfx.model.loads import EdgeForce, PointForce, SurfaceForce
 from sheetfx.model.scene import Monitor, Scene
 from sheetfx.model.section import Elastic, GivenPlate, Plate, ShellStiffness
-from sheetfx.model.shell import FORMS, TRIANGLE, Shell, is_coupled
+from sheetfx.model.shell import FORMS, TRIANGLE, Shell
 from sheetfx.model.supports import Support, clamp, symmetry
 from sheetfx.path import Path
 
@@ -358,45 +357,6 @@ def stiffer(strains, stiffness):
     shear = [2 * stiffness.shear[i][i] * e[6 + i] for i in range(2)]
     return ufl.as_vector([*plane(stiffness.membrane, e[:3]), *plane(stiffness.bending, e[3:6]), *shear,
                           2 * stiffness.drilling * e[8]])
-
-
-def with_energy(density):
-    """A section law by the energy density of its strains, in the order membrane, bending, shear, drilling."""
-    def law(strains, stiffness):
-        e = ufl.variable(strains)
-        return ufl.diff(density([e[i] for i in range(9)]), e)
-    return law
-
-
-def iterated(strains, stiffness):
-    """A section law whose membrane forces an iteration finds, which uses each result many times."""
-    n = linear_shell(strains, stiffness)
-    size = x = ufl.sqrt(1 + n[0] ** 2 + n[1] ** 2)
-    for _ in range(10):
-        x = x - (x + x**3 * size - size) / (1 + 3 * x**2 * size)
-    return ufl.as_vector([x * n[i] if i < 3 else n[i] for i in range(9)])
-
-
-LAWS = {
-    "linear": (linear_shell, False),
-    "linear, with other numbers": (stiffer, False),
-    "linear, about another surface": (by_matrices, True),
-    "its energy": (by_energy, True),
-    "energies apart": (with_energy(lambda e: ufl.exp(e[0] * e[1]) + ufl.sqrt(1 + e[4] ** 2) + e[6] ** 4), False),
-    "membrane and bending": (with_energy(lambda e: e[0] ** 2 * (1 + e[3] ** 2)), True),
-    "membrane and shear": (with_energy(lambda e: e[0] ** 2 + e[3] ** 2 + e[0] * e[6]), True),
-    "bending and drilling": (with_energy(lambda e: e[3] ** 2 * e[8] ** 2), True),
-    "stiffer where stretched": (lambda e, c: ufl.conditional(ufl.gt(e[0], 0.0), 2.0, 1.0) * linear_shell(e, c), True),
-    "iterated": (iterated, False),
-}
-
-
-@pytest.mark.parametrize("name", LAWS)
-def test_coupling_is_seen_in_the_law(name):
-    law, coupled = LAWS[name]
-    domain = surface("naghdi-q2", (1, 1)).domain
-    stiffness = as_constants(domain, Plate(0.1).stiffness(Elastic(1.0, 0.3)))
-    assert is_coupled(lambda strains: law(strains, stiffness), domain) == coupled
 
 
 def test_orthotropic_section():

@@ -26,8 +26,9 @@ class CriticalPoint:
     length : of that step up to the point, in the measure of the control
     multiplicity : number of null vectors of the tangent
     name : "maximum" or "minimum" of the load; "asymmetric", "stable symmetric", "unstable symmetric" or "multiple"
-        bifurcation; "begins" or "ends" of flutter; the name of an event; "" where the tangent is not symmetric or there
-        is contact, and the energy has no variations
+        bifurcation, "comparison solid" where points have yielded (Hill 1958: the tangent is that of loading); "begins"
+        or "ends" of flutter; the name of an event; "" where the tangent is not symmetric or there is contact, and the
+        energy has no variations
     slope, curvature : Koiter's a and b of a simple bifurcation, factor = critical factor (1 + a xi + b xi^2), where the
         load factor is that of forces or of a prescribed motion, and xi is the mode's largest displacement, its largest
         component being positive; None: not known

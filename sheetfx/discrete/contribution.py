@@ -50,18 +50,19 @@ class Contribution:
 
     Attributes
     ----------
-    smooth : whether its tangent changes continuously with the state; contact does not
+    smooth : whether its tangent changes continuously with the state; that of contact and of yielding does not
     conservative : whether its forces have a potential, so that its tangent is symmetric
     without_descent : why falls cannot descend its energy, in words; "": they can
     moved : whether it couples other unknowns than when `pattern` was last asked; the system then asks again
     gives_moments : whether it adds moments to `Forces.along_space`, which turn with the nodes
     stage : number of the load stage that its load belongs to; None: it has none
+    history_moved : whether a law remembers something, such as plastic strains, on any process
     approaches : multiples of its regularisation through which a step's solution is approached
     """
 
     smooth = conservative = True
     without_descent = ""
-    moved = gives_moments = False
+    moved = gives_moments = history_moved = False
     stage: int | None = None
     approaches: Sequence[float] = (1.0,)
 
@@ -103,6 +104,9 @@ class Contribution:
 
     def rewind(self) -> None:
         """Forget what a step that failed has changed since the last accepted state."""
+
+    def freeze(self, frozen: bool) -> None:
+        """Answer as the linear comparison solid of the last accepted state, or as one with history again."""
 
     def regularise(self, times: float) -> None:
         """Make the regularisation a multiple of what it is in accepted states; see `approaches`."""

@@ -20,7 +20,6 @@ from .contact import ContactFields
 from .contact_work import ContactWork
 from .contribution import Contribution
 from .elements import ElementWork
-from .energy import strain_energy
 from .fields import Fields
 from .form_work import FormWork, by_mesh
 from .kinematics import Kinematics
@@ -75,9 +74,12 @@ class Discretisation:
                         for n, stage in enumerate(scene.all_stages)]
 
     @property
-    def works_of_parts(self) -> list[Contribution]:
+    def works_of_parts(self) -> list[ElementWork]:
         """Internal virtual work of each part of the scene, in their order."""
         return self.system.contributions[:len(self.scene.parts)]
+
+    def _work_of(self, part) -> ElementWork:
+        return self.works_of_parts[self.scene.parts.index(part)]
 
     def kinematics(self, mesh: NamedMesh) -> Kinematics:
         return self.fields.kinematics(mesh)
@@ -129,9 +131,10 @@ class Discretisation:
         return self.unknowns.at_rest(self.unknowns.previous(ufl.as_ufl(expression)))
 
     def _of_parts(self) -> Iterator[Contribution]:
-        for part in self.scene.parts:
+        for number, part in enumerate(self.scene.parts):
             k = self.kinematics(part.mesh)
-            yield ElementWork(part.internal(k.u, k.total_rotation), self.unknowns.fields, self.unknowns.changes)
+            yield ElementWork(part.internal(k.u, k.total_rotation), self.unknowns.fields, self.unknowns.changes,
+                              f"history of part {number}")
 
     def _of_contacts(self) -> Iterator[Contribution]:
         for contact in self.contacts:
@@ -154,6 +157,9 @@ class Discretisation:
 
     def resultants(self, part) -> np.ndarray:
         """Stress resultants of a part now at its points of quadrature, shape (cells, points, resultants)."""
+        work = self._work_of(part)
+        if work.remembers:
+            return work.resultants()
         k, domain, cells = self.kinematics(part.mesh), part.mesh.domain, part.mesh.group(part.group)
         resultants, points = part.resultants(k.u, k.total_rotation)
         values = fem.Expression(lift_numbers(resultants, domain), points, jit_options=JIT).eval(domain, cells)
@@ -161,8 +167,7 @@ class Discretisation:
 
     def strain_energy(self, part) -> float:
         """Energy that a part stores now, on all processes."""
-        k = self.kinematics(part.mesh)
-        return strain_energy(part.internal(k.u, k.total_rotation), part.mesh.domain.comm)
+        return part.mesh.domain.comm.allreduce(self._work_of(part).energy())
 
     def total_load(self) -> float:
         """Load of the present stage on the whole structure: the sum of the magnitudes of its loads, or the reaction."""

@@ -11,21 +11,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import combinations_with_replacement, product
+from itertools import combinations_with_replacement
 
-import basix.ufl
 import numba
 import numpy as np
-import ufl
 from dolfinx import fem
-from dolfinx.mesh import Mesh
+from mpi4py import MPI
 
-from ..compat import JIT
-from ..mesh.numbers import lift_numbers
-from ..mesh.quadrature import Rule
-from ..model.work import Internal, Term
+from ..model.history import has_history
+from ..model.work import Internal
+from .assumed import AssumedWork
 from .contribution import Contribution, Forces
-from .jets import FieldJet, as_function_of_jet
+from .densities import PointwiseWork, component_pairs
 from .layout import Layout
 from .nodal_field import AdditiveField
 
@@ -63,6 +60,7 @@ class ElementWork(Contribution):
     fields : fields that the strains may depend on
     increments : for each field a Function with its change in the last Newton step, for the mixed integration
         point tangent (Magisano, Leonetti and Garcea 2017); None: the plain tangent
+    name : of its history in snapshots, where a law has one
 
     Attributes
     ----------
@@ -70,9 +68,17 @@ class ElementWork(Contribution):
     couplings : list of Coupling, filled by `tangent`
     """
 
-    def __init__(self, internal: Internal, fields: list[AdditiveField], increments: list[fem.Function | None] | None):
+    def __init__(self, internal: Internal, fields: list[AdditiveField], increments: list[fem.Function | None] | None,
+                 name: str = "history"):
         self.internal, domain, cells = internal, internal.domain, internal.cells
-        self._terms = [_TermWork(t, domain, cells, fields, increments) for t in internal.terms]
+        self._terms = [(AssumedWork if t.tying or has_history(t.law) else PointwiseWork)(
+            t, domain, cells, fields, increments) for t in internal.terms]
+        self._memories = [(t, t.memory) for t in self._terms if isinstance(t, AssumedWork) and t.memory]
+        self._name = name
+        if self._memories:
+            self.smooth = False  # moduli jump where points begin to yield or unload
+            self.without_descent = ("parts whose law has history have no energy to descend; trace their paths by arc "
+                                    "length, through the limit point")
         self.numbers = sorted({n for t in self._terms for n in t.numbers})
         self._fields = [fields[n] for n in self.numbers]
         self._nodes = [f.value.function_space.dofmap.list[cells].astype(np.int64) for f in self._fields]
@@ -104,6 +110,52 @@ class ElementWork(Contribution):
                 for number, vectors in term.vectors(chunk):
                     _add_rows(forces.on(number), self._nodes[self.numbers.index(number)][chunk], vectors)
 
+    def energy(self) -> float:
+        """Energy that the cells of this process store now: the work of resultants on the way to the present strains.
+
+        It is the integral of s(t e) . e over 0 < t < 1 for strains e and resultants s, which holds for any law that is
+        the gradient of an energy density.
+
+        Raises
+        ------
+        ValueError
+            For a law with history.
+        """
+        if self._memories:
+            raise ValueError("strain energy: a law with history does not say how much of the work it has taken is "
+                             "stored; ask for forces instead")
+        return sum(term.energy(chunk) for chunk in self._chunks() for term in self._terms)
+
+    @property
+    def remembers(self) -> bool:
+        """Whether a law has history."""
+        return bool(self._memories)
+
+    def resultants(self) -> np.ndarray:
+        """Present resultants of a law with history at the points of integration, (cells, points, resultants)."""
+        ((term, _),) = self._memories
+        return np.concatenate([term.resultants(chunk) for chunk in self._chunks()])
+
+    def commit(self) -> None:
+        for term, _ in self._memories:
+            for chunk in self._chunks():
+                term.commit(chunk)
+
+    @property
+    def history_moved(self) -> bool:
+        return self.internal.domain.comm.allreduce(any(memory.moved for _, memory in self._memories), op=MPI.LOR)
+
+    def freeze(self, frozen: bool) -> None:
+        for _, memory in self._memories:
+            memory.frozen = frozen
+
+    def snapshot(self) -> dict[str, np.ndarray]:
+        return {f"{self._name} {n}": memory.snapshot() for n, (_, memory) in enumerate(self._memories)}
+
+    def restore(self, snapshot: dict[str, np.ndarray]) -> None:
+        for n, (_, memory) in enumerate(self._memories):
+            memory.restore(snapshot[f"{self._name} {n}"])
+
     def extrapolate_stress(self) -> None:
         for chunk in self._chunks():
             for term in self._terms:
@@ -132,122 +184,15 @@ class ElementWork(Contribution):
                 for values in (coupling.values, coupling.values[coupling.mirrored])]
 
 
-class _TermWork:
-    """Evaluation of one term: densities at the points, and their products with shape functions."""
-
-    def __init__(self, term: Term, domain: Mesh, cells: np.ndarray, fields, increments):
-        self._domain, self._cells, self._rule = domain, cells, term.rule
-        strains, jet, self._parts = as_function_of_jet(term.strains, [f.value for f in fields])
-        values = [f.value for f in fields]
-        self.numbers = [values.index(p.field) for p in self._parts]
-        self._tables = [_tabulate(p, term.rule) for p in self._parts]
-        resultants = term.law(strains)
-        slopes = ufl.diff(strains, jet)
-        i, j, k = ufl.indices(3)
-        force = ufl.as_vector(resultants[i] * slopes[i, j], j)
-        if increments is None:
-            held, stiffness = force, ufl.diff(force, jet)
-            self._stress = None
-        else:
-            self._prepare_stress(term, [p.field for p in self._parts], [increments[n] for n in self.numbers])
-            held = ufl.as_vector(self._stress[i] * slopes[i, j], j)
-            stiffness = ufl.as_matrix(ufl.diff(resultants, jet)[i, j] * slopes[i, k], (j, k)) + ufl.diff(held, jet)
-        size = ufl.JacobianDeterminant(domain)
-        self._force = self._expression(size * force)
-        self._entries = [_entries(one, other) for one, other in combinations_with_replacement(self._parts, 2)]
-        self._products = [_products(one, other, term.rule.weights)
-                          for one, other in combinations_with_replacement(self._tables, 2)]
-        entries = [stiffness[e] for pairs in self._entries for e in pairs]
-        self._stiffness = self._expression(size * ufl.as_vector(entries + [held[e] for e in range(jet.ufl_shape[0])]))
-
-    def _prepare_stress(self, term, values, increments) -> None:
-        shape = term.strains.ufl_shape
-        element = basix.ufl.quadrature_element(self._domain.basix_cell(), value_shape=shape,
-                                               points=term.rule.points, weights=term.rule.weights)
-        self._stress = fem.Function(fem.functionspace(self._domain, element))
-        self._stress_rows = self._stress.function_space.dofmap.list[self._cells]
-        resultants = term.law(term.strains)
-        self._extrapolated = self._expression(resultants + ufl.derivative(resultants, values, increments))
-
-    def _expression(self, expression) -> fem.Expression:
-        """Values at the points of the rule."""
-        return fem.Expression(lift_numbers(ufl.algorithms.expand_derivatives(expression), self._domain),
-                              self._rule.points, jit_options=JIT)
-
-    def _evaluate(self, expression, chunk) -> np.ndarray:
-        table = expression.eval(self._domain, self._cells[chunk])
-        return table.reshape(len(table), len(self._rule.weights), -1)
-
-    def _integrated(self, values):
-        """Number of each field and its element vectors (cells, components, nodes) from densities of the jet."""
-        for part, number, table in zip(self._parts, self.numbers, self._tables, strict=True):
-            count = part.components * len(part.orders)
-            density = values[:, :, part.start: part.start + count].reshape(
-                *values.shape[:2], part.components, len(part.orders))
-            yield number, np.tensordot(density, table * self._rule.weights[None, :, None], ((3, 1), (0, 1)))
-
-    def vectors(self, chunk):
-        """Number of each field and its internal forces."""
-        return self._integrated(self._evaluate(self._force, chunk))
-
-    def extrapolate_stress(self, chunk) -> None:
-        values = self._evaluate(self._extrapolated, chunk)
-        width = values.shape[2]
-        self._stress.x.array.reshape(-1, width)[self._stress_rows[chunk].ravel()] = values.reshape(-1, width)
-
-    def add_matrices(self, chunk, matrices: dict):
-        """Add element matrices (cells, pairs of components, n, m) by numbers of fields; return held forces."""
-        values, start = self._evaluate(self._stiffness, chunk), 0
-        couplings = zip(combinations_with_replacement(self.numbers, 2), self._entries, self._products, strict=True)
-        for pair, entries, products in couplings:
-            density = values[:, :, start: start + len(entries)]
-            orders = products.shape[0] // values.shape[1]
-            density = density.reshape(*values.shape[:2], -1, orders).transpose(0, 2, 1, 3)
-            shape = (*density.shape[:2], *products.shape[1:])
-            flat = np.ascontiguousarray(density).reshape(-1, products.shape[0])
-            found = (flat @ products.reshape(products.shape[0], -1)).reshape(shape)
-            if pair in matrices:
-                matrices[pair] += found
-            else:
-                matrices[pair] = found
-            start += len(entries)
-        return self._integrated(values[:, :, start:])
-
-
-def _component_pairs(rows: int, columns: int, same: bool) -> list[tuple[int, int]]:
-    """Pairs of components that are kept: for one field with itself those with the first not above the second."""
-    return [(c, d) for c, d in product(range(rows), range(columns)) if not same or c <= d]
-
-
-def _entries(one: FieldJet, other: FieldJet) -> list[tuple[int, int]]:
-    """Entries of the jet's stiffness that couple two fields."""
-    pairs = _component_pairs(one.components, other.components, one is other)
-    orders = list(product(range(len(one.orders)), range(len(other.orders))))
-    return [(one.entry(c, k), other.entry(d, m)) for c, d in pairs for k, m in orders]
-
-
 @lru_cache
 def _layout(rows: int, columns: int, same: bool) -> tuple[np.ndarray, np.ndarray]:
     """For each pair of components the number of its element matrix, and whether that must be transposed."""
     block, flipped = np.zeros((rows, columns), dtype=np.int64), np.zeros((rows, columns), dtype=np.bool_)
-    for number, (c, d) in enumerate(_component_pairs(rows, columns, same)):
+    for number, (c, d) in enumerate(component_pairs(rows, columns, same)):
         block[c, d] = number
         if same and c != d:
             block[d, c], flipped[d, c] = number, True
     return block, flipped
-
-
-def _tabulate(part: FieldJet, rule: Rule) -> np.ndarray:
-    """Shape functions and derivatives that a jet uses, shape (orders, points, nodes)."""
-    element = part.field.function_space.element.basix_element
-    table = element.tabulate(1, rule.points)[..., 0]
-    return np.ascontiguousarray(table[list(part.orders)])
-
-
-def _products(one: np.ndarray, other: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Weighted products of shape functions, shape (points * orders * orders, n, m)."""
-    table = np.einsum("q,kqi,mqj->qkmij", weights, one, other)
-    return np.ascontiguousarray(table.reshape(-1, one.shape[2], other.shape[2]))
 
 
 def _node_pairs(rows: np.ndarray, columns: np.ndarray, same: bool) -> tuple[np.ndarray, np.ndarray]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
 import numpy as np
 
@@ -41,6 +42,25 @@ class History:
         """Forget what a failed step has changed in the history of contributions."""
         for contribution in self._contributions:
             contribution.rewind()
+
+    @property
+    def moved(self) -> bool:
+        """Whether laws remember something, so that forces have no potential but for the comparison solid."""
+        return any(contribution.history_moved for contribution in self._contributions)
+
+    @contextmanager
+    def frozen(self) -> Iterator[None]:
+        """Let history stand still, so that forces are a smooth function of the increments since the last state.
+
+        Laws with history are then linear, with the moduli of loading (the comparison solid of Hill 1958).
+        """
+        for contribution in self._contributions:
+            contribution.freeze(True)
+        try:
+            yield
+        finally:
+            for contribution in self._contributions:
+                contribution.freeze(False)
 
     def snapshot(self) -> dict[str, np.ndarray]:
         """All values at the last converged state on this process.

@@ -213,14 +213,16 @@ class System:
     def additive_increments(self) -> Iterator[None]:
         """Let increments since the last converged state add at all nodes, those of rotations too.
 
-        Residual and tangent are then gradient and Hessian of the energy as a function of them, wherever they are.
+        Residual and tangent are then gradient and Hessian of the energy as a function of them, wherever they are;
+        history is frozen.
         """
         turning = [f for f in self.unknowns.fields if f.curved]
         kept = [f.charted for f in turning]
         for f in turning:
             f.charted = np.ones_like(f.charted)
         try:
-            yield
+            with self.history.frozen():
+                yield
         finally:
             for f, charted in zip(turning, kept, strict=True):
                 f.charted = charted

@@ -31,7 +31,7 @@ class SurfaceFrame:
         return ufl.dot(ufl.grad(f), direction)
 
 
-def surface_frame(domain, director=None) -> SurfaceFrame:
+def surface_frame(domain, director=None, middle=None) -> SurfaceFrame:
     """Frame of a surface from the Jacobian of its mesh.
 
     Parameters
@@ -39,12 +39,23 @@ def surface_frame(domain, director=None) -> SurfaceFrame:
     domain : ufl mesh of topological dimension 2 in space
     director : UFL vector, shape (3,)
         Unit normals interpolated in each cell; None: the normal of flat cells.
+    middle : pair of UFL vectors, shape (3,)
+        Tangent and normal of each cell's middle: the axes are turned from there by the smallest rotation, so that
+        those of another tangent are the same but for a constant angle. None: the tangent of flat cells.
     """
+    normal = unit_normal(domain)
+    first = unit_tangent(domain)
+    if middle is not None:
+        first, before = middle
+        first = first - ufl.dot(normal, first) / (1 + ufl.dot(normal, before)) * (normal + before)
+    return SurfaceFrame(domain, (first, ufl.cross(normal, first), normal), normal if director is None else director)
+
+
+def unit_tangent(domain):
+    """Tangent of a cell along its first reference coordinate."""
     jacobian = ufl.Jacobian(domain)
     column = ufl.as_vector([jacobian[i, 0] for i in range(3)])
-    first = column / ufl.sqrt(ufl.dot(column, column))
-    normal = unit_normal(domain)
-    return SurfaceFrame(domain, (first, ufl.cross(normal, first), normal), normal if director is None else director)
+    return column / ufl.sqrt(ufl.dot(column, column))
 
 
 def unit_normal(domain):

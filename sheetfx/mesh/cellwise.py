@@ -10,9 +10,15 @@ from ..compat import JIT, geometry_degree, interpolation_points
 SIMPLICES = basix.CellType.interval, basix.CellType.triangle
 
 
-def cellwise(domain, expression) -> fem.Function:
-    """A UFL vector interpolated at the nodes of each cell's geometry, so that its gradient can be taken."""
+def cellwise(domain, expression, degree: int | None = None) -> fem.Function:
+    """A UFL vector as a polynomial in each cell, so that its gradient can be taken.
+
+    Parameters
+    ----------
+    degree : of the polynomials; None: that of the geometry, whose nodes they are interpolated at; 0: the middle's value
+    """
     family = "DG" if domain.basix_cell() in SIMPLICES else "DQ"
-    values = fem.Function(fem.functionspace(domain, (family, geometry_degree(domain), expression.ufl_shape)))
+    degree = geometry_degree(domain) if degree is None else degree
+    values = fem.Function(fem.functionspace(domain, (family, degree, expression.ufl_shape)))
     values.interpolate(fem.Expression(expression, interpolation_points(values.function_space), jit_options=JIT))
     return values

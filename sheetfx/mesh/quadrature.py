@@ -41,3 +41,23 @@ def gauss(cell: basix.CellType, *counts: int) -> Rule:
 def simplex(degree: int) -> Rule:
     """Rule on a triangle that is exact for polynomials of a degree."""
     return Rule(*basix.make_quadrature(basix.CellType.triangle, degree))
+
+
+def extrapolation(cell: basix.CellType, low: Rule, full: Rule) -> np.ndarray:
+    """Matrix from values at the points of one rule to those, at another's, of the polynomial through them.
+
+    Polynomials are those of a degree on simplices, and of a degree along each direction on quadrilaterals.
+
+    Raises
+    ------
+    ValueError
+        If no such polynomial has as many coefficients as there are points.
+    """
+    for degree in range(len(low.points)):
+        family = basix.create_element(basix.ElementFamily.P, cell, degree, basix.LagrangeVariant.gll_warped,
+                                      basix.DPCVariant.unset, degree == 0)
+        if family.dim == len(low.points):
+            at_low, at_full = (family.tabulate(0, rule.points)[0, :, :, 0] for rule in (low, full))
+            return at_full @ np.linalg.inv(at_low)
+    raise ValueError(f"ShellForm: no polynomial on a {cell.name} passes through {len(low.points)} points; take a low "
+                     "rule with as many as a polynomial has coefficients")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from dolfinx import fem
@@ -16,7 +17,9 @@ from ..mesh.cellwise import cellwise
 from ..mesh.numbers import as_constants
 from ..mesh.quadrature import Rule, gauss
 from ..mesh.reader import NamedMesh
-from .gradient import require_gradient
+from .gradient import require_law
+from .history import LawWithHistory, has_history
+from .plasticity import Fibres, Plastic, section_law
 from .section import Elastic, Section
 from .work import Internal, Term
 
@@ -30,9 +33,9 @@ class Beam:
     Attributes
     ----------
     mesh : NamedMesh
-    section, material : constants of the section law
+    section, material : constants of the section law; a Plastic one is integrated over the section's fibres
     strains : function (u, rotation, frame) -> generalised strains
-    law : function (strains, stiffness) -> stress resultants
+    law : function (strains, stiffness) -> stress resultants, or a LawWithHistory
     group : physical group of the curves; None: all
     degree : of displacement and rotation, 1, 2 or 3; integrated with `degree` Gauss points, which
         keeps all free of shear and membrane locking
@@ -48,7 +51,7 @@ class Beam:
     section: Section
     material: Elastic
     strains: Callable = forms.beam.simo_reissner
-    law: Callable = forms.section.linear_elastic
+    law: Callable | LawWithHistory = forms.section.linear_elastic
     group: str | None = None
     degree: int = 2
     up: tuple[float, float, float] = (0.0, 0.0, 1.0)
@@ -61,9 +64,17 @@ class Beam:
         if self.mesh.dimension == 3:
             self._check_up()
         self._check_offset()
-        stiffness = self.section.stiffness(self.material, self.mesh.dimension, self.shear_rigidity)
         if self.strains is forms.beam.simo_reissner:
-            require_gradient("Beam", self.law, stiffness, len(stiffness))
+            require_law("Beam", self.section_law, self._stiffness, len(self._stiffness))
+
+    @property
+    def _stiffness(self) -> list[float]:
+        return self.section.stiffness(self.material, self.mesh.dimension, self.shear_rigidity)
+
+    @cached_property
+    def section_law(self):
+        """The law, or that of the section's fibres where the material is plastic."""
+        return section_law(self.law, self.section, self.material, self._stiffness)
 
     def _check_up(self) -> None:
         """Refuse a direction of the depth that is parallel to a beam, or none."""
@@ -113,15 +124,13 @@ class Beam:
     def _strains_and_law(self, u, rotation):
         """Strains of the line of centroids, and the section law."""
         offset, length = self.eccentricity()
-        strains, law = _of_the_mesh(self, u, rotation, self.section.stiffness(
-            self.material, self.mesh.dimension, self.shear_rigidity))
+        strains, law = _of_the_mesh(self, u, rotation, self._stiffness)
         return forms.beam.off_the_line(strains, offset, length) if offset else strains, law
 
     def internal(self, u, rotation) -> Internal:
         """Internal virtual work."""
-        offset, length = self.eccentricity()
         strains, law = self._strains_and_law(u, rotation)
-        return _integrated(self, strains, (lambda e: length * law(e)) if offset else law)
+        return _integrated(self, strains, law, self.eccentricity()[1])
 
     def resultants(self, u, rotation):
         """Forces and moments as a UFL vector, and the points of a cell at which they are exact."""
@@ -138,7 +147,7 @@ class Bar:
     mesh : NamedMesh of straight cells
     section, material : give the axial stiffness
     strains : function (u, rotation, frame) -> vector of one strain; bars have no rotation, it is None
-    law : function (strains, stiffness) -> vector of the axial force
+    law : function (strains, stiffness) -> vector of the axial force, or a LawWithHistory
     group : physical group of the bars; None: all
     """
 
@@ -146,7 +155,7 @@ class Bar:
     section: Section
     material: Elastic
     strains: Callable = forms.bar.engineering
-    law: Callable = forms.section.linear_elastic
+    law: Callable | LawWithHistory = forms.section.linear_elastic
     group: str | None = None
     degree = 1
     spaces = ("P", 1), None
@@ -155,7 +164,18 @@ class Bar:
         if self.mesh.degree != 1:
             raise ValueError(f"Bar: the mesh has curved cells of degree {self.mesh.degree}; "
                              "bars are straight, read it with order 1")
-        require_gradient("Bar", self.law, [self.material.modulus * self.section.area], 1)
+        require_law("Bar", self.section_law, self._stiffness, 1)
+
+    @property
+    def _stiffness(self) -> list[float]:
+        return [self.material.modulus * self.section.area]
+
+    @cached_property
+    def section_law(self):
+        """The law, or that of one fibre where the material is plastic."""
+        if isinstance(self.material, Plastic) and self.law is forms.section.linear_elastic:
+            return Fibres([(0.0, 0.0)], [self.section.area], self.material, self._stiffness)
+        return self.law
 
     def frame(self):
         return forms.bar.bar_frame(self.mesh.domain)
@@ -165,7 +185,7 @@ class Bar:
         return self.mesh.integral({"quadrature_degree": 2 * self.degree - 1}, self.group)
 
     def _strains_and_law(self, u, rotation):
-        return _of_the_mesh(self, u, rotation, [self.material.modulus * self.section.area])
+        return _of_the_mesh(self, u, rotation, self._stiffness)
 
     def internal(self, u, rotation) -> Internal:
         """Internal virtual work."""
@@ -180,12 +200,13 @@ class Bar:
 def _of_the_mesh(part: Beam | Bar, u, rotation, stiffness):
     """Strains of the meshed line, and the section law with its stiffness as constants."""
     stiffness = as_constants(part.mesh.domain, stiffness)
-    return part.strains(u, rotation, part.frame()), lambda strains: part.law(strains, stiffness)
+    law = part.section_law
+    return part.strains(u, rotation, part.frame()), law if has_history(law) else lambda e: law(e, stiffness)
 
 
 def _rule(part: Beam | Bar) -> Rule:
     return gauss(part.mesh.domain.basix_cell(), part.degree)
 
 
-def _integrated(part: Beam | Bar, strains, law) -> Internal:
-    return Internal([Term(strains, law, _rule(part))], part.mesh.domain, part.mesh.group(part.group))
+def _integrated(part: Beam | Bar, strains, law, stretch=1.0) -> Internal:
+    return Internal([Term(strains, law, _rule(part), stretch=stretch)], part.mesh.domain, part.mesh.group(part.group))

@@ -8,8 +8,17 @@ import numpy as np
 import ufl
 from dolfinx import fem
 
-STRAINS, STEP = 1e-3, 1e-5  # size of the strains at which a law is looked at, and of differences
-SYMMETRIC = 1e-4  # relative difference of moduli that is an error of differences
+from .history import STRAINS, SYMMETRIC, has_history, require_update
+
+STEP = 1e-5  # of differences
+
+
+def require_law(name: str, law, stiffness, count: int) -> None:
+    """Refuse a section law, with history or without, that has no symmetric moduli."""
+    if has_history(law):
+        require_update(name, law, count)
+    else:
+        require_gradient(name, law, stiffness, count)
 
 
 def require_gradient(name: str, law: Callable, stiffness, count: int) -> None:

@@ -5,7 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import pi, tanh
 
+import numpy as np
+
 from ..checks import require_finite, require_positive
+from . import layers
 
 
 @dataclass(frozen=True)
@@ -58,6 +61,17 @@ class Section:
             return [axial, shear, about_binormal]
         return [axial, shear, shear, material.shear_modulus * self.torsion, about_normal, about_binormal]
 
+    def fibres(self) -> tuple[np.ndarray, np.ndarray]:
+        """Places of fibres from the centroid, along normal and binormal, shape (n, 2), and their areas.
+
+        Raises
+        ------
+        ValueError
+            For a section that has none.
+        """
+        raise ValueError(f"{type(self).__name__}: has no fibres, which a plastic material needs; give a Rectangle, a "
+                         "Tube or FibreList")
+
     def inertia(self, material: Elastic, dimension: int) -> list[float]:
         """Mass per length, and rotary inertia per length about the binormal (2) or all axes of the section (3)."""
         density = material.density or 0.0
@@ -68,14 +82,24 @@ class Section:
 
 @dataclass(frozen=True)
 class Rectangle(Section):
-    """Solid rectangle, `width` across the plane of bending and `depth` in it."""
+    """Solid rectangle, `width` across the plane of bending and `depth` in it.
+
+    Attributes
+    ----------
+    points : fibres along each side, by Gauss's rule, of a plastic material
+    """
 
     width: float
     depth: float
     shear_factor: float = 5 / 6
+    points: int = 5
 
     def __post_init__(self):
         require_positive(self, "width", "depth")
+        layers.require_points(self)
+
+    def fibres(self):
+        return layers.rectangle(self.width, self.depth, self.points)
 
     @property
     def area(self):
@@ -95,20 +119,30 @@ class Rectangle(Section):
 
 @dataclass(frozen=True)
 class Tube(Section):
-    """Round tube by outer diameter and wall thickness."""
+    """Round tube by outer diameter and wall thickness.
+
+    Attributes
+    ----------
+    points : fibres on a quarter of the circumference, and as dense through the wall, of a plastic material
+    """
 
     diameter: float
     thickness: float
     shear_factor: float = 0.5
+    points: int = 5
 
     def __post_init__(self):
         require_positive(self, "diameter", "thickness")
+        layers.require_points(self)
         if 2 * self.thickness > self.diameter:
             raise ValueError(f"Tube: thickness {self.thickness} is more than half the diameter {self.diameter}")
 
     @property
     def depth(self):
         return self.diameter
+
+    def fibres(self):
+        return layers.ring(self.diameter, self.thickness, self.points)
 
     @property
     def _inner(self):
@@ -128,9 +162,54 @@ class Tube(Section):
         return 2 * self.second_moments[0]
 
 
-def round_bar(diameter: float) -> Tube:
+def round_bar(diameter: float, points: int = 5) -> Tube:
     """Solid round section."""
-    return Tube(diameter, diameter / 2, shear_factor=0.9)
+    return Tube(diameter, diameter / 2, shear_factor=0.9, points=points)
+
+
+@dataclass(frozen=True)
+class FibreList(Section):
+    """Section that is given by its fibres.
+
+    Attributes
+    ----------
+    places : pairs of distances from the centroid along the direction of the depth and across it
+    areas : of the fibres
+    torsion : Saint-Venant's torsion constant
+    shear_factor : on the shear stiffness of the area
+    """
+
+    places: tuple[tuple[float, float], ...]
+    areas: tuple[float, ...]
+    torsion: float
+    shear_factor: float = 5 / 6
+
+    def __post_init__(self):
+        require_positive(self, "torsion", "shear_factor")
+        places, areas = np.asarray(self.places, float), np.asarray(self.areas, float)
+        if places.shape != (len(areas), 2) or not (areas > 0).all():
+            raise ValueError(f"FibreList: places has shape {places.shape}, with areas {areas.tolist()}; give a pair of "
+                             "distances and a positive area for each fibre")
+        off = areas @ places / areas.sum()
+        if np.abs(off).max() > 1e-9 * np.ptp(places):
+            raise ValueError(f"FibreList: the centroid of its fibres is {off.tolist()}; measure places from there")
+
+    def fibres(self):
+        return np.asarray(self.places, float), np.asarray(self.areas, float)
+
+    @property
+    def depth(self):
+        return float(np.ptp(np.asarray(self.places)[:, 0]))
+
+    @property
+    def area(self):
+        return sum(self.areas)
+
+    @property
+    def second_moments(self):
+        places, areas = self.fibres()
+        y, z = places.T
+        return float(areas @ z**2), float(areas @ y**2)
 
 
 @dataclass(frozen=True)
@@ -158,6 +237,15 @@ class Flanged(Section):
     def depth(self):
         low = min(-self.bar.depth / 2, self.offset - self.thickness / 2)
         return max(self.bar.depth / 2, self.offset + self.thickness / 2) - low
+
+    def fibres(self):
+        (bar, areas), flange = self.bar.fibres(), layers.rectangle(self.width, self.thickness, self._points)
+        own, other = ([from_axis - self.centroid, 0.0] for from_axis in (0.0, self.offset))
+        return np.vstack((bar + own, flange[0] + other)), np.concatenate((areas, flange[1]))
+
+    @property
+    def _points(self):
+        return getattr(self.bar, "points", 5)
 
     @property
     def _flange(self):
@@ -243,14 +331,23 @@ class Plate(ShellSection):
     thickness : length
     shear_factor : on the transverse shear stiffness
     drilling : factor on the membrane's shear stiffness; between 0.1 and 1 results hardly depend on it
+    points : layers through the thickness of a plastic material
+    rule : by which they are placed: "gauss", "lobatto" or "simpson" (the last two have layers on the faces)
     """
 
     thickness: float
     shear_factor: float = 5 / 6
     drilling: float = 1.0
+    points: int = 5
+    rule: str = "gauss"
 
     def __post_init__(self):
         require_positive(self, "thickness", "shear_factor", "drilling")
+        layers.require_points(self)
+
+    def layers(self) -> tuple[np.ndarray, np.ndarray]:
+        """Places from the mid-surface and weights of the layers of a plastic material."""
+        return layers.along(self.thickness, self.points, self.rule)
 
     def stiffness(self, material: Elastic) -> ShellStiffness:
         """Plane-stress stiffness of an isotropic material."""

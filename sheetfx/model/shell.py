@@ -4,23 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import basix
 import ufl
-from ufl.algorithms.expand_indices import IndexExpander
 
 from .. import forms
 from ..compat import geometry_degree
 from ..mesh.cellwise import cellwise
 from ..mesh.numbers import as_constants
-from ..mesh.quadrature import Rule, gauss, simplex
+from ..mesh.quadrature import Rule, extrapolation, gauss, simplex
 from ..mesh.reader import NamedMesh
-from .gradient import require_gradient
+from .gradient import require_law
+from .history import LawWithHistory, has_history
+from .plasticity import section_law
 from .section import Elastic, GivenPlate, Plate
-from .work import Internal, Term
+from .work import Internal, Term, Tying
 
 TRIANGLE, QUADRILATERAL = basix.CellType.triangle, basix.CellType.quadrilateral
-GROUPS = MEMBRANE, BENDING, SHEAR_AND_DRILLING = (0, 1, 2), (3, 4, 5), (6, 7, 8)
+TIED = 0, 1, 2, 6, 7, 8  # membrane, shear and drilling strains
 
 
 @dataclass(frozen=True)
@@ -58,6 +60,11 @@ class ShellForm:
             membrane = share * (1 + 0.1 / (bent * area + 1e-12))
         return ufl.min_value(1.0, membrane), ufl.min_value(1.0, share)
 
+    def tying(self, frame, thickness) -> Tying:
+        """Membrane, shear and drilling strains are tied to the low rule, bending is as it is."""
+        stretch, rest = self.shares(frame, thickness)
+        return Tying(self.low, extrapolation(self.cell, self.low, self.full), TIED, [*3 * [stretch], *3 * [rest]])
+
 
 def _quadrilateral(degree: int) -> ShellForm:
     """Equal degree of displacement and rotation on quadrilaterals."""
@@ -93,11 +100,11 @@ class Shell:
     Attributes
     ----------
     mesh : NamedMesh
-    section, material : constants of the section law
+    section, material : constants of the section law; a Plastic one is integrated through the section's layers
     form : name of a form in FORMS, or a ShellForm
     strains : function (u, rotation, frame) -> ShellStrains
     law : function (strains, stiffness) -> stress resultants, gradient of an energy, see forms.section.linear_shell;
-        it may couple stretching, bending, shear and drilling
+        it may couple stretching, bending, shear and drilling; or a LawWithHistory
     group : physical group of the surfaces; None: all
     offset : distance of the mid-surface from the meshed surface, along its normal
     """
@@ -107,7 +114,7 @@ class Shell:
     material: Elastic | None = None
     form: str | ShellForm = "naghdi-q2"
     strains: Callable | None = None
-    law: Callable = forms.section.linear_shell
+    law: Callable | LawWithHistory = forms.section.linear_shell
     group: str | None = None
     offset: float = 0.0
 
@@ -119,7 +126,12 @@ class Shell:
         if self.discrete.cell != cell:
             raise ValueError(f"Shell: form {self.form!r} needs a mesh of {self.discrete.cell.name} cells, "
                              f"this one has {cell.name} cells")
-        require_gradient("Shell", self.law, self.section.stiffness(self.material), 9)
+        require_law("Shell", self.section_law, self.section.stiffness(self.material), 9)
+
+    @cached_property
+    def section_law(self):
+        """The law, or that of the section's layers where the material is plastic."""
+        return section_law(self.law, self.section, self.material, self.section.stiffness(self.material))
 
     @property
     def discrete(self) -> ShellForm:
@@ -143,7 +155,9 @@ class Shell:
         stiffness, thickness, offset = as_constants(
             self.mesh.domain, (self.section.stiffness(self.material), self.section.thickness, self.offset))
         measure = self.strains or (lambda u, rotation, frame: forms.shell.naghdi(u, rotation, frame, offset))
-        return measure(u, rotation, frame).vector, lambda e: self.law(e, stiffness), thickness
+        law = self.section_law
+        return (measure(u, rotation, frame).vector, law if has_history(law) else lambda e: law(e, stiffness),
+                thickness)
 
     def resultants(self, u, rotation):
         """Forces and moments as a UFL vector, and the points of a cell at which they are most exact: the low rule's."""
@@ -151,81 +165,21 @@ class Shell:
         return law(strains), self.discrete.low.points
 
     def internal(self, u, rotation) -> Internal:
-        """Internal virtual work: each energy, and their coupling where there is one, with its rule."""
-        form, domain, frame = self.discrete, self.mesh.domain, self.frame()
+        """Internal virtual work."""
+        form, frame = self.discrete, self.frame()
         strains, law, thickness = self._strains_and_law(u, rotation, frame)
-        stretch, shear = form.shares(frame, thickness)
-        coupled = is_coupled(law, domain)
-
-        def full(e):
-            return (stretch * _restricted(law, MEMBRANE)(e) + shear * _restricted(law, SHEAR_AND_DRILLING)(e)
-                    + _restricted(law, BENDING)(e))
-
-        def low(e):
-            if coupled:
-                return law(e) - full(e)
-            return ((1 - stretch) * _restricted(law, MEMBRANE)(e)
-                    + (1 - shear) * _restricted(law, SHEAR_AND_DRILLING)(e))
-
-        everything = range(9)
-        low_places = everything if coupled else [*MEMBRANE, *SHEAR_AND_DRILLING]
-        return Internal([_term(strains, low, low_places, form.low), _term(strains, full, everything, form.full)],
-                        domain, self.mesh.group(self.group))
+        term = Term(strains, law, form.full, form.tying(frame, thickness))
+        return Internal([term], self.mesh.domain, self.mesh.group(self.group))
 
 
 def surface_frame(domain) -> forms.shell.SurfaceFrame:
-    """Frame of a surface with its normals interpolated at the nodes of each cell."""
+    """Frame of a surface with its normals interpolated at the nodes of each cell.
+
+    Its axes follow those of each cell's middle, so that constant strains have constant components wherever a cell is
+    flat.
+    """
     if domain.basix_cell() == TRIANGLE and geometry_degree(domain) == 1:
         return forms.shell.surface_frame(domain)
-    return forms.shell.surface_frame(domain, cellwise(domain, forms.shell.unit_normal(domain)))
-
-
-def is_coupled(law, domain) -> bool:
-    """Whether a section law gives forces of one of the GROUPS to strains of another."""
-    strains = [ufl.Constant(domain.ufl_domain()) for _ in range(9)]
-    resultants = ufl.algorithms.expand_derivatives(law(ufl.as_vector(strains)))
-    components = _Components()
-    for group in GROUPS:
-        others = {e for n, e in enumerate(strains) if n not in group}
-        if any(others.intersection(ufl.algorithms.extract_type(components.visit(resultants[n]), ufl.Constant))
-               for n in group):
-            return True
-    return False
-
-
-class _Components(IndexExpander):
-    """Writes out scalar expressions without indices, so that they contain only what they depend on.
-
-    Each component of a subexpression is written out once: UFL's expander repeats it wherever it occurs, which takes
-    forever for a law that iterates, and confuses the components of variables.
-    """
-
-    def __init__(self):
-        super().__init__()
-        self._known = {}
-
-    def visit(self, o):
-        indices = tuple(self._index2value[ufl.classes.Index(n)] for n in o.ufl_free_indices)
-        key = o, self.component(), indices
-        if key not in self._known:
-            self._known[key] = super().visit(o)
-        return self._known[key]
-
-    def variable(self, o):
-        return self.visit(o.ufl_operands[0])
-
-
-def _term(strains, law, places, rule) -> Term:
-    """Term of those strains that the law gives forces to."""
-    def chosen(e):
-        given = dict(zip(places, e, strict=True))
-        resultants = law(ufl.as_vector([given.get(n, ufl.as_ufl(0.0)) for n in range(9)]))
-        return ufl.as_vector([resultants[n] for n in places])
-    return Term(ufl.as_vector([strains[n] for n in places]), chosen, rule)
-
-
-def _restricted(law, places):
-    """A section law of which only some strains and the forces conjugate to them are kept."""
-    def kept(vector):
-        return ufl.as_vector([vector[n] if n in places else ufl.as_ufl(0.0) for n in range(9)])
-    return lambda strains: kept(law(kept(strains)))
+    tangent, normal = forms.shell.unit_tangent(domain), forms.shell.unit_normal(domain)
+    return forms.shell.surface_frame(domain, cellwise(domain, normal),
+                                     (cellwise(domain, tangent, 0), cellwise(domain, normal, 0)))

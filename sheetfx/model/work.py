@@ -9,6 +9,25 @@ import numpy as np
 from dolfinx.mesh import Mesh
 
 from ..mesh.quadrature import Rule
+from .history import LawWithHistory
+
+
+@dataclass(frozen=True)
+class Tying:
+    """Assumed strains, see `discrete.assumed`.
+
+    Attributes
+    ----------
+    low : rule at whose points strains are sampled
+    extrapolation : matrix from values at the low rule's points to those at the points of integration
+    tied : places of the strains that are tied; others are as they are
+    shares : UFL scalar for each of them, the share of its energy that is integrated with the full rule
+    """
+
+    low: Rule
+    extrapolation: np.ndarray
+    tied: Sequence[int]
+    shares: Sequence
 
 
 @dataclass(frozen=True)
@@ -18,13 +37,17 @@ class Term:
     Attributes
     ----------
     strains : UFL vector of generalised strains
-    law : function from strains to stress resultants, the gradient of an energy density
+    law : function from strains to stress resultants, the gradient of an energy density, or a LawWithHistory
     rule : quadrature
+    tying : strains that the law is given instead; None: those at the points
+    stretch : length or area that resultants belong to, over that of the mesh
     """
 
     strains: object
-    law: Callable
+    law: Callable | LawWithHistory
     rule: Rule
+    tying: Tying | None = None
+    stretch: object = 1.0
 
 
 @dataclass(frozen=True)

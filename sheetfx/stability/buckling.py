@@ -85,7 +85,8 @@ def buckling(path, state: State, count: int = 6, *, supports: Sequence | None = 
     """
     home = path.discretisation
     discretisation = home if supports is None else Discretisation(replace(home.scene, supports=supports))
-    with home.visiting(state.fields), discretisation.visiting(state.fields):
+    with (home.visiting(state.fields), discretisation.visiting(state.fields), home.system.history.frozen(),
+          discretisation.system.history.frozen()):
         motions = home.system.motions(home.system.create_vector(state.response))
         problem = _Problem(discretisation, state, motions, state.step > 0 if prebuckling is None else prebuckling)
         found = _complete(problem, count, tolerance)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from scipy.interpolate import KroghInterpolator
@@ -302,10 +303,17 @@ def _clusters(crossings: list[Crossing], near: float) -> list[list[Crossing]]:
 
 
 def _bifurcation(segment: Segment, crossings: list[Crossing]) -> CriticalPoint:
-    """A simple or multiple bifurcation, classified."""
+    """A simple or multiple bifurcation, classified.
+
+    Where points have yielded the tangent is that of a linear comparison solid, which goes on loading (Hill 1958). Its
+    bifurcation is the first one of the structure, such as Shanley's (1947) of a column, but it has no energy that would
+    say what follows, when points unload.
+    """
     first, count, tracer = crossings[0], len(crossings), segment.tracer
     point = CriticalPoint("bifurcation", first.load, first.deflection, segment.after.step, first.length, count,
                           spread=first.spread)
+    if tracer.system.history.moved:
+        return replace(point, name="comparison solid")
     if not tracer.system.smooth or not tracer.system.conservative or first.spread:
         return point
     try:

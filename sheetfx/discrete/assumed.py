@@ -1,0 +1,292 @@
+"""Work of a term whose law is called with assumed strains, once at each point of integration.
+
+The strains e are sampled at the points of integration and at the fewer points of a lower rule. With their polynomial
+through the latter, P e, the law is given
+
+    e* = P e + r (e - P e),    0 <= r <= 1,
+
+a fixed matrix between the points of a cell. Where e is of the full rule's degree, P is its projection on polynomials
+of one degree less (their difference is Legendre's polynomial, whose zeros are Gauss's points), so that an elastic law
+stores (1 - r^2) of the energy by the lower rule and r^2 of that by the full one: selective reduced integration (Malkus
+and Hughes 1978; Arnold and Brezzi 1997), but one that coupled laws and laws with history can bear. The tangent,
+
+    B*^T C B* + sum of s^ d2e,    s^ = T^T (weight s),
+
+is the exact Hessian of the energy for the matrix T of e*.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import combinations_with_replacement
+
+import numba
+import numpy as np
+import ufl
+from dolfinx.mesh import Mesh
+
+from ..mesh.quadrature import Rule
+from ..model.history import has_history
+from ..model.work import Term
+from .densities import WAY, Densities, at_points, component_pairs, put
+from .laws import FormulaLaw, RememberingLaw
+
+
+class AssumedWork:
+    """Work of a term whose law is called once at each point, with strains that may be tied to a lower rule.
+
+    Parameters
+    ----------
+    increments : see `elements.ElementWork`
+
+    Attributes
+    ----------
+    numbers : of the fields that occur, in `fields`
+    """
+
+    def __init__(self, term: Term, domain: Mesh, cells: np.ndarray, fields, increments):
+        self._full = _Sampling(term.strains, domain, cells, fields, term.rule.points)
+        self._low, self._tying, self._size = None, term.tying, term.strains.ufl_shape[0]
+        if self._tying:
+            tied = ufl.as_vector([term.strains[i] for i in self._tying.tied])
+            self._low = _Sampling(tied, domain, cells, fields, self._tying.low.points)
+        self._samplings = [s for s in (self._full, self._low) if s is not None]
+        self.numbers = self._full.numbers
+        self._measure, self._roots = _measure_and_roots(term, domain, cells)
+        self._projection = _projection(term, domain, cells) if self._tying else None
+        self._law = (RememberingLaw(term.law, (*self._measure.shape, self._size)) if has_history(term.law)
+                     else FormulaLaw(term.law, self._size, domain, cells, term.rule))
+        self._increments = increments
+        self._held = np.zeros((*self._measure.shape, self._size))
+
+    def _assumed(self, chunk: slice, values: list[np.ndarray]) -> np.ndarray:
+        """Assumed values from those sampled at each rule, (cells, points, strains, ...); the first are written over."""
+        here, *low = values
+        if low:
+            tied = here[:, :, self._tying.tied]
+            projected = (self._projection[chunk] @ low[0].reshape(*low[0].shape[:2], -1)).reshape(tied.shape)
+            roots = self._roots[chunk].reshape(len(tied), 1, -1, *(1,) * (tied.ndim - 3))
+            here[:, :, self._tying.tied] = projected + roots * (tied - projected)
+        return here
+
+    def _sampled(self, chunk: slice, forces: np.ndarray) -> list[np.ndarray]:
+        """Forces on the strains sampled at each rule from those on the assumed ones: the transpose of `_assumed`."""
+        if self._low is None:
+            return [forces]
+        tied = forces[:, :, self._tying.tied]
+        own = self._roots[chunk, None] * tied
+        forces[:, :, self._tying.tied] = own
+        return [forces, self._projection[chunk].transpose(0, 2, 1) @ (tied - own)]
+
+    def _sample(self, chunk: slice) -> tuple[np.ndarray, list[np.ndarray]]:
+        """Assumed strains, and the derivatives of the sampled ones by the jets."""
+        strains, slopes = zip(*(s.sample(chunk) for s in self._samplings), strict=True)
+        return self._assumed(chunk, list(strains)), list(slopes)
+
+    def _forces(self, chunk: slice, resultants: np.ndarray) -> list[np.ndarray]:
+        return self._sampled(chunk, self._measure[chunk, :, None] * resultants)
+
+    def _integrated(self, forces: list[np.ndarray], slopes: list[np.ndarray]):
+        for sampling, force, slope in zip(self._samplings, forces, slopes, strict=True):
+            yield from sampling.integrated((force[:, :, None] @ slope)[:, :, 0])
+
+    def vectors(self, chunk: slice):
+        """Number of each field and its internal forces."""
+        strains, slopes = self._sample(chunk)
+        return self._integrated(self._forces(chunk, self._law(chunk, strains)[0]), slopes)
+
+    @property
+    def memory(self) -> RememberingLaw | None:
+        """The law where it is one with history."""
+        return self._law if isinstance(self._law, RememberingLaw) else None
+
+    def commit(self, chunk: slice) -> None:
+        """Let history move on to the present strains."""
+        if self.memory:
+            self.memory.commit(chunk, self._sample(chunk)[0])
+
+    def resultants(self, chunk: slice) -> np.ndarray:
+        """Present resultants at the points of integration, (cells, points, strains)."""
+        return self._law(chunk, self._sample(chunk)[0])[0]
+
+    def energy(self, chunk: slice) -> float:
+        """Work of the resultants on the way to the present strains."""
+        strains, _ = self._sample(chunk)
+        density = sum(weight * np.sum(self._law(chunk, share * strains)[0] * strains, axis=2) for share, weight in WAY)
+        return float(np.sum(self._measure[chunk] * density))
+
+    def extrapolate_stress(self, chunk: slice) -> None:
+        strains, slopes = self._sample(chunk)
+        resultants, moduli = self._law(chunk, strains)
+        change = self._assumed(chunk, [s.change(chunk, slope, self._increments)
+                                       for s, slope in zip(self._samplings, slopes, strict=True)])
+        self._held[chunk] = resultants + (moduli @ change[..., None])[..., 0]
+
+    def add_matrices(self, chunk: slice, matrices: dict):
+        """Add element matrices (cells, pairs of components, n, m) by numbers of fields; return held forces."""
+        held = self._law(chunk, self._sample(chunk)[0])[0] if self._increments is None else self._held[chunk]
+        forces = self._forces(chunk, held)
+        strains, slopes = zip(*(s.add_curvature(chunk, force, matrices)
+                                for s, force in zip(self._samplings, forces, strict=True)), strict=True)
+        self._add_material(chunk, slopes, self._law(chunk, self._assumed(chunk, list(strains)))[1], matrices)
+        return self._integrated(forces, slopes)
+
+    def _add_material(self, chunk: slice, slopes: Sequence[np.ndarray], moduli: np.ndarray, matrices: dict) -> None:
+        """Add B*^T C B*."""
+        weighted = self._measure[chunk, :, None, None] * moduli
+        cells, rows = len(weighted), weighted.shape[1] * self._size
+        assumed = [self._nodal(chunk, slopes, place) for place in range(len(self.numbers))]
+        forces = [_products_by_point(weighted, b) for b in assumed]
+        parts = list(zip(self.numbers, self._full.parts, assumed, forces, strict=True))
+        for (one, part, left, _), (other, partner, _, right) in combinations_with_replacement(parts, 2):
+            found = left.reshape(cells, rows, -1).transpose(0, 2, 1) @ right.reshape(cells, rows, -1)
+            pairs = component_pairs(part.components, partner.components, one == other)
+            _add_component_pairs(matrices[one, other], found, np.array(pairs))
+
+    def _nodal(self, chunk: slice, slopes: list[np.ndarray], place: int) -> np.ndarray:
+        """Derivatives of the assumed strains by the nodal values of a field, see `_by_nodes`."""
+        nodal = self._full.by_nodes(slopes[0], self.numbers[place])
+        if self._low is None or self.numbers[place] not in self._low.numbers:
+            return nodal
+        low = self._low.by_nodes(slopes[1], self.numbers[place])
+        _tie(nodal, low, self._projection[chunk], self._roots[chunk], np.array(self._tying.tied))
+        return nodal
+
+
+class _Sampling(Densities):
+    """Strains at points, and their first and second derivatives by the jet."""
+
+    def __init__(self, strains, domain: Mesh, cells: np.ndarray, fields, points: np.ndarray):
+        super().__init__(strains, domain, cells, fields, Rule(points, np.ones(len(points))))
+        self._size, width = self.strains.ufl_shape[0], self.jet.ufl_shape[0]
+        self._count = self._size * (1 + width)
+        slopes = ufl.diff(self.strains, self.jet)
+        kinematics = [self.strains[i] for i in range(self._size)]
+        kinematics += [slopes[i, j] for i in range(self._size) for j in range(width)]
+        self._kinematics = self.expression(ufl.as_vector(kinematics))
+        self._given, self._rows = self.function()
+        i, j = ufl.indices(2)
+        force = ufl.as_vector(self._given[i] * slopes[i, j], j)
+        self._all = self.expression(ufl.as_vector(kinematics + self.pairs(ufl.diff(force, self.jet))))
+
+    def sample(self, chunk: slice) -> tuple[np.ndarray, np.ndarray]:
+        """Strains (cells, points, strains), and their derivatives (cells, points, strains, jet)."""
+        return self._split(self.evaluate(self._kinematics, chunk))
+
+    def _split(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        strains, slopes = values[..., :self._size], values[..., self._size: self._count]
+        return strains, np.ascontiguousarray(slopes).reshape(*strains.shape, -1)
+
+    def add_curvature(self, chunk: slice, forces: np.ndarray, matrices: dict) -> tuple[np.ndarray, np.ndarray]:
+        """Add element matrices of the sum of forces times second derivatives of the strains; return `sample`."""
+        put(self._given, self._rows[chunk], forces)
+        values = self.evaluate(self._all, chunk)
+        self.add_products(values[..., self._count:], matrices)
+        return self._split(values)
+
+    def by_nodes(self, slopes: np.ndarray, number: int) -> np.ndarray:
+        """Derivatives of the strains by the nodal values of a field, (cells, points, strains, components * nodes)."""
+        place = self.numbers.index(number)
+        part = self.parts[place]
+        return _by_nodes(slopes, part.start, part.components, part.orders, self.tables[place])
+
+    def change(self, chunk: slice, slopes: np.ndarray, increments) -> np.ndarray:
+        """First-order change of the strains by increments of all fields, (cells, points, strains)."""
+        changes = []
+        for number, part, table in zip(self.numbers, self.parts, self.tables, strict=True):
+            nodes = increments[number].function_space.dofmap.list[self.cells[chunk]]
+            values = increments[number].x.array.reshape(-1, part.components)[nodes]
+            change = np.tensordot(values, table, (1, 2)).transpose(0, 3, 1, 2)
+            changes.append(change.reshape(*change.shape[:2], -1))
+        return (slopes @ np.concatenate(changes, axis=2)[..., None])[..., 0]
+
+
+def _measure_and_roots(term: Term, domain: Mesh, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Weights of the points of each cell, (cells, points), and r of its tied strains, (cells, strains).
+
+    It is the root of the mean share: were it not constant in a cell, constant forces would do work on e - P e.
+    """
+    shares = term.tying.shares if term.tying else ()
+    data = ufl.as_vector([ufl.JacobianDeterminant(domain) * term.stretch, *shares])
+    values = at_points(data, domain, term.rule.points).eval(domain, cells)
+    values = values.reshape(len(cells), len(term.rule.points), -1)
+    measure = values[..., 0] * term.rule.weights
+    return measure, np.sqrt(np.einsum("cq,cqi->ci", measure, values[..., 1:]) / measure.sum(axis=1)[:, None])
+
+
+def _projection(term: Term, domain: Mesh, cells: np.ndarray) -> np.ndarray:
+    """Matrices from values at the low rule's points to P e at those of integration, (cells, points, low points).
+
+    The polynomial is that of strains times area: constant forces then do the work on it that the low rule gives.
+    """
+    tying = term.tying
+    areas = [at_points(ufl.JacobianDeterminant(domain), domain, points).eval(domain, cells).reshape(len(cells), -1)
+             for points in (term.rule.points, tying.low.points)]
+    return tying.extrapolation * areas[1][:, None, :] / areas[0][:, :, None]
+
+
+@numba.njit(cache=True, fastmath=True)
+def _by_nodes(slopes, start, components, orders, table):
+    """Derivatives by the nodal values of a field that starts at a place of the jet.
+
+    `orders` is a tuple as long as the field has orders in the jet: a constant at compilation (see `elements`).
+    """
+    cells, points, strains, _ = slopes.shape
+    nodes = table.shape[2]
+    found = np.empty((cells, points, strains, components * nodes))
+    for c in range(cells):
+        for q in range(points):
+            for i in range(strains):
+                for a in range(components):
+                    place = start + a * len(orders)
+                    for n in range(nodes):
+                        total = 0.0
+                        for k in range(len(orders)):
+                            total += slopes[c, q, i, place + k] * table[k, q, n]
+                        found[c, q, i, a * nodes + n] = total
+    return found
+
+
+@numba.njit(cache=True, fastmath=True)
+def _tie(full, low, projection, roots, tied):
+    """Replace tied strains by r times their own value and 1 - r times that of the polynomial through the low points."""
+    width, projected = full.shape[3], np.empty(full.shape[3])
+    for c in range(full.shape[0]):
+        for q in range(full.shape[1]):
+            for t in range(len(tied)):
+                row, root = full[c, q, tied[t]], roots[c, t]
+                projected[:] = 0.0
+                for p in range(low.shape[1]):
+                    weight, other = (1 - root) * projection[c, q, p], low[c, p, t]
+                    for m in range(width):
+                        projected[m] += weight * other[m]
+                for m in range(width):
+                    row[m] = root * row[m] + projected[m]
+
+
+@numba.njit(cache=True, fastmath=True)
+def _products_by_point(matrices, vectors):
+    """Products of a matrix and rows of vectors at each point; many moduli are zero."""
+    found = np.zeros_like(vectors)
+    for c in range(vectors.shape[0]):
+        for q in range(vectors.shape[1]):
+            for i in range(vectors.shape[2]):
+                row = found[c, q, i]
+                for j in range(vectors.shape[2]):
+                    modulus, other = matrices[c, q, i, j], vectors[c, q, j]
+                    if modulus != 0.0:
+                        for m in range(vectors.shape[3]):
+                            row[m] += modulus * other[m]
+    return found
+
+
+@numba.njit(cache=True, fastmath=True)
+def _add_component_pairs(matrices, found, pairs):
+    """Add matrices (cells, components * n, components * m) by pairs of components."""
+    rows, columns = matrices.shape[2:]
+    for c in range(len(matrices)):
+        for k in range(len(pairs)):
+            row, column = pairs[k, 0] * rows, pairs[k, 1] * columns
+            for i in range(rows):
+                for j in range(columns):
+                    matrices[c, k, i, j] += found[c, row + i, column + j]

@@ -1,0 +1,89 @@
+"""Section laws evaluated outside the kernels of the strains, at given strains."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import ufl
+from dolfinx.mesh import Mesh
+
+from ..mesh.quadrature import Rule
+from ..model.history import LawWithHistory
+from .densities import at_points, put, values_at_points
+
+
+class FormulaLaw:
+    """A law written in UFL.
+
+    Parameters
+    ----------
+    law : function from a UFL vector of strains to one of resultants
+    size : number of strains
+    domain, cells, rule : where it is evaluated
+    """
+
+    def __init__(self, law: Callable, size: int, domain: Mesh, cells: np.ndarray, rule: Rule):
+        self._domain, self._cells, self._size = domain, cells, size
+        self._given, self._rows = values_at_points(domain, cells, rule, (size,))
+        strains = ufl.variable(self._given)
+        resultants = law(strains)
+        moduli = ufl.diff(resultants, strains)
+        self._values = at_points(ufl.as_vector(
+            [resultants[i] for i in range(size)] + [moduli[i, j] for i in range(size) for j in range(size)]),
+            domain, rule.points)
+
+    def __call__(self, chunk: slice, strains: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Resultants (cells, points, n) and moduli (cells, points, n, n) of strains (cells, points, n)."""
+        put(self._given, self._rows[chunk], strains)
+        values = self._values.eval(self._domain, self._cells[chunk]).reshape(*strains.shape[:2], -1)
+        return values[..., :self._size], values[..., self._size:].reshape(*strains.shape, self._size)
+
+
+class RememberingLaw:
+    """A law with history, and the history of its points.
+
+    Parameters
+    ----------
+    law : LawWithHistory
+    shape : cells, points of each, strains
+
+    Attributes
+    ----------
+    frozen : whether points answer as the linear comparison solid of the last accepted state (Hill 1958): with the
+        moduli of loading where they were on the point of yielding, the others with elastic ones
+    """
+
+    def __init__(self, law: LawWithHistory, shape: tuple[int, int, int]):
+        self._law, self.frozen = law, False
+        self._strains, self._history = np.zeros(shape), np.zeros((*shape[:2], law.remembered))
+
+    def __call__(self, chunk: slice, strains: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Resultants (cells, points, n) and moduli (cells, points, n, n) of strains (cells, points, n)."""
+        if not self.frozen:
+            return self._update(chunk, strains)[:2]
+        resultants, moduli, _ = self._update(chunk, self._strains[chunk])
+        return resultants + (moduli @ (strains - self._strains[chunk])[..., None])[..., 0], moduli
+
+    def _update(self, chunk: slice, strains: np.ndarray) -> tuple[np.ndarray, ...]:
+        history = self._history[chunk]
+        found = self._law.update(strains.reshape(-1, strains.shape[2]), history.reshape(-1, history.shape[2]))
+        return tuple(values.reshape(*strains.shape[:2], *values.shape[1:]) for values in found)
+
+    def commit(self, chunk: slice, strains: np.ndarray) -> None:
+        """Let history move on to what the present strains make of it."""
+        self._history[chunk] = self._update(chunk, strains)[2]
+        self._strains[chunk] = strains
+
+    @property
+    def moved(self) -> bool:
+        """Whether a point of this process remembers something."""
+        return bool(self._history.any())
+
+    def snapshot(self) -> np.ndarray:
+        """Strains and history of the last accepted state."""
+        return np.concatenate((self._strains, self._history), axis=2)
+
+    def restore(self, kept: np.ndarray) -> None:
+        count = self._strains.shape[2]
+        self._strains[:], self._history[:] = kept[..., :count], kept[..., count:]

@@ -1,0 +1,196 @@
+"""Plastic materials, and section laws that integrate them through the thickness or over fibres."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numba
+import numpy as np
+
+from ..checks import require_finite, require_positive
+from ..forms.section import linear_elastic, linear_shell
+from .history import LawWithHistory
+from .return_mapping import ON_SURFACE, REMEMBERED, one_axis, plane_stress
+from .section import Elastic, Plate
+
+
+@dataclass(frozen=True)
+class Plastic(Elastic):
+    """Elastic-plastic material with von Mises's yield condition and linear hardening.
+
+    Attributes
+    ----------
+    yield_stress : in tension (force / length^2)
+    hardening : increase of the yield stress by plastic strain in one axis (isotropic); the slope of the stress-strain
+        curve is then E H / (E + H). Negative: softening, of beams and bars only
+    kinematic : increase of the back stress by plastic strain in one axis, likewise
+    """
+
+    yield_stress: float = 0.0
+    hardening: float = 0.0
+    kinematic: float = 0.0
+
+    def __post_init__(self):
+        super().__post_init__()
+        require_positive(self, "yield_stress")
+        require_finite(self, "hardening", "kinematic")
+        if self.kinematic < 0:
+            raise ValueError(f"Plastic: kinematic is {self.kinematic}; it must not be negative, let the yield stress "
+                             "soften by hardening")
+        if self.hardening + self.kinematic <= -self.modulus:
+            raise ValueError(f"Plastic: hardening + kinematic is {self.hardening + self.kinematic}, at or below minus "
+                             f"the modulus {self.modulus}: stress would jump; give a slower softening")
+
+
+def section_law(law: Callable, section, material: Elastic, stiffness):
+    """The law of a part: as it is, or where it is not the user's and the material is plastic that of the section.
+
+    Parameters
+    ----------
+    law : given to the part
+    stiffness : ShellStiffness, or a sequence for a beam or bar
+    """
+    if not isinstance(material, Plastic) or law not in (linear_elastic, linear_shell):
+        return law
+    if law is linear_elastic:
+        places, areas = section.fibres()
+        return Fibres(places, areas, material, stiffness)
+    if not isinstance(section, Plate):
+        raise ValueError(f"{type(section).__name__}: has no layers, which a plastic material needs; give a Plate, or a "
+                         "law of your own")
+    places, weights = section.layers()
+    return Layers(places, weights, material, stiffness)
+
+
+class Layers(LawWithHistory):
+    """Shell section law of a plastic material, integrated through the thickness; transverse shear is elastic.
+
+    Strains are those of `forms.section.linear_shell`. A point of which both faces are inside the yield surface, and
+    that has never yielded, is not divided into layers.
+
+    Parameters
+    ----------
+    places, weights : of the layers, from the mid-surface (length)
+    material : Plastic
+    stiffness : ShellStiffness of the elastic section
+    """
+
+    def __init__(self, places: np.ndarray, weights: np.ndarray, material: Plastic, stiffness):
+        if material.hardening < 0:
+            raise ValueError(f"Plastic: hardening is {material.hardening}; layers of a shell need 0 or more")
+        self.places, self.weights, self.material = np.asarray(places, float), np.asarray(weights, float), material
+        self.remembered = REMEMBERED * len(places)
+        elastic = np.zeros((9, 9))
+        elastic[:3, :3], elastic[3:6, 3:6] = stiffness.membrane, stiffness.bending
+        elastic[6:8, 6:8], elastic[8, 8] = stiffness.shear, stiffness.drilling
+        self._elastic = elastic
+        self._constants = (material.modulus, material.poisson, material.yield_stress, material.hardening,
+                           material.kinematic)
+
+    def update(self, strains, history):
+        return _layers(np.ascontiguousarray(strains), np.ascontiguousarray(history), self.places, self.weights,
+                       self._elastic, *self._constants)
+
+    def yielded(self, history: np.ndarray) -> np.ndarray:
+        """Share of the thickness that has yielded at points of a history."""
+        hardened = history.reshape(len(history), len(self.places), REMEMBERED)[..., -1]
+        return (hardened > 0) @ (self.weights / self.weights.sum())
+
+
+class Fibres(LawWithHistory):
+    """Beam section law of a plastic material by fibres along the axis; shear and torsion are elastic.
+
+    Strains are those of `forms.beam.simo_reissner`, of a fibre e - y k_b in the plane, e - y k_b + z k_n in space, y
+    being its distance along the normal (the direction of the depth) and z along the binormal.
+
+    Parameters
+    ----------
+    places : shape (fibres, 2), of the fibres from the centroid along normal and binormal (length)
+    areas : of the fibres
+    material : Plastic
+    stiffness : of the elastic section, in the order of the strains; one of a bar, three in the plane, six in space
+    """
+
+    def __init__(self, places: np.ndarray, areas: np.ndarray, material: Plastic, stiffness: Sequence[float]):
+        places, self.areas = np.asarray(places, float).reshape(-1, 2), np.asarray(areas, float)
+        self._arms = np.zeros((len(places), len(stiffness)))
+        self._arms[:, 0] = 1.0
+        if len(stiffness) == 3:
+            self._arms[:, 2] = -places[:, 0]
+        elif len(stiffness) == 6:
+            self._arms[:, 4], self._arms[:, 5] = places[:, 1], -places[:, 0]
+        carried = self._arms.any(axis=0)
+        self._elastic = np.diag(np.where(carried, 0.0, np.asarray(stiffness, float)))
+        self.remembered = 3 * len(places)
+        self._constants = material.modulus, material.yield_stress, material.hardening, material.kinematic
+
+    def update(self, strains, history):
+        return _fibres(np.ascontiguousarray(strains), np.ascontiguousarray(history), self._arms, self.areas,
+                       self._elastic, *self._constants)
+
+    def yielded(self, history: np.ndarray) -> np.ndarray:
+        """Share of the area that has yielded at points of a history."""
+        return (history.reshape(len(history), -1, 3)[..., -1] > 0) @ (self.areas / self.areas.sum())
+
+
+@numba.njit(cache=True)
+def _fibres(strains, history, arms, areas, elastic, modulus, strength, isotropic, kinematic):
+    """Sums over fibres at many points; each remembers plastic strain, back stress and equivalent plastic strain."""
+    points, count = strains.shape
+    resultants, moduli, after = np.zeros((points, count)), np.zeros((points, count, count)), np.empty_like(history)
+    for q in range(points):
+        moduli[q] = elastic
+        resultants[q] = elastic @ strains[q]
+        for f in range(len(areas)):
+            strain = 0.0
+            for i in range(count):
+                strain += arms[f, i] * strains[q, i]
+            stress, tangent, after[q, 3 * f], after[q, 3 * f + 1], after[q, 3 * f + 2] = one_axis(
+                strain, history[q, 3 * f], history[q, 3 * f + 1], history[q, 3 * f + 2], modulus, strength, isotropic,
+                kinematic)
+            for i in range(count):
+                resultants[q, i] += areas[f] * stress * arms[f, i]
+                for j in range(count):
+                    moduli[q, i, j] += areas[f] * tangent * arms[f, i] * arms[f, j]
+    return resultants, moduli, after
+
+
+@numba.njit(cache=True)
+def _layers(strains, history, places, weights, elastic, modulus, poisson, strength, isotropic, kinematic):
+    """Sums through the thickness at many points; each layer remembers REMEMBERED values."""
+    points = len(strains)
+    resultants, moduli, after = np.empty((points, 9)), np.empty((points, 9, 9)), np.empty_like(history)
+    strain, stress, tangent = np.empty(3), np.empty(3), np.empty((3, 3))
+    most, plane = (strength * (1 - ON_SURFACE)) ** 2, modulus / (1 - poisson**2)
+    for q in range(points):
+        moduli[q], resultants[q], after[q] = elastic, elastic @ strains[q], history[q]
+        inside = True
+        for layer in range(len(places)):
+            inside = inside and history[q, REMEMBERED * layer + REMEMBERED - 1] == 0.0
+        for z in (places[0], places[-1]):  # von Mises's stress is convex: faces bound what is between them
+            for i in range(3):
+                strain[i] = strains[q, i] + z * strains[q, 3 + i]
+            one, two = plane * (strain[0] + poisson * strain[1]), plane * (poisson * strain[0] + strain[1])
+            shear = plane * (1 - poisson) / 2 * strain[2]
+            inside = inside and one * one - one * two + two * two + 3 * shear * shear < most
+        if inside:
+            continue
+        resultants[q, :6], moduli[q, :6, :6] = 0.0, 0.0
+        for layer in range(len(places)):
+            z, weight = places[layer], weights[layer]
+            own = slice(REMEMBERED * layer, REMEMBERED * layer + REMEMBERED)
+            for i in range(3):
+                strain[i] = strains[q, i] + z * strains[q, 3 + i]
+            plane_stress(strain, history[q, own], modulus, poisson, strength, isotropic, kinematic, stress, tangent,
+                         after[q, own])
+            for i in range(3):
+                resultants[q, i] += weight * stress[i]
+                resultants[q, 3 + i] += weight * z * stress[i]
+                for j in range(3):
+                    value = weight * tangent[i, j]
+                    moduli[q, i, j] += value
+                    moduli[q, i, 3 + j] += z * value
+                    moduli[q, 3 + i, j] += z * value
+                    moduli[q, 3 + i, 3 + j] += z * z * value
+    return resultants, moduli, after
