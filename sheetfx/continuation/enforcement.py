@@ -14,7 +14,7 @@ class Enforcement:
 
     def __init__(self, system: System):
         self._system = system
-        self._rough = [c for c in system.contributions if not c.smooth]
+        self._rough = [c for c in system.contributions if not c.smooth or len(c.approaches) > 1]
 
     def approaches(self) -> list[list[float]]:
         """Sequences of multiples of the regularisation to try: from large ones to the final one, then directly.

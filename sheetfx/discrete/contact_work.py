@@ -62,23 +62,27 @@ class ContactWork(FormWork):
         if self.fields.enforcement != "uzawa":
             return True
         state = self._state()
-        if self._penetration(state) <= PENETRATION * self.fields.contact.beam.section.depth:
+        if penetration(self.fields, state) <= PENETRATION * self.fields.contact.beam.section.depth:
             return True
         self.fields.store(state, normal=True)
         return False
 
     def touching(self) -> tuple[int, float]:
-        state = self._state()
-        return self._comm.allreduce(self.fields.touching(state)), self._penetration(state)
-
-    @property
-    def _comm(self) -> MPI.Comm:
-        return self.fields.contact.beam.mesh.domain.comm
+        with self._clock("contact"):
+            return touching(self.fields)
 
     def _state(self) -> ContactState:
         with self._clock("contact"):
             return self.fields.evaluate()
 
-    def _penetration(self, state: ContactState) -> float:
-        """Largest penetration at contact points, on all processes."""
-        return max(0.0, self._comm.allreduce(float(-state.gap.min(initial=np.inf)), op=MPI.MAX))
+
+def touching(fields: ContactFields) -> tuple[int, float]:
+    """Number of points that touch and largest penetration, on all processes."""
+    state = fields.evaluate()
+    return fields.contact.beam.mesh.domain.comm.allreduce(fields.touching(state)), penetration(fields, state)
+
+
+def penetration(fields: ContactFields, state: ContactState) -> float:
+    """Largest penetration at contact points, on all processes."""
+    deepest = float(-state.gap.min(initial=np.inf))
+    return max(0.0, fields.contact.beam.mesh.domain.comm.allreduce(deepest, op=MPI.MAX))

@@ -16,7 +16,7 @@ from ..mesh.numbers import lift_numbers
 from ..mesh.reader import NamedMesh
 from ..model.contact import Contact
 from ..model.scene import Monitor, Scene
-from .contact import ContactFields
+from .contact import ContactFields, eliminates
 from .contact_work import ContactWork
 from .contribution import Contribution
 from .elements import ElementWork
@@ -24,6 +24,7 @@ from .energy import strain_energy
 from .fields import Fields
 from .form_work import FormWork, by_mesh
 from .kinematics import Kinematics
+from .layer import LayerFields, LayerWork
 from .layout import Layout
 from .load_work import works_of_loads
 from .nodal import FixedIncrements
@@ -56,7 +57,8 @@ class Discretisation:
         self._add_travels()
         for thing in (*scene.all_loads, *scene.joints):
             thing.unknowns(fields)
-        self.contacts = [ContactFields(c, f"multiplier{i}") for i, c in enumerate(scene.contacts)]
+        self.contacts = [(LayerFields if eliminates(c) else ContactFields)(c, f"multiplier{i}")
+                         for i, c in enumerate(scene.contacts)]
         fields.blocks += [c.block for c in self.contacts if c.block is not None]
         self.unknowns = fields.unknowns = Unknowns(fields.blocks)
         self._close_contacts()
@@ -135,7 +137,18 @@ class Discretisation:
 
     def _of_contacts(self) -> Iterator[Contribution]:
         for contact in self.contacts:
-            yield ContactWork(self.unknowns, contact, self.clock)
+            if isinstance(contact, LayerFields):
+                yield LayerWork(self.unknowns, contact, self._touching_fields(contact.contact), self.clock)
+            else:
+                yield ContactWork(self.unknowns, contact, self.clock)
+
+    def _touching_fields(self, contact: Contact) -> list[int]:
+        """Numbers of the fields that the gap of a contact depends on."""
+        block = self.kinematics(contact.beam.mesh).block
+        fields = list(block.fields[: 2 if contact.side else 1])
+        if self.fields.has(contact.obstacle, "travel"):
+            fields.append(self.fields.own_field(contact.obstacle, "travel"))
+        return [self.unknowns.fields.index(field) for field in fields]
 
     def _of_joints(self) -> Iterator[Contribution]:
         for joint in self.scene.joints:

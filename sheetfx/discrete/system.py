@@ -45,6 +45,7 @@ class System:
         self.unknowns, self.contributions, self.factors, self.clock = unknowns, list(contributions), factors, clock
         self.smooth = all(c.smooth for c in contributions)
         self.conservative = all(c.conservative for c in contributions)
+        self.steep = any(len(c.approaches) > 1 for c in contributions)
         self.history = History(unknowns.fields, contributions)
         self._layout = layout
         self.fixed_rows = layout.fixed
