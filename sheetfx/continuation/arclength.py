@@ -12,6 +12,7 @@ from petsc4py import PETSc
 
 from ..compat import NOT_A_NUMBER
 from .control import LoadResponse, StepRule
+from .elimination import Elimination
 from .linear import DirectSolver
 
 Reason = PETSc.SNES.ConvergedReason
@@ -40,6 +41,7 @@ class PathStep:
     Attributes
     ----------
     rounding : largest residual that was accepted because rounding keeps it from falling
+    elimination : of contact forces from each step; None: they are part of the iteration
     """
 
     def __init__(self):
@@ -47,6 +49,7 @@ class PathStep:
         self.control: StepRule | None = None
         self.history: list[float] = []
         self.start = self.load_increment = self.rounding = 0.0
+        self.elimination: Elimination | None = None
 
     def attach(self, snes: PETSc.SNES, system) -> None:
         """Let the SNES solve this system; called once."""
@@ -92,6 +95,7 @@ class PathStep:
                 self._step.axpy(self.load_increment, self.tangent.solution)
             else:
                 self._step.array[:] = self._guess
+            self._hold_contacts(x, self.tangent, self._step)
             self._move(x, self._step)
         self.history = []
         snes.setConvergedReason(self._iterate(snes, x))
@@ -137,9 +141,20 @@ class PathStep:
             self._step.zeroEntries()
             self._step.axpy(damping * part, self._part)
             self._step.axpy(damping * change, self._unit)
-        self._correction = self.tangent.inner(self._step, self._step) ** 0.5
         self.load_increment += damping * change
+        if damping == 1:
+            self._hold_contacts(x, tangent, x)
+        self._correction = self.tangent.inner(self._step, self._step) ** 0.5
         self._move(x, self._step)
+
+    def _hold_contacts(self, x, tangent: LoadResponse, along) -> None:
+        """Change a step, with `load_increment` at its end, so that contacts hold after it; the control's is `along`."""
+        if self.elimination is not None:
+            self.system.load(self._load)
+            size = max(abs(self.factor_now) * self._load.norm(), self.system.reaction)
+            gradient = self.control.gradient(tangent, along, self.load_increment)
+            self.load_increment += self.elimination.correct(x, self.factor_now, self._step, tangent.solution, gradient,
+                                                            size)
 
     def _at_rounding(self, x, residual: float) -> bool:
         """Whether the residual is rounding: no longer falling, though Newton's steps have become tiny.

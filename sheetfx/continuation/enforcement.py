@@ -16,20 +16,25 @@ class Enforcement:
         self._system = system
         self._rough = [c for c in system.contributions if not c.smooth or len(c.approaches) > 1]
 
-    def approaches(self) -> list[list[float]]:
-        """Sequences of multiples of the regularisation to try: from large ones to the final one, then directly.
+    def approaches(self, eliminates: bool) -> list[tuple[bool, list[float]]]:
+        """Ways to try: whether contact forces are eliminated, and multiples of the regularisation, the last one is 1.
 
         Thick contact layers make long steps converge; a step shorter than their indentation fails in them.
         """
-        times = sorted({1.0, *(t for c in self._rough for t in c.approaches)}, reverse=True)
-        return [times, [1.0]] if len(times) > 1 else [[1.0]]
+        ways = [(False, self.multiples), (False, [1.0])] if len(self.multiples) > 1 else [(False, [1.0])]
+        return [(True, [1.0]), *ways] if eliminates and self._system.steep else ways
+
+    @property
+    def multiples(self) -> list[float]:
+        """Of the regularisation, through which solutions are approached."""
+        return sorted({1.0, *(t for c in self._rough for t in c.approaches)}, reverse=True)
 
     def solve(self, solve: Callable[[], bool], multiples: Sequence[float]) -> bool:
         """Call `solve`, which corrects from where it ended last, until all contributions hold."""
         for times in multiples:
-            self._regularise(times)
+            self.regularise(times)
             if not solve():
-                self._regularise(1.0)
+                self.regularise(1.0)
                 self._system.history.rewind()
                 return False
         for _ in range(AUGMENTATIONS):
@@ -40,7 +45,8 @@ class Enforcement:
         self._system.history.rewind()
         return False
 
-    def _regularise(self, times: float) -> None:
+    def regularise(self, times: float) -> None:
+        """Make the regularisation a multiple of what it is in accepted states."""
         for contribution in self._rough:
             contribution.regularise(times)
 

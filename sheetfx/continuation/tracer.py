@@ -14,6 +14,7 @@ from ..model.scene import Monitor
 from .arclength import create
 from .control import LoadResponse, StepRule
 from .crossings import Uncounted, UnstableModes, first_critical
+from .elimination import Elimination
 from .enforcement import Enforcement
 from .linear import SingularTangent
 from .measuring import Measuring
@@ -38,6 +39,8 @@ class Tracer(Measuring):
         self.snes = create(self.system.comm, self.system, prefix, most_iterations(control))
         self.stepper = self.snes.getPythonContext()
         self.enforcement = Enforcement(self.system)
+        self._elimination = Elimination(self.system, self.stepper.linear, self.enforcement.regularise,
+                                        self.enforcement.multiples)
         self.x = self.system.create_vector()
         self._response, self._load = self.system.create_vector(), self.system.create_vector()
         monitor = discretisation.scene.monitor
@@ -106,8 +109,12 @@ class Tracer(Measuring):
                    guess: tuple[float, np.ndarray] | None = None) -> State | None:
         start, before, spent = self.state, self.total_factorisations, self.iterations
         self._count.start_from(start, self.x)
-        for multiples in self.enforcement.approaches():
+        alone = self.system.comm.size == 1 and self.control.newton == "full"
+        for eliminates, multiples in self.enforcement.approaches(alone):
             self._most, self.failure = 0, ""
+            self.stepper.elimination = self._elimination if eliminates else None
+            if eliminates:
+                self.factorise_at(start)
             if guess is None:
                 load_increment = control.predict(length, control.direction(start), tangent)
                 self.stepper.begin(control, tangent, length, load_increment)
