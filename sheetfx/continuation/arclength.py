@@ -88,6 +88,7 @@ class PathStep:
         self._predict = False
 
     def solve(self, snes, b, x) -> None:
+        self.history = []
         if self._predict:
             x.zeroEntries()
             self._step.zeroEntries()
@@ -95,9 +96,13 @@ class PathStep:
                 self._step.axpy(self.load_increment, self.tangent.solution)
             else:
                 self._step.array[:] = self._guess
-            self._hold_contacts(x, self.tangent, self._step)
+            try:
+                self._hold_contacts(x, self.tangent, self._step)
+            except ArithmeticError:
+                snes.setIterationNumber(0)
+                snes.setConvergedReason(Reason.DIVERGED_LINEAR_SOLVE)
+                return
             self._move(x, self._step)
-        self.history = []
         snes.setConvergedReason(self._iterate(snes, x))
 
     def _iterate(self, snes, x) -> int:

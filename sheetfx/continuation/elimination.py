@@ -41,7 +41,7 @@ class Elimination:
 
     def correct(self, x: PETSc.Vec, factor: float, step: PETSc.Vec, unit: PETSc.Vec,
                 normal: tuple[PETSc.Vec | None, float], size: float) -> float:
-        """Change a step in place so that the contacts hold after it, where that succeeds; return the change of its load.
+        """Change a step in place so that the contacts hold after it; return the change of its load.
 
         Parameters
         ----------
@@ -49,6 +49,11 @@ class Elimination:
         unit : response to a unit of load
         normal : gradient of the control's equation by the unknowns and by the load factor
         size : of forces
+
+        Raises
+        ------
+        ArithmeticError
+            If the contact forces are not found.
         """
         system = self._system
         system.configure(x, factor)
@@ -60,7 +65,7 @@ class Elimination:
         forces = self._solve()
         system.configure(x, factor)
         if forces is None:
-            return 0.0
+            raise ArithmeticError("contact forces are not found")
         step.array[:] = self._moved(forces)
         return -float(self._loads @ forces)
 

@@ -48,6 +48,7 @@ class Tracer(Measuring):
         self.tangent = LoadResponse(self._response, self.system.weights,
                                     self._controlled(control))
         self._reference: tuple[float, float] | None = None
+        self._stuck: State | None = None
         self.iterations = self._most = 0
         self.failure = ""
         self._factored: tuple[State | None, int] = None, 0
@@ -109,8 +110,7 @@ class Tracer(Measuring):
                    guess: tuple[float, np.ndarray] | None = None) -> State | None:
         start, before, spent = self.state, self.total_factorisations, self.iterations
         self._count.start_from(start, self.x)
-        alone = self.system.comm.size == 1 and self.control.newton == "full"
-        for eliminates, multiples in self.enforcement.approaches(alone):
+        for eliminates, multiples in self._ways(start):
             self._most, self.failure = 0, ""
             self.stepper.elimination = self._elimination if eliminates else None
             if eliminates:
@@ -128,7 +128,16 @@ class Tracer(Measuring):
                 except (SingularTangent, Uncounted) as failure:
                     self.failure = str(failure)
             self._undo(start)
+        self._stuck = start
         return None
+
+    def _ways(self, start: State) -> list[tuple[bool, list[float]]]:
+        """Ways to try a step: whether contact forces are eliminated, and multiples of the regularisation.
+
+        Where they are, a shorter step is tried before the other ways.
+        """
+        ways = self.enforcement.approaches(self.system.comm.size == 1 and self.control.newton == "full")
+        return ways if self._stuck is start else ways[:1] if ways[0][0] else ways
 
     def accept(self, load_increment: float, iterations: int = 0) -> State:
         """Commit the current configuration, which equilibrium was found for by other means than a step.

@@ -107,13 +107,16 @@ class LayerWork(PointWork):
         self.fields, self._clock = fields, clock
         self._everywhere = [_in_cells(unknowns, n, fields.cells) for n in numbers]
         super().__init__(unknowns, self._everywhere, self._law)
-        self.approaches = fields.contact.approach
+        self.smooth, self.approaches = False, fields.contact.approach
         self._shapes = [_at_samples(field, trace) for field, trace in zip(self._fields, self._traces, strict=True)]
         self._gap = GapAtPoints(fields, [f.components for f in self._fields])
+        self._followed = np.empty(0), 0.0
 
     def pattern(self, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
-        self._traces = self._everywhere
-        return super().pattern(layout)
+        now, self._traces = self._traces, self._everywhere
+        found = super().pattern(layout)
+        self._traces = now
+        return found
 
     def values(self) -> np.ndarray:
         self._follow()
@@ -121,10 +124,13 @@ class LayerWork(PointWork):
 
     def _follow(self) -> None:
         """Have the samples of the cells that touch in the current configuration, and what they share of its zones."""
-        gaps = self.fields.gaps()
+        gaps, compliance = self.fields.gaps(), float(self.fields.compliance.value)
+        if compliance == self._followed[1] and np.array_equal(gaps, self._followed[0]):
+            return
+        self._followed = gaps, compliance
         zones = Zones.where_negative(gaps)
         self._near, cell = np.unique(zones.cells, return_inverse=True)
-        rows, weights = zones.rows, self.fields.weights(zones) / self.fields.compliance.value
+        rows, weights = zones.rows, self.fields.weights(zones) / compliance
         self._forces, self._stiffness = np.zeros((len(self._near), SAMPLES)), np.zeros((len(self._near), SAMPLES, SAMPLES))
         np.add.at(self._forces, cell, (weights * zones.interpolate(gaps))[:, None] * rows)
         np.add.at(self._stiffness, cell, weights[:, None, None] * rows[:, :, None] * rows[:, None, :])

@@ -42,11 +42,15 @@ class Zones:
         gaps : shape (cells, SAMPLES), at `samples()`
         """
         near = np.flatnonzero(gaps.min(axis=1) < np.ptp(gaps, axis=1) / 4)
-        pieces = [(cell, *piece) for cell, one in zip(near, gaps[near] @ _COEFFICIENTS.T, strict=True)
-                  for piece in _negative(one)]
-        cells, left, right = (np.array(column) for column in zip(*pieces, strict=True)) if pieces else (
-            np.empty(0, dtype=np.int64), np.empty(0), np.empty(0))
-        inside, weights = legendre.leggauss(POINTS)
+        fine = gaps[near] @ _FINE.T
+        dips = np.abs(np.diff(fine, 2, axis=1)).max(axis=1, initial=0.0)
+        whole, edges = near[(fine < -dips[:, None]).all(axis=1)], near[(np.abs(fine) <= dips[:, None]).any(axis=1)
+                                                                      | ((fine < 0).any(axis=1) & (fine > 0).any(axis=1))]
+        pieces = [(cell, 0.0, 1.0) for cell in whole]
+        pieces += [(cell, *piece) for cell in edges for piece in _negative(_COEFFICIENTS @ gaps[cell])]
+        cells, left, right = np.array(sorted(pieces)).reshape(-1, 3).T
+        cells = cells.astype(np.int64)
+        inside, weights = _RULE
         lengths = (right - left)[:, None]
         return cls(np.repeat(cells, POINTS), (left[:, None] + lengths * (1 + inside) / 2).ravel(),
                    (lengths * weights / 2).ravel())
@@ -77,3 +81,5 @@ def _negative(coefficients: np.ndarray) -> list[tuple[float, float]]:
 
 
 _COEFFICIENTS = np.linalg.inv(chebyshev.chebvander(2 * samples() - 1, SAMPLES - 1))
+_FINE = chebyshev.chebvander(np.linspace(-1, 1, 17), SAMPLES - 1) @ _COEFFICIENTS
+_RULE = legendre.leggauss(POINTS)
