@@ -134,15 +134,14 @@ class Elimination:
             return None
         if len(new):
             self._rows = np.concatenate([self._rows, new])
-            columns, loads = zip(*map(self._response, new), strict=True)
-            self._columns, self._loads = np.column_stack([self._columns, *columns]), np.append(self._loads, loads)
+            columns, loads = self._responses(new)
+            self._columns, self._loads = np.hstack([self._columns, columns]), np.append(self._loads, loads)
         return beyond[self._rows]
 
-    def _response(self, row: int) -> tuple[np.ndarray, float]:
-        """Response to a unit force at a row that keeps to the control's equation, and the change of load in it."""
-        self._column.zeroEntries()
-        self._column.array[row] = 1.0
-        self._linear.solve(self._column, self._out)
-        along, of_load = self._normal
-        change = 0.0 if along is None else -along.dot(self._out) / (along.dot(self._unit) + of_load)
-        return self._out.array + change * self._unit.array, change
+    def _responses(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Responses to unit forces at rows that keep to the control's equation, and the changes of load in them."""
+        columns, (along, of_load) = self._linear.responses(rows), self._normal
+        if along is None:
+            return columns, np.zeros(len(rows))
+        loads = -(along.array @ columns) / (along.dot(self._unit) + of_load)
+        return columns + np.outer(self._unit.array, loads), loads

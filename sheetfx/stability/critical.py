@@ -21,7 +21,7 @@ CROWDED = 4  # bifurcations, more of which are too many for one step
 CLUSTER = 0.01  # relative difference of the loads of a step that may hold any number
 SHORTEST = 1 / 64  # of a step, piece that must be explained
 SINGULAR = 0.05  # eigenvalues of a bifurcation, over those nearest to zero at the ends of the step
-SEARCHED, RESOLUTION = 6, 0.05  # states at which turning loads are searched, and part of a step between them
+SEARCHED, RESOLUTION = 6, 0.02  # states at which turning loads are searched, and part of a step between them
 STATIONARY = 1e-3  # load rate at a limit point, over those where it is looked for
 
 
