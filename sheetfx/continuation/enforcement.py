@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from ..discrete.system import System
+from .elimination import Elimination
+from .linear import DirectSolver
 
 AUGMENTATIONS = 30
 
@@ -16,16 +18,27 @@ class Enforcement:
         self._system = system
         self._rough = [c for c in system.contributions if not c.smooth or len(c.approaches) > 1]
 
-    def approaches(self, eliminates: bool) -> list[tuple[bool, list[float]]]:
+    def approaches(self, eliminates: bool, again: bool) -> list[tuple[bool, list[float]]]:
         """Ways to try: whether contact forces are eliminated, and multiples of the regularisation, the last one is 1.
 
         Thick contact layers make long steps converge; a step shorter than their indentation fails in them.
+
+        Parameters
+        ----------
+        eliminates : whether contact forces can be; where that fails, a shorter step is tried before other ways
+        again : whether a step from the same state has failed before
         """
-        ways = [(False, self.multiples), (False, [1.0])] if len(self.multiples) > 1 else [(False, [1.0])]
-        return [(True, [1.0]), *ways] if eliminates and self._system.steep else ways
+        ways = [(False, self._multiples), (False, [1.0])] if len(self._multiples) > 1 else [(False, [1.0])]
+        if not (eliminates and self._system.steep):
+            return ways
+        return [(True, [1.0]), *(ways if again else [])]
+
+    def elimination(self, linear: DirectSolver) -> Elimination:
+        """Solver for the contact forces within iterations that use a factor."""
+        return Elimination(self._system, linear, self.regularise, self._multiples)
 
     @property
-    def multiples(self) -> list[float]:
+    def _multiples(self) -> list[float]:
         """Of the regularisation, through which solutions are approached."""
         return sorted({1.0, *(t for c in self._rough for t in c.approaches)}, reverse=True)
 

@@ -14,7 +14,6 @@ from ..model.scene import Monitor
 from .arclength import create
 from .control import LoadResponse, StepRule
 from .crossings import Uncounted, UnstableModes, first_critical
-from .elimination import Elimination
 from .enforcement import Enforcement
 from .linear import SingularTangent
 from .measuring import Measuring
@@ -39,8 +38,7 @@ class Tracer(Measuring):
         self.snes = create(self.system.comm, self.system, prefix, most_iterations(control))
         self.stepper = self.snes.getPythonContext()
         self.enforcement = Enforcement(self.system)
-        self._elimination = Elimination(self.system, self.stepper.linear, self.enforcement.regularise,
-                                        self.enforcement.multiples)
+        self._elimination = self.enforcement.elimination(self.stepper.linear)
         self.x = self.system.create_vector()
         self._response, self._load = self.system.create_vector(), self.system.create_vector()
         monitor = discretisation.scene.monitor
@@ -110,7 +108,8 @@ class Tracer(Measuring):
                    guess: tuple[float, np.ndarray] | None = None) -> State | None:
         start, before, spent = self.state, self.total_factorisations, self.iterations
         self._count.start_from(start, self.x)
-        for eliminates, multiples in self._ways(start):
+        alone = self.system.comm.size == 1 and self.control.newton == "full"
+        for eliminates, multiples in self.enforcement.approaches(alone, self._stuck is start):
             self._most, self.failure = 0, ""
             self.stepper.elimination = self._elimination if eliminates else None
             if eliminates:
@@ -130,14 +129,6 @@ class Tracer(Measuring):
             self._undo(start)
         self._stuck = start
         return None
-
-    def _ways(self, start: State) -> list[tuple[bool, list[float]]]:
-        """Ways to try a step: whether contact forces are eliminated, and multiples of the regularisation.
-
-        Where they are, a shorter step is tried before the other ways.
-        """
-        ways = self.enforcement.approaches(self.system.comm.size == 1 and self.control.newton == "full")
-        return ways if self._stuck is start else ways[:1] if ways[0][0] else ways
 
     def accept(self, load_increment: float, iterations: int = 0) -> State:
         """Commit the current configuration, which equilibrium was found for by other means than a step.

@@ -6,9 +6,9 @@ import numpy as np
 from mpi4py import MPI
 
 from .contact import ContactFields, ContactState
+from .fields import Fields
 from .form_work import FormWork
 from .timing import Stopwatch
-from .unknowns import Unknowns
 
 PENETRATION = 1e-6  # over the depth, that augmentation leaves
 
@@ -23,7 +23,8 @@ class ContactWork(FormWork):
     fields : ContactFields
     """
 
-    def __init__(self, unknowns: Unknowns, fields: ContactFields, clock: Stopwatch):
+    def __init__(self, of_scene: Fields, fields: ContactFields, clock: Stopwatch):
+        unknowns = of_scene.unknowns
         super().__init__(unknowns, fields.work(unknowns.vary), smooth=False, conservative=not fields.contact.friction)
         self.fields, self._clock = fields, clock
         self._kept = fields.multiplier if fields.block is None else None

@@ -114,6 +114,10 @@ class Contribution:
         """
         return True
 
+    def energy(self) -> float | None:
+        """Energy that it stores now, on all processes; None: it does not tell."""
+        return None
+
     def touching(self) -> tuple[int, float]:
         """Number of points in contact and largest penetration, on all processes."""
         return 0, 0.0

@@ -137,18 +137,8 @@ class Discretisation:
 
     def _of_contacts(self) -> Iterator[Contribution]:
         for contact in self.contacts:
-            if isinstance(contact, LayerFields):
-                yield LayerWork(self.unknowns, contact, self._touching_fields(contact.contact), self.clock)
-            else:
-                yield ContactWork(self.unknowns, contact, self.clock)
-
-    def _touching_fields(self, contact: Contact) -> list[int]:
-        """Numbers of the fields that the gap of a contact depends on."""
-        block = self.kinematics(contact.beam.mesh).block
-        fields = list(block.fields[: 2 if contact.side else 1])
-        if self.fields.has(contact.obstacle, "travel"):
-            fields.append(self.fields.own_field(contact.obstacle, "travel"))
-        return [self.unknowns.fields.index(field) for field in fields]
+            work = LayerWork if isinstance(contact, LayerFields) else ContactWork
+            yield work(self.fields, contact, self.clock)
 
     def _of_joints(self) -> Iterator[Contribution]:
         for joint in self.scene.joints:

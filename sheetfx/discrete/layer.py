@@ -17,6 +17,7 @@ from ..model.contact import Contact
 from .contact import ContactFields, ContactState
 from .contact_work import touching
 from .contribution import Forces
+from .fields import Fields
 from .layout import Layout
 from .nodal_field import AdditiveField
 from .points import PointWork, Trace
@@ -81,7 +82,8 @@ class LayerFields(ContactFields):
         touching, apart = zones.interpolate(table), table[table[..., 0] >= 0]
         rows, closed = np.concatenate([apart, touching]), np.arange(len(apart) + len(touching)) >= len(apart)
         return ContactState(
-            position=rows[:, 1: 1 + d], gap=rows[:, 0], pressure=np.where(closed, -rows[:, 0], 0.0) / self._final_compliance,
+            position=rows[:, 1: 1 + d], gap=rows[:, 0],
+            pressure=np.where(closed, -rows[:, 0], 0.0) / self._final_compliance,
             traction=np.zeros(len(rows)), weight=np.concatenate([np.zeros(len(apart)), self.weights(zones)]),
             status=np.where(closed, "slip", "open"))
 
@@ -103,9 +105,9 @@ class LayerWork(PointWork):
     fields : LayerFields
     """
 
-    def __init__(self, unknowns: Unknowns, fields: LayerFields, numbers: Sequence[int], clock: Stopwatch):
-        self.fields, self._clock = fields, clock
-        self._everywhere = [_in_cells(unknowns, n, fields.cells) for n in numbers]
+    def __init__(self, of_scene: Fields, fields: LayerFields, clock: Stopwatch):
+        self.fields, self._clock, unknowns = fields, clock, of_scene.unknowns
+        self._everywhere = [_in_cells(unknowns, n, fields.cells) for n in _fields_of_gap(of_scene, fields.contact)]
         super().__init__(unknowns, self._everywhere, self._law)
         self.smooth, self.approaches = False, fields.contact.approach
         self._shapes = [_at_samples(field, trace) for field, trace in zip(self._fields, self._traces, strict=True)]
@@ -130,9 +132,11 @@ class LayerWork(PointWork):
         self._followed = gaps, compliance
         zones = Zones.where_negative(gaps)
         self._near, cell = np.unique(zones.cells, return_inverse=True)
-        rows, weights = zones.rows, self.fields.weights(zones) / compliance
-        self._forces, self._stiffness = np.zeros((len(self._near), SAMPLES)), np.zeros((len(self._near), SAMPLES, SAMPLES))
-        np.add.at(self._forces, cell, (weights * zones.interpolate(gaps))[:, None] * rows)
+        rows, weights, gap = zones.rows, self.fields.weights(zones) / compliance, zones.interpolate(gaps)
+        self._energy = float(weights @ gap**2) / 2
+        self._forces = np.zeros((len(self._near), SAMPLES))
+        self._stiffness = np.zeros((len(self._near), SAMPLES, SAMPLES))
+        np.add.at(self._forces, cell, (weights * gap)[:, None] * rows)
         np.add.at(self._stiffness, cell, weights[:, None, None] * rows[:, :, None] * rows[:, None, :])
         self._traces = [Trace(trace.field, np.repeat(trace.nodes[self._near], SAMPLES, axis=0),
                               np.tile(shapes, (len(self._near), 1)))
@@ -165,9 +169,21 @@ class LayerWork(PointWork):
     def regularise(self, times: float) -> None:
         self.fields.thicken(times)
 
+    def energy(self) -> float:
+        self._follow()
+        return self.fields.contact.beam.mesh.domain.comm.allreduce(self._energy)
+
     def touching(self) -> tuple[int, float]:
         with self._clock("contact"):
             return touching(self.fields)
+
+
+def _fields_of_gap(of_scene: Fields, contact: Contact) -> list[int]:
+    """Numbers of the fields that the gap of a contact depends on."""
+    found = list(of_scene.kinematics(contact.beam.mesh).block.fields[: 2 if contact.side else 1])
+    if of_scene.has(contact.obstacle, "travel"):
+        found.append(of_scene.own_field(contact.obstacle, "travel"))
+    return [of_scene.unknowns.fields.index(field) for field in found]
 
 
 def _in_cells(unknowns: Unknowns, number: int, cells: np.ndarray) -> Trace:

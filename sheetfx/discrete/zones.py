@@ -44,10 +44,10 @@ class Zones:
         near = np.flatnonzero(gaps.min(axis=1) < np.ptp(gaps, axis=1) / 4)
         fine = gaps[near] @ _FINE.T
         dips = np.abs(np.diff(fine, 2, axis=1)).max(axis=1, initial=0.0)
-        whole, edges = near[(fine < -dips[:, None]).all(axis=1)], near[(np.abs(fine) <= dips[:, None]).any(axis=1)
-                                                                      | ((fine < 0).any(axis=1) & (fine > 0).any(axis=1))]
-        pieces = [(cell, 0.0, 1.0) for cell in whole]
-        pieces += [(cell, *piece) for cell in edges for piece in _negative(_COEFFICIENTS @ gaps[cell])]
+        inside, outside = ((sign * fine > dips[:, None]).all(axis=1) for sign in (-1, 1))
+        pieces = [(cell, 0.0, 1.0) for cell in near[inside]]
+        pieces += [(cell, *piece) for cell in near[~(inside | outside)]
+                   for piece in _negative(_COEFFICIENTS @ gaps[cell])]
         cells, left, right = np.array(sorted(pieces)).reshape(-1, 3).T
         cells = cells.astype(np.int64)
         inside, weights = _RULE

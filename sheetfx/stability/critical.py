@@ -12,8 +12,10 @@ from ..continuation.defect import interpolates
 from ..continuation.segment import SAMPLES, Jump, Missed, Segment
 from ..continuation.state import CriticalPoint, State
 from ..continuation.tracer import tracer_of
+from ..continuation.work import work_matches
 from .crossings import EXACT, REACHES, Crossing, pass_zero, unresolved
 from .koiter import postbuckling
+from .turning import turning_loads
 
 SAME = 3e-7  # relative difference of loads of one multiple point
 TOGETHER = 1e-3  # of a step, distance of the crossings of one multiple point
@@ -21,7 +23,6 @@ CROWDED = 4  # bifurcations, more of which are too many for one step
 CLUSTER = 0.01  # relative difference of the loads of a step that may hold any number
 SHORTEST = 1 / 64  # of a step, piece that must be explained
 SINGULAR = 0.05  # eigenvalues of a bifurcation, over those nearest to zero at the ends of the step
-SEARCHED, RESOLUTION = 6, 0.02  # states at which turning loads are searched, and part of a step between them
 STATIONARY = 1e-3  # load rate at a limit point, over those where it is looked for
 
 
@@ -51,7 +52,9 @@ def locate(tracer, earlier: State | None, before: State, after: State,
     if segment.guarded and _crowded(before, after):
         raise Jump("too many bifurcations lie in one step")
     if not tracer.system.smooth:
-        limits = _turning_loads(segment, earlier)
+        if tracer.control.guarded and tracer.system.conservative and not work_matches(segment, earlier):
+            raise Jump("the work done along the step is not the change of the energy")
+        limits = turning_loads(segment, earlier)
     else:
         if segment.guarded:
             _check(segment)
@@ -205,48 +208,6 @@ def _limit(segment: Segment, length: float, rising: bool) -> CriticalPoint:
     state = segment.states[length]
     return CriticalPoint("limit", state.load, state.deflection, state.step, float(length),
                          name="maximum" if rising else "minimum")
-
-
-def _turning_loads(segment: Segment, earlier: State | None) -> list[tuple[Segment, float, bool]]:
-    """The state of the highest (lowest) load where the load turns from one step to the next.
-
-    It is searched by parabolas through loads, which rates that waver do not disturb.
-    """
-    before, after = segment.before, segment.after
-    if not before.load_increment * after.load_increment < 0:
-        return []
-    sign = 1.0 if before.load_increment > 0 else -1.0
-    segments = [segment] if earlier is None else [Segment(segment.tracer, earlier, before), segment]
-    starts = [0.0] if earlier is None else [-before.length, 0.0]
-    known = {start + length: (one, length) for one, start in zip(segments, starts, strict=True)
-             for length in one.states}
-
-    def load(place: float) -> float:
-        one, length = known[place]
-        return sign * one.states[length].factor
-
-    for _ in range(SEARCHED):
-        places = sorted(known)
-        best = places.index(max(places[1:-1] or places, key=load))
-        around = places[max(best - 1, 0): best + 2]
-        place = _vertex(around, [load(s) for s in around])
-        if place is None or min(abs(place - s) for s in known) < RESOLUTION * after.length:
-            break
-        one, start = next((one, start) for one, start in zip(segments, starts, strict=True)
-                          if start <= place <= start + one.after.length)
-        if not one.reach(place - start):
-            break
-        known[place] = one, place - start
-    one, length = known[max(known, key=load)]
-    return [(one, length, sign > 0)]
-
-
-def _vertex(places: list[float], loads: list[float]) -> float | None:
-    """Where the parabola through places and loads is highest, between the outer ones; None: nowhere."""
-    if len(places) < 3:
-        return sum(places) / len(places)
-    bend, slope, _ = np.polyfit(np.subtract(places, places[0]), loads, 2)
-    return float(np.clip(places[0] - slope / (2 * bend), places[0], places[-1])) if bend < 0 else None
 
 
 def _bifurcations(segment: Segment, limits: list[float]) -> list[Crossing]:
