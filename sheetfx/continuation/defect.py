@@ -24,7 +24,7 @@ ROUNDED = 1e-6  # of the structure's size, correction off the path that rounding
 
 def interpolates(segment: Segment, left: float, right: float) -> bool:
     """Whether places inside of a piece, as its ends interpolate them, need small corrections only."""
-    if segment.tracer.system.steep or segment.close & {left, right}:
+    if segment.close & {left, right}:
         return True
     return _is_near(segment, left, right) and _load_is_near(segment, left, right)
 

@@ -16,7 +16,7 @@ class Enforcement:
 
     def __init__(self, system: System):
         self._system = system
-        self._rough = [c for c in system.contributions if not c.smooth or len(c.approaches) > 1]
+        self._rough = [c for c in system.contributions if not c.smooth]
 
     def approaches(self, eliminates: bool, again: bool) -> list[tuple[bool, list[float]]]:
         """Ways to try: whether contact forces are eliminated, and multiples of the regularisation, the last one is 1.
@@ -29,7 +29,7 @@ class Enforcement:
         again : whether a step from the same state has failed before
         """
         ways = [(False, self._multiples), (False, [1.0])] if len(self._multiples) > 1 else [(False, [1.0])]
-        if not (eliminates and self._system.steep):
+        if not (eliminates and self._system.steep and all(c.steep for c in self._rough)):
             return ways
         return [(True, [1.0]), *(ways if again else [])]
 

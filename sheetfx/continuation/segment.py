@@ -62,7 +62,7 @@ class Segment:
             left, right = self.neighbours(length)
             guess = self.interpolated(left, right, length)
             self.tracer.back_to(self.before)
-            state = None if self.wavering or self.tracer.system.steep else self.tracer.attempt(length, guess)
+            state = None if self.wavering else self.tracer.attempt(length, guess)
             state = state or self.tracer.attempt(length)
             if state is None:
                 raise Missed

@@ -57,9 +57,12 @@ class Contribution:
     gives_moments : whether it adds moments to `Forces.along_space`, which turn with the nodes
     stage : number of the load stage that its load belongs to; None: it has none
     approaches : multiples of its regularisation through which a step's solution is approached
+    steep : whether its forces change with motions that are far smaller than those of a step, but act on few unknowns at
+        a time: each Newton iteration then finds them exactly, see `continuation.elimination`
     """
 
     smooth = conservative = True
+    steep = False
     without_descent = ""
     moved = gives_moments = False
     stage: int | None = None

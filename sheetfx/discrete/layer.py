@@ -109,7 +109,7 @@ class LayerWork(PointWork):
         self.fields, self._clock, unknowns = fields, clock, of_scene.unknowns
         self._everywhere = [_in_cells(unknowns, n, fields.cells) for n in _fields_of_gap(of_scene, fields.contact)]
         super().__init__(unknowns, self._everywhere, self._law)
-        self.smooth, self.approaches = False, fields.contact.approach
+        self.smooth, self.steep, self.approaches = False, True, fields.contact.approach
         self._shapes = [_at_samples(field, trace) for field, trace in zip(self._fields, self._traces, strict=True)]
         self._gap = GapAtPoints(fields, [f.components for f in self._fields])
         self._followed = np.empty(0), 0.0

@@ -33,7 +33,7 @@ class System:
     Attributes
     ----------
     smooth, conservative : whether all contributions are
-    steep : contributions whose forces change with motions that are far smaller than those of a step: layers of contact
+    steep : contributions that are
     history : History of fields and contributions
     size : number of free unknowns
     fixed_rows : of fixed unknowns in this process's part of a vector
@@ -47,7 +47,7 @@ class System:
         self.unknowns, self.contributions, self.factors, self.clock = unknowns, list(contributions), factors, clock
         self.smooth = all(c.smooth for c in contributions)
         self.conservative = all(c.conservative for c in contributions)
-        self.steep = [c for c in contributions if len(c.approaches) > 1]
+        self.steep = [c for c in contributions if c.steep]
         self.history = History(unknowns.fields, contributions)
         self._layout = layout
         self.fixed_rows = layout.fixed
