@@ -14,6 +14,7 @@ from petsc4py import PETSc
 
 from ..compat import NOT_A_NUMBER
 from .control import LoadResponse, StepRule
+from .elimination import Elimination
 from .linear import DirectSolver
 
 Reason = PETSc.SNES.ConvergedReason
@@ -48,6 +49,7 @@ class PathStep:
     rounding : largest residual that was accepted because rounding keeps it from falling
     behind : length of the corrections since the factor at hand was made, of the tangent near a guess; infinite: it was
         not
+    elimination : of contact forces from each step; None: they are part of the iteration
     """
 
     def __init__(self):
@@ -56,6 +58,7 @@ class PathStep:
         self.history: list[float] = []
         self.start = self.load_increment = self.rounding = 0.0
         self.behind = inf
+        self.elimination: Elimination | None = None
 
     def attach(self, snes: PETSc.SNES, system) -> None:
         """Let the SNES solve this system; called once."""
@@ -94,6 +97,7 @@ class PathStep:
         self._predict = False
 
     def solve(self, snes, b, x) -> None:
+        self.history = []
         if self._predict:
             x.zeroEntries()
             self._step.zeroEntries()
@@ -101,8 +105,13 @@ class PathStep:
                 self._step.axpy(self.load_increment, self.tangent.solution)
             else:
                 self._step.array[:] = self._guess
+            try:
+                self._hold_contacts(x, self.tangent, self._step)
+            except ArithmeticError:
+                snes.setIterationNumber(0)
+                snes.setConvergedReason(Reason.DIVERGED_LINEAR_SOLVE)
+                return
             self._move(x, self._step)
-        self.history = []
         snes.setConvergedReason(self._iterate(snes, x))
 
     def _iterate(self, snes, x) -> int:
@@ -151,10 +160,21 @@ class PathStep:
             self._step.zeroEntries()
             self._step.axpy(damping * part, self._part)
             self._step.axpy(damping * change, self._unit)
+        self.load_increment += damping * change
+        if damping == 1:
+            self._hold_contacts(x, tangent, x)
         self._correction = self.tangent.inner(self._step, self._step) ** 0.5
         self.behind += self._correction
-        self.load_increment += damping * change
         self._move(x, self._step)
+
+    def _hold_contacts(self, x, tangent: LoadResponse, along) -> None:
+        """Change a step, with `load_increment` at its end, so that contacts hold after it; the control's is `along`."""
+        if self.elimination is not None:
+            self.system.load(self._load)
+            size = max(abs(self.factor_now) * self._load.norm(), self.system.reaction)
+            gradient = self.control.gradient(tangent, along, self.load_increment)
+            self.load_increment += self.elimination.correct(x, self.factor_now, self._step, tangent.solution, gradient,
+                                                            size)
 
     def _at_rounding(self, x, residual: float) -> bool:
         """Whether the residual is rounding: no longer falling, though Newton's steps have become tiny.

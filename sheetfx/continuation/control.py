@@ -82,6 +82,10 @@ class StepRule:
         """Length of a step with these increments of the unknowns and of the load factor."""
         raise NotImplementedError
 
+    def gradient(self, tangent, increment, load_increment: float) -> tuple[PETSc.Vec | None, float]:
+        """Derivatives of the control's equation by the unknowns (None: zero) and by the load factor, up to a factor."""
+        raise NotImplementedError
+
     def clip(self, length: float, factor: float) -> float:
         """Shorten a step that would pass the control's end."""
         return length
@@ -128,6 +132,9 @@ class LoadControl(StepRule):
 
     def predict(self, length, sign, tangent):
         return sign * length
+
+    def gradient(self, tangent, increment, load_increment):
+        return None, 1.0
 
     def correct(self, length, tangent, increment, load_increment, residual_part):
         return copysign(length, load_increment) - load_increment, 1.0
@@ -185,6 +192,9 @@ class DisplacementControl(TwoWayRule):
                              "control a `monitor` that does")
         return sign * length / rate
 
+    def gradient(self, tangent, increment, load_increment):
+        return tangent.functional, 0.0
+
     def correct(self, length, tangent, increment, load_increment, residual_part):
         target = copysign(length, tangent.controlled(increment))
         missing = target - tangent.controlled(increment) - tangent.controlled(residual_part)
@@ -228,6 +238,11 @@ class ArcLength(TwoWayRule):
 
     def predict(self, length, sign, tangent):
         return sign * length / sqrt(tangent.norm2 + self.load_weight(tangent))
+
+    def gradient(self, tangent, increment, load_increment):
+        along = increment.duplicate()
+        along.pointwiseMult(tangent.weights, increment)
+        return along, self.load_weight(tangent) * load_increment
 
     def correct(self, length, tangent, increment, load_increment, residual_part):
         weight = self.load_weight(tangent)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from ..discrete.system import System
+from .elimination import Elimination
+from .linear import DirectSolver
 
 AUGMENTATIONS = 30
 
@@ -16,20 +18,36 @@ class Enforcement:
         self._system = system
         self._rough = [c for c in system.contributions if not c.smooth]
 
-    def approaches(self) -> list[list[float]]:
-        """Sequences of multiples of the regularisation to try: from large ones to the final one, then directly.
+    def approaches(self, eliminates: bool, again: bool) -> list[tuple[bool, list[float]]]:
+        """Ways to try: whether contact forces are eliminated, and multiples of the regularisation, the last one is 1.
 
         Thick contact layers make long steps converge; a step shorter than their indentation fails in them.
+
+        Parameters
+        ----------
+        eliminates : whether contact forces can be; where that fails, a shorter step is tried before other ways
+        again : whether a step from the same state has failed before
         """
-        times = sorted({1.0, *(t for c in self._rough for t in c.approaches)}, reverse=True)
-        return [times, [1.0]] if len(times) > 1 else [[1.0]]
+        ways = [(False, self._multiples), (False, [1.0])] if len(self._multiples) > 1 else [(False, [1.0])]
+        if not (eliminates and self._system.steep and all(c.steep for c in self._rough)):
+            return ways
+        return [(True, [1.0]), *(ways if again else [])]
+
+    def elimination(self, linear: DirectSolver) -> Elimination:
+        """Solver for the contact forces within iterations that use a factor."""
+        return Elimination(self._system, linear, self.regularise, self._multiples)
+
+    @property
+    def _multiples(self) -> list[float]:
+        """Of the regularisation, through which solutions are approached."""
+        return sorted({1.0, *(t for c in self._rough for t in c.approaches)}, reverse=True)
 
     def solve(self, solve: Callable[[], bool], multiples: Sequence[float]) -> bool:
         """Call `solve`, which corrects from where it ended last, until all contributions hold."""
         for times in multiples:
-            self._regularise(times)
+            self.regularise(times)
             if not solve():
-                self._regularise(1.0)
+                self.regularise(1.0)
                 self._system.history.rewind()
                 return False
         for _ in range(AUGMENTATIONS):
@@ -40,7 +58,8 @@ class Enforcement:
         self._system.history.rewind()
         return False
 
-    def _regularise(self, times: float) -> None:
+    def regularise(self, times: float) -> None:
+        """Make the regularisation a multiple of what it is in accepted states."""
         for contribution in self._rough:
             contribution.regularise(times)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 from petsc4py import PETSc
 
 
@@ -61,6 +62,16 @@ class DirectSolver:
 
     def solve(self, right: PETSc.Vec, solution: PETSc.Vec) -> None:
         self.ksp.getPC().apply(right, solution)
+
+    def responses(self, rows: np.ndarray) -> np.ndarray:
+        """Solutions for unit forces at some rows, as columns, on one process."""
+        size, count = self.matrix.getSize()[0], len(rows)
+        units = np.zeros((size, count), order="F")
+        units[rows, np.arange(count)] = 1.0
+        right, solutions = (PETSc.Mat().createDense((size, count), array=a, comm=self.ksp.comm)
+                            for a in (units, np.empty_like(units)))
+        self.ksp.getPC().getFactorMatrix().matSolve(right, solutions)
+        return solutions.getDenseArray().copy()
 
     def solve_transposed(self, right: PETSc.Vec, solution: PETSc.Vec) -> None:
         self.ksp.getPC().applyTranspose(right, solution)

@@ -39,6 +39,7 @@ class Tracer(Measuring):
         self.snes = create(self.system.comm, self.system, prefix, most_iterations(control))
         self.stepper = self.snes.getPythonContext()
         self.enforcement = Enforcement(self.system)
+        self._elimination = self.enforcement.elimination(self.stepper.linear)
         self.x = self.system.create_vector()
         self._response, self._load = self.system.create_vector(), self.system.create_vector()
         monitor = discretisation.scene.monitor
@@ -46,6 +47,7 @@ class Tracer(Measuring):
         self.tangent = LoadResponse(self._response, self.system.weights,
                                     self._controlled(control))
         self._reference: tuple[float, float] | None = None
+        self._stuck: State | None = None
         self.iterations = self._most = 0
         self.failure = ""
         self._factored: tuple[State | None, int] = None, 0
@@ -113,8 +115,12 @@ class Tracer(Measuring):
                    guess: tuple[float, np.ndarray] | None = None) -> State | None:
         start, before, spent = self.state, self.total_factorisations, self.iterations
         self._count.start_from(start, self.x)
-        for multiples in self.enforcement.approaches():
+        alone = self.system.comm.size == 1 and self.control.newton == "full"
+        for eliminates, multiples in self.enforcement.approaches(alone, self._stuck is start):
             self._most, self.failure = 0, ""
+            self.stepper.elimination = self._elimination if eliminates else None
+            if eliminates:
+                self.factorise_at(start)
             if guess is None:
                 load_increment = control.predict(length, control.direction(start), tangent)
                 self.stepper.begin(control, tangent, length, load_increment)
@@ -129,6 +135,7 @@ class Tracer(Measuring):
                 except (SingularTangent, Uncounted) as failure:
                     self.failure = str(failure)
             self._undo(start)
+        self._stuck = start
         return None
 
     def accept(self, load_increment: float, iterations: int = 0) -> State:

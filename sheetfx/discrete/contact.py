@@ -51,7 +51,7 @@ class ContactFields:
 
     def __init__(self, contact: Contact, name: str):
         beam = contact.beam
-        domain, degree = beam.mesh.domain, beam.degree
+        domain = beam.mesh.domain
         self.contact = contact
         self.layer, count = resolution(contact)
         stiffness = beam.section.stiffness(beam.material, 2)[2]
@@ -59,6 +59,14 @@ class ContactFields:
         self._final_compliance = self.layer**4 / stiffness
         self.compliance = fem.Constant(domain, self._final_compliance)
         self.scale = contact.scale or _default_scale(contact, stiffness)
+        self.block, self.unit = None, 1.0
+        self._choose_points(name, count)
+        self.gap = self.slip = None
+
+    def _choose_points(self, name: str, count: int) -> None:
+        """Points of contact, `count` in a cell, with multipliers at them."""
+        contact, beam = self.contact, self.contact.beam
+        domain, degree = beam.mesh.domain, beam.degree
         cell, shape = domain.basix_cell(), (2,) if contact.friction else ()
         if contact.points == "nodes":
             rule = {"quadrature_rule": "GLL", "quadrature_degree": 2 * degree - 1}
@@ -72,13 +80,10 @@ class ContactFields:
         self._points, self._weights = points, np.asarray(weights)
         self.integral = beam.mesh.integral(rule, beam.group)
         self.multiplier = fem.Function(fem.functionspace(domain, element), name=name)
-        self.block = None
-        self.unit = 1.0
         if self.enforcement == "semismooth":
             self.unit = 1e3 * self.scale
             field = AdditiveField(self.multiplier, np.arange(len(self.multiplier.x.array)), np.inf, True)
             self.block = Block.of_space(self.multiplier.function_space, field)
-        self.gap = self.slip = None
 
     def close(self, position, travel, previous) -> None:
         """Express gap and slip in the fields.
@@ -168,6 +173,10 @@ class ContactFields:
         beam = self.contact.beam
         return self.multiplier.function_space.dofmap.list[beam.mesh.group(beam.group)].ravel()
 
+    def numbers(self) -> np.ndarray | None:
+        """Global number of the contact point of each row of a state; None: each row is a point of its own."""
+        return self.multiplier.function_space.dofmap.index_map.local_to_global(self._points_of_rows())
+
     def touching(self, state: ContactState) -> int:
         """Number of contact points of this process that touch."""
         points = np.unique(self._points_of_rows()[state.status != "open"])
@@ -182,6 +191,11 @@ class ContactFields:
         if self.contact.friction:
             table[dofs, 1] = state.traction
         self.multiplier.x.scatter_forward()
+
+
+def eliminates(contact: Contact) -> bool:
+    """Whether a layer carries the pressure alone, without friction or multipliers."""
+    return bool(resolution(contact)[0]) and not contact.friction and contact.enforcement in (None, "penalty")
 
 
 def resolution(contact: Contact) -> tuple[float, int]:

@@ -6,9 +6,9 @@ import numpy as np
 from mpi4py import MPI
 
 from .contact import ContactFields, ContactState
+from .fields import Fields
 from .form_work import FormWork
 from .timing import Stopwatch
-from .unknowns import Unknowns
 
 PENETRATION = 1e-6  # over the depth, that augmentation leaves
 
@@ -23,7 +23,8 @@ class ContactWork(FormWork):
     fields : ContactFields
     """
 
-    def __init__(self, unknowns: Unknowns, fields: ContactFields, clock: Stopwatch):
+    def __init__(self, of_scene: Fields, fields: ContactFields, clock: Stopwatch):
+        unknowns = of_scene.unknowns
         super().__init__(unknowns, fields.work(unknowns.vary), smooth=False, conservative=not fields.contact.friction)
         self.fields, self._clock = fields, clock
         self._kept = fields.multiplier if fields.block is None else None
@@ -62,23 +63,27 @@ class ContactWork(FormWork):
         if self.fields.enforcement != "uzawa":
             return True
         state = self._state()
-        if self._penetration(state) <= PENETRATION * self.fields.contact.beam.section.depth:
+        if penetration(self.fields, state) <= PENETRATION * self.fields.contact.beam.section.depth:
             return True
         self.fields.store(state, normal=True)
         return False
 
     def touching(self) -> tuple[int, float]:
-        state = self._state()
-        return self._comm.allreduce(self.fields.touching(state)), self._penetration(state)
-
-    @property
-    def _comm(self) -> MPI.Comm:
-        return self.fields.contact.beam.mesh.domain.comm
+        with self._clock("contact"):
+            return touching(self.fields)
 
     def _state(self) -> ContactState:
         with self._clock("contact"):
             return self.fields.evaluate()
 
-    def _penetration(self, state: ContactState) -> float:
-        """Largest penetration at contact points, on all processes."""
-        return max(0.0, self._comm.allreduce(float(-state.gap.min(initial=np.inf)), op=MPI.MAX))
+
+def touching(fields: ContactFields) -> tuple[int, float]:
+    """Number of points that touch and largest penetration, on all processes."""
+    state = fields.evaluate()
+    return fields.contact.beam.mesh.domain.comm.allreduce(fields.touching(state)), penetration(fields, state)
+
+
+def penetration(fields: ContactFields, state: ContactState) -> float:
+    """Largest penetration at contact points, on all processes."""
+    deepest = float(-state.gap.min(initial=np.inf))
+    return max(0.0, fields.contact.beam.mesh.domain.comm.allreduce(deepest, op=MPI.MAX))

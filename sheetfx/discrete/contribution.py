@@ -58,9 +58,12 @@ class Contribution:
     stage : number of the load stage that its load belongs to; None: it has none
     history_moved : whether a law remembers something, such as plastic strains, on any process
     approaches : multiples of its regularisation through which a step's solution is approached
+    steep : whether its forces change with motions that are far smaller than those of a step, but act on few unknowns at
+        a time: each Newton iteration then finds them exactly, see `continuation.elimination`
     """
 
     smooth = conservative = True
+    steep = False
     without_descent = ""
     moved = gives_moments = history_moved = False
     stage: int | None = None
@@ -117,6 +120,10 @@ class Contribution:
         Augmented-Lagrangian contact updates its multipliers here.
         """
         return True
+
+    def energy(self) -> float | None:
+        """Energy that it stores now, on all processes; None: it does not tell."""
+        return None
 
     def touching(self) -> tuple[int, float]:
         """Number of points in contact and largest penetration, on all processes."""

@@ -16,13 +16,14 @@ from ..mesh.numbers import lift_numbers
 from ..mesh.reader import NamedMesh
 from ..model.contact import Contact
 from ..model.scene import Monitor, Scene
-from .contact import ContactFields
+from .contact import ContactFields, eliminates
 from .contact_work import ContactWork
 from .contribution import Contribution
 from .elements import ElementWork
 from .fields import Fields
 from .form_work import FormWork, by_mesh
 from .kinematics import Kinematics
+from .layer import LayerFields, LayerWork
 from .layout import Layout
 from .load_work import works_of_loads
 from .nodal import FixedIncrements
@@ -55,7 +56,8 @@ class Discretisation:
         self._add_travels()
         for thing in (*scene.all_loads, *scene.joints):
             thing.unknowns(fields)
-        self.contacts = [ContactFields(c, f"multiplier{i}") for i, c in enumerate(scene.contacts)]
+        self.contacts = [(LayerFields if eliminates(c) else ContactFields)(c, f"multiplier{i}")
+                         for i, c in enumerate(scene.contacts)]
         fields.blocks += [c.block for c in self.contacts if c.block is not None]
         self.unknowns = fields.unknowns = Unknowns(fields.blocks)
         self._close_contacts()
@@ -138,7 +140,8 @@ class Discretisation:
 
     def _of_contacts(self) -> Iterator[Contribution]:
         for contact in self.contacts:
-            yield ContactWork(self.unknowns, contact, self.clock)
+            work = LayerWork if isinstance(contact, LayerFields) else ContactWork
+            yield work(self.fields, contact, self.clock)
 
     def _of_joints(self) -> Iterator[Contribution]:
         for joint in self.scene.joints:

@@ -8,6 +8,7 @@ from itertools import repeat
 
 import numpy as np
 from petsc4py import PETSc
+from scipy.sparse import csr_matrix
 
 from .. import compat
 from .contribution import Contribution, Forces
@@ -32,6 +33,7 @@ class System:
     Attributes
     ----------
     smooth, conservative : whether all contributions are
+    steep : contributions that are
     history : History of fields and contributions
     size : number of free unknowns
     fixed_rows : of fixed unknowns in this process's part of a vector
@@ -45,13 +47,14 @@ class System:
         self.unknowns, self.contributions, self.factors, self.clock = unknowns, list(contributions), factors, clock
         self.smooth = all(c.smooth for c in contributions)
         self.conservative = all(c.conservative for c in contributions)
+        self.steep = [c for c in contributions if c.steep]
         self.history = History(unknowns.fields, contributions)
         self._layout = layout
         self.fixed_rows = layout.fixed
         self.size = self.comm.allreduce(layout.size - len(self.fixed_rows))
         self.multiplier_rows = self._multipliers()
         self.multipliers = self.comm.allreduce(len(self.multiplier_rows))
-        self.matrix = None
+        self.matrix = self._steep_pattern = None
         self._create_matrix()
         self.weights = self._inner_product_weights()
         self.reaction = 0.0
@@ -154,6 +157,19 @@ class System:
                     values.append(blocks.ravel())
             compat.set_coo_values(self.matrix, np.concatenate(values))
             return self.matrix
+
+    def tangent_of_steep(self) -> csr_matrix:
+        """Share of the steep contributions in the tangent of this process's unknowns."""
+        with self.clock("assembly"):
+            held, size = self._forces(), self._layout.size
+            if self._steep_pattern is None or any(c.moved for c in self.steep):
+                parts = [c.pattern(self._layout) for c in self.steep]
+                self._steep_pattern = [np.concatenate(numbers) - self._layout.start
+                                       for numbers in zip(*parts, strict=True)]
+            rows, columns = self._steep_pattern
+            values = np.concatenate([array for c in self.steep for array in c.tangent(held)])
+            inside = (values != 0) & (np.minimum(rows, columns) >= 0) & (np.maximum(rows, columns) < size)
+            return csr_matrix((values[inside], (rows[inside], columns[inside])), shape=(size, size))
 
     def _moments(self) -> dict[int, np.ndarray]:
         """For each field of rotations the change of moments with its increments, in problems without a potential."""

@@ -71,7 +71,7 @@ def case(
             parts=[beam], contacts=contacts, loads=loads, symmetry_factor=symmetry_factor,
             supports=[clamp(mesh, "end"), clamp(mesh, "start") if full else symmetry(mesh, "crown")],
             monitor=Monitor(mesh, "crown", "y", -1.0)),
-        control=ArcLength(step=step, largest=4.0), until=Until(deflection=to),
+        control=ArcLength(step=step, largest=2.0), until=Until(deflection=to),
         quantities=lambda record: quantities(record, thickness), pictures=pictures,
         axes=("deflection of the crown (mm)", "load on the whole arch (N)"))
 

@@ -102,7 +102,7 @@ class ContactPoints:
     def __init__(self, record: Record):
         self.fields: list[ContactFields] = record.path.discretisation.contacts
         self._comm = communicator(record)
-        self._numbers = [self._comm.gather(_point_numbers(c)) for c in self.fields]
+        self._numbers = [self._comm.gather(c.numbers()) for c in self.fields]
 
     def evaluate(self) -> list[ContactState] | None:
         """State of each contact in order of x, on process 0; None elsewhere."""
@@ -110,20 +110,14 @@ class ContactPoints:
         for contact, numbers in zip(self.fields, self._numbers, strict=True):
             parts = self._comm.gather(vars(contact.evaluate()))
             if parts is not None:
-                states.append(_merge(parts, np.concatenate(numbers)))
+                states.append(_merge(parts, numbers))
         return states if self._comm.rank == 0 else None
 
 
-def _point_numbers(contact: ContactFields) -> np.ndarray:
-    """Global number of each contact point of this process, in the order of its evaluation."""
-    beam = contact.contact.beam
-    dofmap = contact.multiplier.function_space.dofmap
-    return dofmap.index_map.local_to_global(dofmap.list[beam.mesh.group(beam.group)].ravel())
-
-
-def _merge(parts: list[dict], numbers: np.ndarray) -> ContactState:
+def _merge(parts: list[dict], numbers: list[np.ndarray | None]) -> ContactState:
     values = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
-    _, first, place = np.unique(numbers, return_index=True, return_inverse=True)
+    rows = np.arange(len(values["gap"])) if numbers[0] is None else np.concatenate(numbers)
+    _, first, place = np.unique(rows, return_index=True, return_inverse=True)
     weight = np.bincount(place, weights=values["weight"])
     values = {name: value[first] for name, value in values.items()} | {"weight": weight}
     order = np.argsort(values["position"][:, 0], kind="stable")

@@ -7,14 +7,16 @@ from dataclasses import replace
 
 import numpy as np
 from scipy.interpolate import KroghInterpolator
-from scipy.optimize import brentq, minimize_scalar
+from scipy.optimize import brentq
 
 from ..continuation.defect import interpolates
 from ..continuation.segment import SAMPLES, Jump, Missed, Segment
 from ..continuation.state import CriticalPoint, State
 from ..continuation.tracer import tracer_of
+from ..continuation.work import work_matches
 from .crossings import EXACT, REACHES, Crossing, pass_zero, unresolved
 from .koiter import postbuckling
+from .turning import turning_loads
 
 SAME = 3e-7  # relative difference of loads of one multiple point
 TOGETHER = 1e-3  # of a step, distance of the crossings of one multiple point
@@ -53,7 +55,9 @@ def locate(tracer, earlier: State | None, before: State, after: State,
     if segment.guarded and _crowded(before, after):
         raise Jump("too many bifurcations lie in one step")
     if not tracer.system.smooth:
-        limits, returns = _turning_loads(segment, earlier), []
+        if tracer.control.guarded and tracer.system.conservative and not work_matches(segment, earlier):
+            raise Jump("the work done along the step is not the change of the energy")
+        limits, returns = turning_loads(segment, earlier), []
     else:
         if segment.guarded:
             _check(segment)
@@ -214,27 +218,6 @@ def _limit(segment: Segment, length: float, rising: bool) -> CriticalPoint:
     state = segment.states[length]
     return CriticalPoint("limit", state.load, state.deflection, state.step, float(length),
                          name="maximum" if rising else "minimum")
-
-
-def _turning_loads(segment: Segment, earlier: State | None) -> list[tuple[Segment, float, bool]]:
-    """The state of the highest (lowest) load where the load turns from one step to the next."""
-    before, after = segment.before, segment.after
-    if not before.load_increment * after.load_increment < 0:
-        return []
-    sign = 1.0 if before.load_increment > 0 else -1.0
-    segments = [segment] if earlier is None else [Segment(segment.tracer, earlier, before), segment]
-    for one in segments:
-
-        def opposite_load(length, one=one):
-            try:
-                return -sign * one[length].factor
-            except Missed:
-                return -sign * one.before.factor
-
-        minimize_scalar(opposite_load, bounds=(0.0, one.after.length), method="bounded",
-                        options={"xatol": 0.02 * one.after.length})
-    return [max(((one, length, sign > 0) for one in segments for length in one.states),
-                key=lambda found: sign * found[0].states[found[1]].factor)]
 
 
 def _bifurcations(segment: Segment, limits: list[float]) -> list[Crossing]:

@@ -1,0 +1,147 @@
+"""Contact forces found exactly within each Newton iteration, on what else is linear there.
+
+Where parts touch, forces change with motions that are far smaller than those of a step, so that Newton's iteration on
+all unknowns together would have to take tiny steps. But contact acts on few of them. With K dx + R = 0 the linear
+problem of an iteration, F the forces of the contacts in R and k their part of K, the step that has contact exact is
+
+    dx = K^-1 (-R - r),   r = F(x + dx) - F(x) - k dx,
+
+where r has few entries: the problem is solved for these, at the price of as many back-substitutions. This is nonlinear
+elimination (Lanzkron, Rose and Wilkes 1996), on the flexibility of the structure at the places where it touches.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from petsc4py import PETSc
+
+from ..discrete.system import System
+from .linear import DirectSolver
+
+MOST = 300  # entries that are eliminated
+ITERATIONS = 25  # at each thickness
+LOOSE, EXACT = 1e-2, 1e-5  # error of contact forces over the load, from which one correction more is enough
+NEAR = 0.1  # the same, of a plain step, from which no approach is needed
+
+
+class Elimination:
+    """Corrects the steps of a Newton iteration so that contacts hold exactly in the linearised structure.
+
+    Parameters
+    ----------
+    regularise : function of the multiple of the regularisation
+    multiples : through which solutions are approached, the last one is 1
+    """
+
+    def __init__(self, system: System, linear: DirectSolver, regularise, multiples: Sequence[float]):
+        self._system, self._linear, self._regularise, self._multiples = system, linear, regularise, multiples
+        self._trial, self._out, self._column = (system.create_vector() for _ in range(3))
+
+    def correct(self, x: PETSc.Vec, factor: float, step: PETSc.Vec, unit: PETSc.Vec,
+                normal: tuple[PETSc.Vec | None, float], size: float) -> float:
+        """Change a step in place so that the contacts hold after it; return the change of its load.
+
+        Parameters
+        ----------
+        x, factor : increments and load factor that the step starts from, with the factor of the tangent there
+        unit : response to a unit of load
+        normal : gradient of the control's equation by the unknowns and by the load factor
+        size : of forces
+
+        Raises
+        ------
+        ArithmeticError
+            If the contact forces are not found.
+        """
+        system = self._system
+        system.configure(x, factor)
+        self._x, self._factor, self._base, self._size = x, factor, step.array.copy(), size
+        self._unit, self._normal = unit, normal
+        self._before, self._stiff = self._forces(), system.tangent_of_steep()
+        self._rows, self._loads = np.empty(0, dtype=np.int64), np.empty(0)
+        self._columns = np.empty((len(self._base), 0))
+        forces = self._solve()
+        system.configure(x, factor)
+        if forces is None:
+            raise ArithmeticError("contact forces are not found")
+        step.array[:] = self._moved(forces)
+        return -float(self._loads @ forces)
+
+    def _forces(self) -> np.ndarray:
+        self._system.residual_of(self._system.steep, self._out)
+        return self._out.array.copy()
+
+    def _solve(self) -> np.ndarray | None:
+        """Forces at the rows; None: not found."""
+        remainder = self._remainder(self._base)
+        if remainder is None:
+            return None
+        size = np.linalg.norm(remainder) / self._size
+        if size <= EXACT:
+            return np.zeros(len(self._rows))
+        sequences = [self._multiples, [1.0]]
+        for multiples in sequences[::-1] if size < NEAR else sequences[:1]:
+            forces = np.zeros(len(self._rows))
+            for times in multiples:
+                self._regularise(times)
+                forces = self._converge(forces, EXACT if times == multiples[-1] else LOOSE)
+                if forces is None:
+                    break
+            self._regularise(1.0)
+            if forces is not None:
+                return forces
+        return None
+
+    def _converge(self, forces: np.ndarray, exact: float) -> np.ndarray | None:
+        """Newton's iteration for the remaining forces at one thickness."""
+        for _ in range(ITERATIONS):
+            remainder = self._remainder(self._moved(forces))
+            if remainder is None:
+                return None
+            forces = np.concatenate([forces, np.zeros(len(self._rows) - len(forces))])
+            off = remainder - forces
+            rows = np.ix_(self._rows, self._rows)
+            change = (self._system.tangent_of_steep() - self._stiff)[rows].toarray()
+            try:
+                correction = np.linalg.solve(np.eye(len(off)) + change @ self._columns[self._rows], off)
+            except np.linalg.LinAlgError:
+                return None
+            forces = forces + correction
+            if not np.isfinite(correction).all():
+                return None
+            if np.linalg.norm(off) <= exact * self._size:
+                return forces
+        return None
+
+    def _moved(self, forces: np.ndarray) -> np.ndarray:
+        return self._base - self._columns[:, :len(forces)] @ forces
+
+    def _remainder(self, step: np.ndarray) -> np.ndarray | None:
+        """Forces of the contacts after a step beyond those that are linear in it, at the rows where there are any.
+
+        None: these are too many.
+        """
+        system, trial = self._system, self._trial
+        self._x.copy(trial)
+        self._column.array[:] = step
+        system.retract(trial, self._column)
+        system.configure(trial, self._factor)
+        beyond = self._forces() - self._before - self._stiff @ step
+        new = np.setdiff1d(np.flatnonzero(beyond), self._rows)
+        if len(self._rows) + len(new) > MOST:
+            return None
+        if len(new):
+            self._rows = np.concatenate([self._rows, new])
+            columns, loads = self._responses(new)
+            self._columns, self._loads = np.hstack([self._columns, columns]), np.append(self._loads, loads)
+        return beyond[self._rows]
+
+    def _responses(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Responses to unit forces at rows that keep to the control's equation, and the changes of load in them."""
+        columns, (along, of_load) = self._linear.responses(rows), self._normal
+        if along is None:
+            return columns, np.zeros(len(rows))
+        loads = -(along.array @ columns) / (along.dot(self._unit) + of_load)
+        return columns + np.outer(self._unit.array, loads), loads

@@ -1,0 +1,54 @@
+"""Limit points where rates of the load waver, as with contact: the load itself turns from one step to the next."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..continuation.segment import Segment
+from ..continuation.state import State
+
+SEARCHED, RESOLUTION = 6, 0.02  # states at which the load is searched, and part of a step that they are apart
+
+
+def turning_loads(segment: Segment, earlier: State | None) -> list[tuple[Segment, float, bool]]:
+    """The state of the highest (lowest) load where the load turns from one step to the next.
+
+    It is searched by parabolas through loads, which rates that waver do not disturb.
+    """
+    before, after = segment.before, segment.after
+    if not before.load_increment * after.load_increment < 0:
+        return []
+    sign = 1.0 if before.load_increment > 0 else -1.0
+    segments = [segment] if earlier is None else [Segment(segment.tracer, earlier, before), segment]
+    starts = [0.0] if earlier is None else [-before.length, 0.0]
+    known = {start + length: (one, length) for one, start in zip(segments, starts, strict=True)
+             for length in one.states}
+
+    def load(place: float) -> float:
+        one, length = known[place]
+        return sign * one.states[length].factor
+
+    for _ in range(SEARCHED):
+        places = sorted(known)
+        best = places.index(max(places[1:-1] or places, key=load))
+        around = places[max(best - 1, 0): best + 2]
+        place = _vertex(around, [load(s) for s in around])
+        if place is None or min(abs(place - s) for s in known) < RESOLUTION * after.length:
+            break
+        one, start = next((one, start) for one, start in zip(segments, starts, strict=True)
+                          if start <= place <= start + one.after.length)
+        if not one.reach(place - start):
+            break
+        known[place] = one, place - start
+    one, length = known[max(known, key=load)]
+    return [(one, length, sign > 0)]
+
+
+def _vertex(places: Sequence[float], loads: Sequence[float]) -> float | None:
+    """Where the parabola through places and loads is highest, between the outer ones; None: nowhere."""
+    if len(places) < 3:
+        return sum(places) / len(places)
+    bend, slope, _ = np.polyfit(np.subtract(places, places[0]), loads, 2)
+    return float(np.clip(places[0] - slope / (2 * bend), places[0], places[-1])) if bend < 0 else None
