@@ -160,7 +160,7 @@ class PointLaw:
         self._cells = np.arange(count, dtype=np.int32)
         self._constant = fem.Constant(mesh, 0.0)
         self._z = self._on_cells(self._size)
-        constants = [self._on_cells(d.shape[1], d) for d in data]
+        constants = self._data = [self._on_cells(d.shape[1], d) for d in data]
         z, now = ufl.variable(self._z), ufl.variable(self._constant)
         ends = np.cumsum(sizes)
         values = [ufl.as_vector([z[int(i)] for i in range(end - size, end)]) for end, size in zip(ends, sizes,
@@ -170,10 +170,24 @@ class PointLaw:
         self._change, self._held = self._on_cells(self._size), self._on_cells(e.ufl_shape[0])
         force, held = (ufl.as_vector(s[i] * slopes[i, j], j) for s in (resultants, self._held))
         material = ufl.as_matrix(ufl.diff(resultants, z)[i, j] * slopes[i, k], (k, j))
+        self._strains = self._expression(e)
         self._force, self._holding = self._expression(force), self._expression(held)
         self._stiffness = self._expression(material + ufl.diff(held, z))
         self._resultants = self._expression(resultants + ufl.dot(ufl.diff(resultants, z), self._change))
         self._pull = self._expression(-ufl.diff(force, now))
+
+    def give(self, number: int, values: np.ndarray) -> None:
+        """Change one of the arrays of data that strains depend on."""
+        if self._count:
+            self._put(self._data[number], values)
+
+    def strains(self, z: np.ndarray) -> np.ndarray:
+        """Strains at z, shape (points, strains)."""
+        return self._evaluate(self._strains, z, self._held.function_space.dofmap.bs) if self._count else z
+
+    def resultants(self, z: np.ndarray) -> np.ndarray:
+        """Resultants at z, shape (points, strains)."""
+        return self.extrapolated(z, np.zeros_like(z))
 
     def _on_cells(self, size: int, values: np.ndarray | None = None) -> fem.Function:
         function = fem.Function(fem.functionspace(self._mesh, ("DG", 0, (size,))))

@@ -123,7 +123,7 @@ def gap_of_arm(first, second, arm):
     """
     apart = second[0] - first[0]
     if len(first) > 1:
-        turn = _rotation(first[1])
+        turn = rotation_of(first[1])
         apart = turn.pull_back(apart) + turn.pulled_change(arm)
     return [*(apart[i] for i in range(apart.ufl_shape[0])), *_turn_between(first, second)]
 
@@ -137,7 +137,7 @@ def gap_in_space(first, second, arm):
     """
     apart = second[0] - first[0]
     if len(first) > 1:
-        apart = apart - _rotation(first[1]).change(arm)
+        apart = apart - rotation_of(first[1]).change(arm)
     return [*(apart[i] for i in range(apart.ufl_shape[0])), *_turn_between(first, second)]
 
 
@@ -172,7 +172,7 @@ def stiff(matrix):
     return forces
 
 
-def _rotation(value):
+def rotation_of(value):
     """Rotation from an angle of shape (1,) or a quaternion."""
     return rotation.PlanarRotation(value[0]) if value.ufl_shape == (1,) else rotation.SpatialRotation(value)
 
