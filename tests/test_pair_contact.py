@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers import move_at_random, tangents
+from helpers import distance, move_at_random, tangents
 
 import sheetfx as fx
 from sheetfx.discrete.discretisation import Discretisation
@@ -40,19 +40,22 @@ def stacked(moving, enforcement="penalty", dimension=2, **how):
 def test_constant_pressure_passes(moving):
     record = fx.trace(fx.Case(stacked(moving), fx.LoadControl(1.0, fixed=True)))
     state = pairs_of(record)[0].evaluate()
-    assert np.abs(state.pressure - 1.0).max() < 1e-10
+    assert np.abs(state.pressure - 1.0).max() < 1e-9  # of a stiffness of 3e6 times rounding
     assert record.states[-1].deflection == pytest.approx(1 / 50 + 1 / pairs_of(record)[0].pairs.parameters[0], rel=1e-9)
 
 
-@pytest.mark.parametrize("moving", [False, True])
-@pytest.mark.parametrize("dimension", [2, 3])
-@pytest.mark.parametrize("friction", [0.0, 0.3])
-def test_tangent_is_the_derivative(moving, dimension, friction):
-    discretisation = Discretisation(stacked(moving, dimension=dimension, friction=friction, stiffness=3.0, gap=0.2))
+@pytest.mark.parametrize("dimension, moving, friction", [
+    (2, True, 0.7), (3, True, 0.7), pytest.param(2, False, 0.7, marks=pytest.mark.slow),
+    pytest.param(3, False, 0.7, marks=pytest.mark.slow), pytest.param(3, True, 0.0, marks=pytest.mark.slow)])
+def test_tangent_is_the_derivative(dimension, moving, friction):
+    """Far from equilibrium, partners in other cells than at first; with friction not symmetric."""
+    discretisation = Discretisation(stacked(moving, dimension=dimension, friction=friction, stiffness=1e3, gap=0.05),
+                                    mixed_points=False)
     x = move_at_random(discretisation, size=0.1)
     work, = pairs_of(discretisation)
-    statuses = set(work.evaluate().status)
-    assert statuses == ({"open", "slip"} if not friction else {"open", "stick", "slip"})
-    assembled, differences = tangents(discretisation.system, x)
-    assert np.abs(assembled - differences).max() < 1e-7 * np.abs(differences).max()
-    assert (np.abs(assembled - assembled.T).max() < 1e-10) == (not friction)
+    assert set(work.evaluate().status) == ({"open", "slip", "stick"} if friction else {"open", "slip"})
+    with discretisation.system.additive_increments():
+        assembled, differences = tangents(discretisation.system, x, 1e-5)
+    assert distance(assembled, differences) < 1e-7
+    if friction:
+        assert distance(assembled.T, differences) > 1e-4

@@ -59,7 +59,7 @@ def on_moving_partner(first, second, arm, slopes, curvatures, axes, start):
     place = _seen_from(first, second[0] - first[0], arm)
     slope, curvature = (_pulled_back(first, v) for v in (slopes + second[1], curvatures + second[2]))
     a, b, c = (_along(axes, 1, v) for v in (place, slope, curvature))
-    root = ufl.sqrt(b * b - 2 * a * c)
+    root = ufl.sqrt(ufl.max_value(b * b - 2 * a * c, b * b / 4))
     ahead = -2 * a / (b + ufl.conditional(ufl.ge(b, 0), root, -root))
     here = place + ahead * slope + ahead * ahead / 2 * curvature
     across = [_along(axes, row, here) - start[1 + row] for row in range(dimension)]
