@@ -103,15 +103,25 @@ class PointWork(Contribution):
                 np.add.at(forces.on(trace.field), trace.nodes,
                           trace.weights[:, :, None] * values[:, None, part])
 
+    def _groups(self) -> list[tuple[int, np.ndarray, list[int]]]:
+        """Traces that have the same nodes of one field: its number, the nodes, and the numbers of the traces."""
+        groups: list[tuple[int, np.ndarray, list[int]]] = []
+        for number, trace in enumerate(self._traces):
+            for field, nodes, members in groups:
+                if field == trace.field and (nodes is trace.nodes or np.array_equal(nodes, trace.nodes)):
+                    members.append(number)
+                    break
+            else:
+                groups.append((trace.field, trace.nodes, [number]))
+        return groups
+
     def pattern(self, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
-        places = [layout.free_numbers[t.field][t.nodes] for t in self._traces]
-        rows, columns = [np.empty(0, dtype=np.int64)], [np.empty(0, dtype=np.int64)]
-        for left in places:
-            for right in places:
-                shape = (*left.shape, *right.shape[1:])
-                rows.append(np.broadcast_to(left[:, :, :, None, None], shape).ravel())
-                columns.append(np.broadcast_to(right[:, None, None, :, :], shape).ravel())
-        return np.concatenate(rows), np.concatenate(columns)
+        numbers = np.concatenate([layout.free_numbers[field][nodes].reshape(len(nodes), -1)
+                                  for field, nodes, _ in self._groups()], axis=1)
+        own, self._same = np.unique(numbers, axis=0, return_inverse=True)
+        self._same = self._same.ravel()
+        shape = (*own.shape, own.shape[1])
+        return np.broadcast_to(own[:, :, None], shape).ravel(), np.broadcast_to(own[:, None, :], shape).ravel()
 
     def extrapolate_stress(self) -> None:
         held = self._unknowns.changes
@@ -124,14 +134,24 @@ class PointWork(Contribution):
         forces, stiffness = self._law(self.values()) if self._held is None else self._law.holding(
             self._held, self.values())
         self._add(held, forces, curved_only=True)
-        bases = [t.weights[:, :, None, None] * np.broadcast_to(
-            f.variations(), (len(f.table), f.components, f.width))[t.nodes]
-            for t, f in zip(self._traces, self._fields, strict=True)]
-        values = []
-        for left, rows in zip(bases, self._parts, strict=True):
-            for right, columns in zip(bases, self._parts, strict=True):
-                values.append(np.einsum("nkcv,ncd,nldw->nkvlw", left, stiffness[:, rows, columns], right).ravel())
-        return values
+        matrix = self._derivatives()
+        blocks = matrix.transpose(0, 2, 1) @ (stiffness @ matrix)
+        values = np.zeros((self._same.max(initial=-1) + 1, *blocks.shape[1:]))
+        np.add.at(values, self._same, blocks)
+        return [values.ravel()]
+
+    def _derivatives(self) -> np.ndarray:
+        """Derivative of z by increments of the nodes, in the order of `pattern`, shape (points, m, increments)."""
+        columns = []
+        for field, nodes, members in self._groups():
+            f = self._unknowns.fields[field]
+            variations = np.broadcast_to(f.variations(), (len(f.table), f.components, f.width))[nodes]
+            rows = np.zeros((len(nodes), self._parts[-1].stop, nodes.shape[1] * f.width))
+            for number in members:
+                varied = self._traces[number].weights[:, :, None, None] * variations
+                rows[:, self._parts[number]] = varied.transpose(0, 2, 1, 3).reshape(len(nodes), f.components, -1)
+            columns.append(rows)
+        return np.concatenate(columns, axis=2)
 
 
 class PointLaw:

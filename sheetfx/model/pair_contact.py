@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -117,17 +117,7 @@ class PairContact(Joint):
     @cached_property
     def meeting(self) -> Meeting:
         """Pairs of points."""
-        second = Cells(self.to[0], cells_at(*self.to))
-        return merged([self._meeting_at(at, second) for at in self._places])
-
-    def _meeting_at(self, at: str | Stretch, second: Cells) -> Meeting:
-        first, title = cells_along(self.mesh, at), title_of(self.name, at)
-        if isinstance(at, str) and at in self.mesh.points:
-            return at_points(first, second, places_of(self.mesh, at), None, self.reach, title)
-        lines = at.lines(self.mesh) if isinstance(at, Stretch) else lines_of(self.mesh, at)
-        if self.pairs is None:
-            return along_lines(first, second, lines, self.reach, POINTS, title)
-        return at_pairs(first, second, lines, self.pairs, self.reach, title)
+        return _meeting(self.mesh, tuple(self._places), self.to, self.pairs, self.reach, self.name)
 
     @cached_property
     def axes(self) -> np.ndarray:
@@ -189,3 +179,22 @@ class PairContact(Joint):
         both = [max(stiffness_over(part, size)[0] for part in fields.scene.parts if part.mesh is mesh)
                 for mesh in (self.mesh, self.to[0])]
         return STIFF * min(both)
+
+
+@lru_cache(maxsize=4)
+def _meeting(mesh: NamedMesh, places: Sequence[str | Stretch], to: tuple[NamedMesh, str | None], pairs: int | None,
+             reach: float, name: str) -> Meeting:
+    """Pairs of points at some places; kept, because both faces of a panel have the same."""
+    second = Cells(to[0], cells_at(*to))
+    return merged([_meeting_at(mesh, at, second, pairs, reach, title_of(name, at)) for at in places])
+
+
+def _meeting_at(mesh: NamedMesh, at: str | Stretch, second: Cells, pairs: int | None, reach: float,
+                title: str) -> Meeting:
+    first = cells_along(mesh, at)
+    if isinstance(at, str) and at in mesh.points:
+        return at_points(first, second, places_of(mesh, at), None, reach, title)
+    lines = at.lines(mesh) if isinstance(at, Stretch) else lines_of(mesh, at)
+    if pairs is None:
+        return along_lines(first, second, lines, reach, POINTS, title)
+    return at_pairs(first, second, lines, pairs, reach, title)
