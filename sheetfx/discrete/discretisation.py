@@ -27,6 +27,7 @@ from .kinematics import Kinematics
 from .layout import Layout
 from .load_work import works_of_loads
 from .nodal import FixedIncrements
+from .pair_work import PairWork
 from .potential import look_for_potentials
 from .redundant import without_redundant
 from .sharing import sharings_of
@@ -78,6 +79,11 @@ class Discretisation:
     def works_of_parts(self) -> list[Contribution]:
         """Internal virtual work of each part of the scene, in their order."""
         return self.system.contributions[:len(self.scene.parts)]
+
+    @property
+    def pairs(self) -> list[PairWork]:
+        """Contacts between deformable parts."""
+        return [c for c in self.system.contributions if isinstance(c, PairWork)]
 
     def kinematics(self, mesh: NamedMesh) -> Kinematics:
         return self.fields.kinematics(mesh)

@@ -19,7 +19,7 @@ from .kinematics import Kinematics, kinematics_of
 from .load_factors import LoadFactors
 from .nodal_field import AdditiveField
 from .number import NumberField, shared_by_all
-from .pair_work import PairWork, Pairs
+from .pair_work import Pairs, PairWork
 from .partners import Partners
 from .points import PointLaw, PointWork, Trace
 from .sharing import Sharing, same_places
@@ -250,7 +250,7 @@ class Fields:
             field, cells = self._field(to, QUANTITIES[0]), Cells(to, cells_at(*owner.to))
             partner = Partners(field, self.unknowns.fields.index(field), cells,
                                np.searchsorted(cells.cells, second.cells), second.reference)
-        return PairWork(self.unknowns, traces, partner, Pairs(first.places, **how), owner.law, self._unique("contact"))
+        return PairWork(self.unknowns, traces, partner, Pairs(first.places, **how), owner, self._unique("contact"))
 
 
 class NodalForces:

@@ -92,12 +92,13 @@ class PairWork(PointWork):
     first : traces of the first part: displacement and, where it has one, rotation
     second : trace of the second part's displacement, or Partners that follow the first part's points
     pairs : Pairs
-    law : function like `forms.contact.mohr_coulomb`
+    contact : PairContact, which has the law
     name : of its history in snapshots
     """
 
-    def __init__(self, unknowns: Unknowns, first: Sequence[Trace], second: Trace | Partners, pairs: Pairs, law,
+    def __init__(self, unknowns: Unknowns, first: Sequence[Trace], second: Trace | Partners, pairs: Pairs, contact,
                  name: str):
+        self.contact, self.approaches = contact, contact.approach
         self._first, self.pairs, self._name, d = list(first), pairs, name, pairs.dimension
         self._partners = second if isinstance(second, Partners) else None
         traces = [*first, *(self._partners.traces() if self._partners else [second])]
@@ -118,7 +119,7 @@ class PairWork(PointWork):
             return forms.contact.strains_of(kinematics, data[-2], bool(slips))
 
         def resultants(strains):
-            return forms.contact.resultants_of(law, strains, self._parameters, slips)
+            return forms.contact.resultants_of(contact.law, strains, self._parameters, slips)
 
         sizes = [unknowns.fields[t.field].components for t in traces]
         points = PointLaw(strains, resultants, sizes, data, pairs.count, lambda: 0.0, pairs.weights)
@@ -127,11 +128,6 @@ class PairWork(PointWork):
         self._committed = self._history.copy()
         self._partners_committed = self._partners.history() if self._partners else None
         self._pattern_nodes = None
-        self._offset = 1.0
-
-    @property
-    def fixed_pairs(self) -> bool:
-        return self._partners is None
 
     def _geometry(self) -> list[np.ndarray]:
         place, *derivatives = self._partners.geometry()

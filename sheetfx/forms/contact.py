@@ -71,8 +71,8 @@ def mohr_coulomb(gap, slips, pressure, tractions, parameters):
     """Unilateral contact with Coulomb friction, cohesion and a tensile strength (thesis, eq. 3.12).
 
     Pressure <p - K gap> of an augmented Lagrangian (Simo and Laursen 1992, eq. 2.10), which is a penalty where p is
-    zero; parts without a gap touch. Tension goes up to the strength and stays there while the gap opens. Tractions are the trial ones, returned
-    radially to the cone mu p + c; slip does not open the gap.
+    zero; parts without a gap touch. Tension goes up to the strength and stays there while the gap opens. Tractions are
+    the trial ones, returned radially to the cone mu p + c; slip does not open the gap.
 
     Parameters
     ----------

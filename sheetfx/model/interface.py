@@ -24,6 +24,8 @@ from .shell import Shell
 
 STIFF = 1e3  # of a penalty, times the stiffness of the softer part (Herrema et al. 2019, section 4)
 
+Place = str | Stretch | Sequence[str | Stretch]  # on a part: a named point, edge or group of curves, a line
+
 
 @dataclass(frozen=True, eq=False)
 class Interface(Joint):
@@ -55,7 +57,7 @@ class Interface(Joint):
     """
 
     mesh: NamedMesh
-    at: str | Stretch | Sequence[str | Stretch]
+    at: Place
     to: tuple[NamedMesh, str | None]
     law: str | Callable
     gap: Callable | None = None
@@ -132,7 +134,8 @@ class Interface(Joint):
             others = places_of(to, there) if there is not None and ends_at_point else None
             return at_points(first, second, places_of(self.mesh, at), others, self.reach, title)
         if ends_at_point:
-            raise ValueError(f"{title}: a line cannot be joined to the point {there!r}; name an edge or a group of cells")
+            raise ValueError(f"{title}: a line cannot be joined to the point {there!r}; name an edge or a group "
+                             "of cells")
         if isinstance(at, str) and self.mesh.domain.topology.dim == 2 and at not in self.mesh.edges:
             raise ValueError(f"{title}: is a surface; give an edge, or a Stretch of a line on it")
         lines = at.lines(self.mesh) if isinstance(at, Stretch) else lines_of(self.mesh, at)
@@ -226,7 +229,7 @@ def stiffness_over(part: Shell | Beam | Bar, size: float) -> tuple[float, float]
     return modulus * section.area / size**2, modulus * min(section.second_moments) / size**2
 
 
-def weld(mesh: NamedMesh, at: str | Stretch | Sequence[str | Stretch], to: tuple[NamedMesh, str | None], **how) -> Interface:
+def weld(mesh: NamedMesh, at: Place, to: tuple[NamedMesh, str | None], **how) -> Interface:
     """Two parts that move and turn together; where they stand apart, rigid links turn with the first (see `link`).
 
     `how` are further attributes of an Interface: reach, enforcement.
@@ -234,7 +237,7 @@ def weld(mesh: NamedMesh, at: str | Stretch | Sequence[str | Stretch], to: tuple
     return Interface(mesh, at, to, " ".join(COMPONENTS[mesh.dimension]), **{"name": "weld"} | how)
 
 
-def link(mesh: NamedMesh, at: str | Stretch | Sequence[str | Stretch], to: tuple[NamedMesh, str | None], reach: float, **how) -> Interface:
+def link(mesh: NamedMesh, at: Place, to: tuple[NamedMesh, str | None], reach: float, **how) -> Interface:
     """Rigid links to a part that stands up to `reach` off the first, and turn with the first: an eccentric weld.
 
     Along a line on a surface the turn about its normal is free. A plate has no stiffness against it on a line: what a
@@ -246,13 +249,13 @@ def link(mesh: NamedMesh, at: str | Stretch | Sequence[str | Stretch], to: tuple
     return maker(mesh, at, to, reach=reach, **{"name": "link"} | how)
 
 
-def hinge(mesh: NamedMesh, at: str | Stretch | Sequence[str | Stretch], to: tuple[NamedMesh, str | None], **how) -> Interface:
+def hinge(mesh: NamedMesh, at: Place, to: tuple[NamedMesh, str | None], **how) -> Interface:
     """Two parts that move together and turn freely."""
     held = COMPONENTS[mesh.dimension][:mesh.dimension]
     return Interface(mesh, at, to, " ".join(held), **{"name": "hinge"} | how)
 
 
-def bolt(mesh: NamedMesh, at: str | Stretch | Sequence[str | Stretch], to: tuple[NamedMesh, str | None],
+def bolt(mesh: NamedMesh, at: Place, to: tuple[NamedMesh, str | None],
          axis: Sequence[float] | None = None, **how) -> Interface:
     """Two parts that move together and turn freely about one axis, which turns with the first.
 

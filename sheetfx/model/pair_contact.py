@@ -14,7 +14,7 @@ from ..mesh.lines import Stretch, lines_of, places_of
 from ..mesh.meeting import Meeting, along_lines, at_pairs, at_points, merged
 from ..mesh.projection import Cells, cells_at
 from ..mesh.reader import NamedMesh
-from .interface import cells_along, stiffness_over, title_of
+from .interface import Place, cells_along, stiffness_over, title_of
 from .joints import Joint
 
 FACES = "seat", "butt"
@@ -57,7 +57,7 @@ class PairContact(Joint):
     """
 
     mesh: NamedMesh
-    at: str | Stretch | Sequence[str | Stretch]
+    at: Place
     to: tuple[NamedMesh, str | None]
     face: str = "seat"
     toward: Sequence[float] | None = None

@@ -14,6 +14,7 @@ from ..model.joints import Joint
 from ..model.pair_contact import FACES, PairContact
 from ..model.shell import TRIANGLE, ShellForm
 
+FACES_OF_PANELS = (*FACES, "both")
 INWARD = (0.0, 0.0, -1.0)  # roughly from the panels to the bars under them
 
 
