@@ -91,7 +91,10 @@ class PointWork(Contribution):
                                for t, table in zip(self._traces, tables, strict=True)], axis=1)
 
     def residual(self, forces: Forces) -> None:
-        self._add(forces, self._law(self.values())[0])
+        self._add(forces, self._forces(self.values()))
+
+    def _forces(self, z: np.ndarray) -> np.ndarray:
+        return self._law.forces(z) if isinstance(self._law, PointLaw) else self._law(z)[0]
 
     def load(self, forces: Forces) -> None:
         if self._load is not None:
@@ -236,11 +239,14 @@ class PointLaw:
     def _weighted(self, expression: fem.Expression | None, z: np.ndarray, *shape: int) -> np.ndarray:
         return self._evaluate(expression, z, *shape) * self._weights.reshape(-1, *(1,) * len(shape))
 
+    def forces(self, z: np.ndarray) -> np.ndarray:
+        return self._weighted(self._force, z, self._size)
+
     def __call__(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Forces and stiffness."""
         if not self._count:
             return np.zeros((0, self._size)), np.zeros((0, self._size, self._size))
-        return (self._weighted(self._force, z, self._size),
+        return (self.forces(z),
                 self.holding(self.extrapolated(z, np.zeros_like(z)), z)[1])
 
     def extrapolated(self, z: np.ndarray, change: np.ndarray) -> np.ndarray:
