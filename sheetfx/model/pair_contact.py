@@ -20,6 +20,7 @@ from .joints import Joint
 FACES = "seat", "butt"
 POINTS = 3  # on each piece of a line
 STIFF = 10.0  # pressure per penetration, over the membrane stiffness of the softer part and the size of its cells
+ELASTIC_SLIP = 1e-2  # tangential over normal stiffness
 PENETRATION = 1e-6  # over the size of the cells, that augmentation leaves
 
 
@@ -47,6 +48,8 @@ class PairContact(Joint):
         cell of both parts
     stiffness : pressure (force per length) over penetration; None: ten times that of the softer part in its plane over
         a cell
+    tangential : stiffness against slip before the cone is reached; None: a hundredth of `stiffness`, with which Newton's
+        steps do not jump from slip to slip the other way
     enforcement : "penalty", or "uzawa": pressures are augmented until no pair penetrates by more than a millionth of
         a cell
     law : function like `forms.contact.mohr_coulomb`
@@ -68,6 +71,7 @@ class PairContact(Joint):
     moving: bool = True
     pairs: int | None = None
     stiffness: float | None = None
+    tangential: float | None = None
     enforcement: str = "penalty"
     law: Callable = forms.contact.mohr_coulomb
     reach: float = 0.0
@@ -79,12 +83,11 @@ class PairContact(Joint):
     def __post_init__(self):
         require_choice(self, "face", FACES)
         require_choice(self, "enforcement", ("penalty", "uzawa"))
-        require_finite(self, "friction", "cohesion", "strength", "stiffness", "reach")
+        require_finite(self, "friction", "cohesion", "strength", "stiffness", "tangential", "reach")
         for name in ("friction", "cohesion", "strength", "reach"):
             if getattr(self, name) < 0:
                 raise ValueError(f"{self._title}: {name} is {getattr(self, name)}; it must not be negative")
-        if self.stiffness is not None:
-            require_positive(self, "stiffness")
+        require_positive(self, "stiffness", "tangential")
         if self.pairs is not None and (self.pairs < 1 or self.pairs != int(self.pairs)):
             raise ValueError(f"{self._title}: pairs is {self.pairs}; give a number of at least 1")
         if self.to[0].domain.topology.dim != 1:
@@ -171,7 +174,7 @@ class PairContact(Joint):
         stiffness = self.stiffness or self._default_stiffness(fields)
         yield fields.pair_work(self, one, two, {
             "arms": two.places - one.places, "axes": self.axes, "gap": gap, "weights": meeting.weights,
-            "parameters": (stiffness, stiffness, self.friction, self.cohesion, self.strength),
+            "parameters": (stiffness, self.tangential or ELASTIC_SLIP * stiffness, self.friction, self.cohesion, self.strength),
             "augmented": self.enforcement == "uzawa", "tolerance": PENETRATION * meeting.size})
 
     def _default_stiffness(self, fields) -> float:
