@@ -23,6 +23,7 @@ _ROOMS = {
     "model.interface": "Interface bolt hinge link weld",
     "model.loads": "EdgeForce LineForce Load Moment "
                    "ObstacleForce PointForce PrescribedDisplacement PrescribedRotation SurfaceForce",
+    "model.pair_contact": "PairContact",
     "model.obstacles": "RigidCylinder RigidPlane",
     "model.following": "FollowerForce LinePressure Pressure",
     "model.scene": "Monitor Scene Stage",

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .continuation.state import CriticalPoint, State
+from .discrete.pair_work import PairState
 from .mesh.reader import NamedMesh
 from .path import Path
 
@@ -124,6 +125,10 @@ class Record:
         axial force, shear force, moment; for a shell forces, moments and shear forces per length.
         """
         return self.path.discretisation.resultants(part)
+
+    def pairs(self, contact) -> PairState:
+        """State of the pairs of a `PairContact` in the shown state, on this process."""
+        return next(work for work in self.path.discretisation.pairs if work.contact is contact).evaluate()
 
     def energies(self) -> list[float]:
         """Strain energy that each part of the scene, in their order, stores in the shown state."""

@@ -11,12 +11,16 @@ from dolfinx.common import IndexMap
 from mpi4py import MPI
 from scipy.spatial import cKDTree
 
+from ..mesh.meeting import Side
+from ..mesh.projection import Cells, cells_at
 from ..mesh.reader import NamedMesh
 from ..model.scene import Scene
 from .kinematics import Kinematics, kinematics_of
 from .load_factors import LoadFactors
 from .nodal_field import AdditiveField
 from .number import NumberField, shared_by_all
+from .pair_work import Pairs, PairWork
+from .partners import Partners
 from .points import PointLaw, PointWork, Trace
 from .sharing import Sharing, same_places
 from .unknowns import Block, Unknowns
@@ -228,6 +232,25 @@ class Fields:
         sizes = [self.unknowns.fields[t.field].components for t in traces]
         forces = PointLaw(strains, law, sizes, data, len(traces[0].nodes), self.factor_now, weights)
         return PointWork(self.unknowns, traces, forces, load=None if stage is None else forces.load, stage=stage)
+
+    def pair_work(self, owner, first: Side, second: Side, how: dict) -> PairWork:
+        """Contact of two parts at pairs of points.
+
+        Parameters
+        ----------
+        owner : PairContact
+        first, second : where the pairs are on both parts
+        how : attributes of `Pairs` but for the points
+        """
+        to = owner.to[0]
+        quantities = QUANTITIES[:1] if self.spin(owner.mesh) is None else QUANTITIES
+        traces = [self.trace_in(owner.mesh, first.cells, first.reference, q) for q in quantities]
+        partner: Trace | Partners = self.trace_in(to, second.cells, second.reference)
+        if owner.moving:
+            field, cells = self._field(to, QUANTITIES[0]), Cells(to, cells_at(*owner.to))
+            partner = Partners(field, self.unknowns.fields.index(field), cells,
+                               np.searchsorted(cells.cells, second.cells), second.reference)
+        return PairWork(self.unknowns, traces, partner, Pairs(first.places, **how), owner, self._unique("contact"))
 
 
 class NodalForces:

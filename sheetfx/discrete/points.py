@@ -91,7 +91,10 @@ class PointWork(Contribution):
                                for t, table in zip(self._traces, tables, strict=True)], axis=1)
 
     def residual(self, forces: Forces) -> None:
-        self._add(forces, self._law(self.values())[0])
+        self._add(forces, self._forces(self.values()))
+
+    def _forces(self, z: np.ndarray) -> np.ndarray:
+        return self._law.forces(z) if isinstance(self._law, PointLaw) else self._law(z)[0]
 
     def load(self, forces: Forces) -> None:
         if self._load is not None:
@@ -103,15 +106,25 @@ class PointWork(Contribution):
                 np.add.at(forces.on(trace.field), trace.nodes,
                           trace.weights[:, :, None] * values[:, None, part])
 
+    def _groups(self) -> list[tuple[int, np.ndarray, list[int]]]:
+        """Traces that have the same nodes of one field: its number, the nodes, and the numbers of the traces."""
+        groups: list[tuple[int, np.ndarray, list[int]]] = []
+        for number, trace in enumerate(self._traces):
+            for field, nodes, members in groups:
+                if field == trace.field and (nodes is trace.nodes or np.array_equal(nodes, trace.nodes)):
+                    members.append(number)
+                    break
+            else:
+                groups.append((trace.field, trace.nodes, [number]))
+        return groups
+
     def pattern(self, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
-        places = [layout.free_numbers[t.field][t.nodes] for t in self._traces]
-        rows, columns = [np.empty(0, dtype=np.int64)], [np.empty(0, dtype=np.int64)]
-        for left in places:
-            for right in places:
-                shape = (*left.shape, *right.shape[1:])
-                rows.append(np.broadcast_to(left[:, :, :, None, None], shape).ravel())
-                columns.append(np.broadcast_to(right[:, None, None, :, :], shape).ravel())
-        return np.concatenate(rows), np.concatenate(columns)
+        numbers = np.concatenate([layout.free_numbers[field][nodes].reshape(len(nodes), -1)
+                                  for field, nodes, _ in self._groups()], axis=1)
+        own, self._same = np.unique(numbers, axis=0, return_inverse=True)
+        self._same = self._same.ravel()
+        shape = (*own.shape, own.shape[1])
+        return np.broadcast_to(own[:, :, None], shape).ravel(), np.broadcast_to(own[:, None, :], shape).ravel()
 
     def extrapolate_stress(self) -> None:
         held = self._unknowns.changes
@@ -124,14 +137,24 @@ class PointWork(Contribution):
         forces, stiffness = self._law(self.values()) if self._held is None else self._law.holding(
             self._held, self.values())
         self._add(held, forces, curved_only=True)
-        bases = [t.weights[:, :, None, None] * np.broadcast_to(
-            f.variations(), (len(f.table), f.components, f.width))[t.nodes]
-            for t, f in zip(self._traces, self._fields, strict=True)]
-        values = []
-        for left, rows in zip(bases, self._parts, strict=True):
-            for right, columns in zip(bases, self._parts, strict=True):
-                values.append(np.einsum("nkcv,ncd,nldw->nkvlw", left, stiffness[:, rows, columns], right).ravel())
-        return values
+        matrix = self._derivatives()
+        blocks = matrix.transpose(0, 2, 1) @ (stiffness @ matrix)
+        values = np.zeros((self._same.max(initial=-1) + 1, *blocks.shape[1:]))
+        np.add.at(values, self._same, blocks)
+        return [values.ravel()]
+
+    def _derivatives(self) -> np.ndarray:
+        """Derivative of z by increments of the nodes, in the order of `pattern`, shape (points, m, increments)."""
+        columns = []
+        for field, nodes, members in self._groups():
+            f = self._unknowns.fields[field]
+            variations = np.broadcast_to(f.variations(), (len(f.table), f.components, f.width))[nodes]
+            rows = np.zeros((len(nodes), self._parts[-1].stop, nodes.shape[1] * f.width))
+            for number in members:
+                varied = self._traces[number].weights[:, :, None, None] * variations
+                rows[:, self._parts[number]] = varied.transpose(0, 2, 1, 3).reshape(len(nodes), f.components, -1)
+            columns.append(rows)
+        return np.concatenate(columns, axis=2)
 
 
 class PointLaw:
@@ -160,7 +183,7 @@ class PointLaw:
         self._cells = np.arange(count, dtype=np.int32)
         self._constant = fem.Constant(mesh, 0.0)
         self._z = self._on_cells(self._size)
-        constants = [self._on_cells(d.shape[1], d) for d in data]
+        constants = self._data = [self._on_cells(d.shape[1], d) for d in data]
         z, now = ufl.variable(self._z), ufl.variable(self._constant)
         ends = np.cumsum(sizes)
         values = [ufl.as_vector([z[int(i)] for i in range(end - size, end)]) for end, size in zip(ends, sizes,
@@ -170,10 +193,24 @@ class PointLaw:
         self._change, self._held = self._on_cells(self._size), self._on_cells(e.ufl_shape[0])
         force, held = (ufl.as_vector(s[i] * slopes[i, j], j) for s in (resultants, self._held))
         material = ufl.as_matrix(ufl.diff(resultants, z)[i, j] * slopes[i, k], (k, j))
+        self._strains = self._expression(e)
         self._force, self._holding = self._expression(force), self._expression(held)
         self._stiffness = self._expression(material + ufl.diff(held, z))
         self._resultants = self._expression(resultants + ufl.dot(ufl.diff(resultants, z), self._change))
         self._pull = self._expression(-ufl.diff(force, now))
+
+    def give(self, number: int, values: np.ndarray) -> None:
+        """Change one of the arrays of data that strains depend on."""
+        if self._count:
+            self._put(self._data[number], values)
+
+    def strains(self, z: np.ndarray) -> np.ndarray:
+        """Strains at z, shape (points, strains)."""
+        return self._evaluate(self._strains, z, self._held.function_space.dofmap.bs) if self._count else z
+
+    def resultants(self, z: np.ndarray) -> np.ndarray:
+        """Resultants at z, shape (points, strains)."""
+        return self.extrapolated(z, np.zeros_like(z))
 
     def _on_cells(self, size: int, values: np.ndarray | None = None) -> fem.Function:
         function = fem.Function(fem.functionspace(self._mesh, ("DG", 0, (size,))))
@@ -202,11 +239,14 @@ class PointLaw:
     def _weighted(self, expression: fem.Expression | None, z: np.ndarray, *shape: int) -> np.ndarray:
         return self._evaluate(expression, z, *shape) * self._weights.reshape(-1, *(1,) * len(shape))
 
+    def forces(self, z: np.ndarray) -> np.ndarray:
+        return self._weighted(self._force, z, self._size)
+
     def __call__(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Forces and stiffness."""
         if not self._count:
             return np.zeros((0, self._size)), np.zeros((0, self._size, self._size))
-        return (self._weighted(self._force, z, self._size),
+        return (self.forces(z),
                 self.holding(self.extrapolated(z, np.zeros_like(z)), z)[1])
 
     def extrapolated(self, z: np.ndarray, change: np.ndarray) -> np.ndarray:

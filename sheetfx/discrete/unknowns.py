@@ -10,7 +10,7 @@ from dolfinx.common import IndexMap
 from dolfinx.fem import FunctionSpace
 from ufl.algorithms.formsplitter import FormSplitter
 
-from ..mesh.numbers import lift_numbers
+from ..mesh.numbers import constants_on, lift_numbers
 from .nodal_field import AdditiveField
 from .number import NumberField
 
@@ -104,7 +104,7 @@ class Unknowns:
         mapping = {k: v for f in self.fields for k, v in f.at_rest().items()}
         form = ufl.replace(form, mapping) if mapping else form
         domain = ufl.domain.extract_unique_domain(form) if isinstance(form, ufl.core.expr.Expr) else _domain_of(form)
-        return form if domain is None else lift_numbers(form, domain)
+        return form if domain is None else lift_numbers(constants_on(domain, form), domain)
 
     def blocks_of(self, form) -> list:
         """Split a linear form into a list and a bilinear form into a square list of forms, by blocks with a space.

@@ -2,9 +2,9 @@
 
 import ufl as _ufl
 
-from . import bar, beam, inertia, interface, load, rotation, section, shell
+from . import bar, beam, contact, inertia, interface, load, rotation, section, shell
 
-__all__ = ["bar", "beam", "inertia", "interface", "load", "rotation", "section", "shell", "vector"]
+__all__ = ["bar", "beam", "contact", "inertia", "interface", "load", "rotation", "section", "shell", "vector"]
 
 
 def vector(components):

@@ -142,9 +142,7 @@ def along_lines(first: Cells, second: Cells, lines: Sequence[Sequence[Piece]], r
     ValueError
         If a line is off a part, or there are several processes.
     """
-    comm = first.mesh.domain.comm
-    if comm.size > 1:
-        raise ValueError(f"{name}: a joint along a line on {comm.size} processes is not possible yet; take one process")
+    _refuse_processes(first, name)
     pair, rule, count = _Pair(first, second, reach, name), gauss(basix.CellType.interval, degree), 0
     points, weights, nodes, hats, cells, sizes = [], [], [], [], [], []
     for line in lines:
@@ -169,6 +167,61 @@ def along_lines(first: Cells, second: Cells, lines: Sequence[Sequence[Piece]], r
     sides = tuple(pair.side(n, cells[:, n], part.nearest(cells[:, n], places)) for n, part in enumerate(pair.parts))
     return Meeting(sides, np.concatenate(weights), np.concatenate(nodes), np.concatenate(hats), count,
                    float(np.min(sizes)))
+
+
+def at_pairs(first: Cells, second: Cells, lines: Sequence[Sequence[Piece]], count: int, reach: float,
+             name: str) -> Meeting:
+    """Meeting of two parts at points that divide each line evenly, in the middles of equal lengths.
+
+    Parameters
+    ----------
+    count : number of points on each line
+    reach, name : as of `at_points`
+
+    Raises
+    ------
+    ValueError
+        If a point is off a part, or there are several processes.
+    """
+    _refuse_processes(first, name)
+    pair, points, weights = _Pair(first, second, reach, name), [], []
+    for line in lines:
+        ends = np.cumsum([piece.length() for piece in line])
+        for wanted in ends[-1] * (np.arange(count) + 0.5) / count:
+            n = int(np.searchsorted(ends, wanted))
+            part = line[n].until(wanted - (ends[n - 1] if n else 0.0))
+            points.append(part.places(np.array([1.0]))[0])
+        weights.append(np.full(count, ends[-1] / count))
+    places = np.array(points)
+    sides = []
+    for number, part in enumerate(pair.parts):
+        which, reference, distances = part.closest(places)
+        pair.check(places, [distances])
+        sides.append(pair.side(number, which, reference))
+    every = np.arange(len(places))[:, None]
+    size = float(min(part.sizes.mean() for part in pair.parts))
+    return Meeting((sides[0], sides[1]), np.concatenate(weights), every, np.ones(every.shape), len(places), size)
+
+
+def merged(meetings: Sequence[Meeting]) -> Meeting:
+    """One meeting of the same two parts at several places, which all are lines or all are points."""
+    counts = np.cumsum([0, *(m.count for m in meetings)])
+    sides = [_merged_sides([m.sides[n] for m in meetings]) for n in (0, 1)]
+    return Meeting((sides[0], sides[1]), np.concatenate([m.weights for m in meetings]),
+                   np.concatenate([m.nodes + before for m, before in zip(meetings, counts, strict=False)]),
+                   np.concatenate([m.hats for m in meetings]), int(counts[-1]), min(m.size for m in meetings))
+
+
+def _merged_sides(sides: Sequence[Side]) -> Side:
+    normals = None if sides[0].normals is None else np.concatenate([s.normals for s in sides])
+    return Side(*(np.concatenate([getattr(s, name) for s in sides]) for name in ("cells", "reference", "places")),
+                normals)
+
+
+def _refuse_processes(cells: Cells, name: str) -> None:
+    comm = cells.mesh.domain.comm
+    if comm.size > 1:
+        raise ValueError(f"{name}: a joint along a line on {comm.size} processes is not possible yet; take one process")
 
 
 @dataclass(frozen=True)

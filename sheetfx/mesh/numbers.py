@@ -6,6 +6,8 @@ from dataclasses import fields, is_dataclass
 
 import numpy as np
 from dolfinx.fem import Constant
+from ufl import replace
+from ufl.algorithms.analysis import extract_constants
 from ufl.algorithms.map_integrands import map_integrand_dags
 from ufl.corealg.multifunction import MultiFunction
 
@@ -65,3 +67,21 @@ def lift_numbers(expression, domain):
         return expression
     constant = Constant(domain, np.array(list(values)))
     return map_integrand_dags(_Lift(lambda o, value: constant[values[value]]), expression)
+
+
+def constants_on(domain, expression):
+    """A form or expression on a UFL mesh, in which constants of other meshes are replaced by ones on its own.
+
+    They have the same values, also when these change.
+
+    The form compiler takes forms with constants on meshes of another dimension for integrals over facets.
+    """
+    others = [c for c in extract_constants(expression) if c.ufl_domain() != domain]
+    return replace(expression, {c: constant_of(domain, c) for c in others}) if others else expression
+
+
+def constant_of(domain, constant: Constant) -> Constant:
+    """A constant on a mesh that has the value of another one, also when that changes."""
+    twin = Constant(domain, constant.value)
+    twin._cpp_object = constant._cpp_object
+    return twin

@@ -33,6 +33,7 @@ class Cells:
     Attributes
     ----------
     sizes : length of each cell, of surfaces the root of its area
+    middles : of the cells, shape (cells, dimension)
     """
 
     def __init__(self, mesh: NamedMesh, cells: np.ndarray):
@@ -46,10 +47,10 @@ class Cells:
         self._borders = [(corners[b[0]], corners[b[1:]] - corners[b[0]]) for b in basix.topology(self.kind)[-2]]
         middles = np.broadcast_to(self._start, (len(self.cells), len(self._start)))
         every = np.arange(len(self.cells))
-        self._middles, slopes = self._map(every, middles)
+        self.middles, slopes = self._map(every, middles)
         self.sizes = np.linalg.det(np.einsum("nai,naj->nij", slopes, slopes)) ** (0.5 / len(self._start))
-        self._radius = np.linalg.norm(self.nodes - self._middles[:, None], axis=2).max(initial=0.0)
-        self._tree = cKDTree(self._middles) if len(self.cells) else None
+        self._radius = np.linalg.norm(self.nodes - self.middles[:, None], axis=2).max(initial=0.0)
+        self._tree = cKDTree(self.middles) if len(self.cells) else None
 
     def _map(self, which: np.ndarray, reference: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Places of reference points in cells, and their derivatives, shape (n, dimension, reference dimension)."""
@@ -68,6 +69,11 @@ class Cells:
         slopes = self._map(which, reference)[1]
         normal = np.cross(slopes[:, :, 0], slopes[:, :, 1])
         return normal / np.linalg.norm(normal, axis=1, keepdims=True)
+
+    def tangents(self, which: np.ndarray, reference: np.ndarray) -> np.ndarray:
+        """Unit tangents of curves."""
+        slope = self._map(which, reference)[1][:, :, 0]
+        return slope / np.linalg.norm(slope, axis=1, keepdims=True)
 
     def nearest(self, which: np.ndarray, points: np.ndarray) -> np.ndarray:
         """Reference points of given cells that are closest to points, one for each."""

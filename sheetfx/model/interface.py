@@ -15,7 +15,7 @@ import numpy as np
 from .. import forms
 from ..checks import require_choice, require_known_component
 from ..mesh.lines import Stretch, lines_of, places_of
-from ..mesh.meeting import Meeting, along_lines, at_points
+from ..mesh.meeting import Meeting, along_lines, at_points, merged
 from ..mesh.projection import Cells, cells_at
 from ..mesh.reader import COMPONENTS, NamedMesh
 from .beam import Bar, Beam
@@ -23,6 +23,8 @@ from .joints import Joint
 from .shell import Shell
 
 STIFF = 1e3  # of a penalty, times the stiffness of the softer part (Herrema et al. 2019, section 4)
+
+Place = str | Stretch | Sequence[str | Stretch]  # on a part: a named point, edge or group of curves, a line
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +41,7 @@ class Interface(Joint):
     Attributes
     ----------
     mesh : of the first part
-    at : where on it: a named point, edge of surfaces or group of curves, or a Stretch
+    at : where on it: a named point, edge of surfaces or group of curves, a Stretch, or several of one of these
     to : mesh of the second part, and the name of a point, an edge or a group of cells of it; None: anywhere on it
     law : components that are held, any of x y z rx ry rz separated by spaces; or a function from the vector of all
         components of the gap to that of forces and moments (per length of a line), both in UFL, see
@@ -55,7 +57,7 @@ class Interface(Joint):
     """
 
     mesh: NamedMesh
-    at: str | Stretch
+    at: Place
     to: tuple[NamedMesh, str | None]
     law: str | Callable
     gap: Callable | None = None
@@ -86,8 +88,7 @@ class Interface(Joint):
 
     @property
     def _title(self) -> str:
-        where = self.at.start if isinstance(self.at, Stretch) else self.at
-        return f"{self.name} {'from' if isinstance(self.at, Stretch) else 'at'} {where!r}"
+        return title_of(self.name, self._places[0])
 
     @property
     def held(self) -> list[str]:
@@ -95,13 +96,17 @@ class Interface(Joint):
         return self.law.split() if isinstance(self.law, str) else []
 
     @property
+    def _places(self) -> list[str | Stretch]:
+        return [self.at] if isinstance(self.at, (str, Stretch)) else list(self.at)
+
+    @property
     def _at_point(self) -> bool:
-        return isinstance(self.at, str) and self.at in self.mesh.points
+        return any(isinstance(at, str) and at in self.mesh.points for at in self._places)
 
     @property
     def points(self) -> Sequence[tuple[NamedMesh, str | None]]:
         return [(mesh, at if isinstance(at, str) and (at in mesh.points or at in mesh.edges) else None)
-                for mesh, at in ((self.mesh, self.at), self.to)]
+                for mesh, at in (*((self.mesh, at) for at in self._places), self.to)]
 
     def _check_axes(self) -> None:
         if self.axes is None:
@@ -118,20 +123,23 @@ class Interface(Joint):
     @cached_property
     def meeting(self) -> Meeting:
         """Points where the parts meet."""
+        second = Cells(self.to[0], cells_at(*self.to))
+        return merged([self._meeting_at(at, second) for at in self._places])
+
+    def _meeting_at(self, at: str | Stretch, second: Cells) -> Meeting:
         to, there = self.to
-        first = Cells(self.mesh, cells_at(self.mesh, self.at if isinstance(self.at, str) else None))
-        second = Cells(to, cells_at(to, there))
+        title, first = title_of(self.name, at), cells_along(self.mesh, at)
         ends_at_point = there is not None and there in to.points
-        if isinstance(self.at, str) and self._at_point:
+        if isinstance(at, str) and at in self.mesh.points:
             others = places_of(to, there) if there is not None and ends_at_point else None
-            return at_points(first, second, places_of(self.mesh, self.at), others, self.reach, self._title)
+            return at_points(first, second, places_of(self.mesh, at), others, self.reach, title)
         if ends_at_point:
-            raise ValueError(f"{self._title}: a line cannot be joined to the point {there!r}; name an edge or a group "
+            raise ValueError(f"{title}: a line cannot be joined to the point {there!r}; name an edge or a group "
                              "of cells")
-        if isinstance(self.at, str) and self.mesh.domain.topology.dim == 2 and self.at not in self.mesh.edges:
-            raise ValueError(f"{self._title}: is a surface; give an edge, or a Stretch of a line on it")
-        lines = self.at.lines(self.mesh) if isinstance(self.at, Stretch) else lines_of(self.mesh, self.at)
-        return along_lines(first, second, lines, self.reach, 4, self._title)
+        if isinstance(at, str) and self.mesh.domain.topology.dim == 2 and at not in self.mesh.edges:
+            raise ValueError(f"{title}: is a surface; give an edge, or a Stretch of a line on it")
+        lines = at.lines(self.mesh) if isinstance(at, Stretch) else lines_of(self.mesh, at)
+        return along_lines(first, second, lines, self.reach, 4, title)
 
     def unknowns(self, fields) -> None:
         if self.held and self.enforcement == "multiplier":
@@ -194,14 +202,25 @@ class Interface(Joint):
     def _penalties(self, fields, chosen: Sequence[int]) -> list[float]:
         """Stiffness against each component of the gap, per length of a line."""
         size = self.meeting.size
-        both = [[_stiffness(part, size) for part in fields.scene.parts if part.mesh is mesh]
+        both = [[stiffness_over(part, size) for part in fields.scene.parts if part.mesh is mesh]
                 for mesh in (self.mesh, self.to[0])]
         soft = np.min([np.max(parts, axis=0) for parts in both], axis=0)
         length = size if self._at_point else 1.0
         return [STIFF * length * soft[int(i >= self.mesh.dimension)] for i in chosen]
 
 
-def _stiffness(part: Shell | Beam | Bar, size: float) -> tuple[float, float]:
+def title_of(name: str, at: str | Stretch) -> str:
+    """What messages call a joint by its name and place."""
+    return f"{name} from {at.start!r}" if isinstance(at, Stretch) else f"{name} at {at!r}"
+
+
+def cells_along(mesh: NamedMesh, at: str | Stretch) -> Cells:
+    """Cells of a mesh that a place is looked for on: those along an edge where it is one, or a stretch of one."""
+    along = at.along if isinstance(at, Stretch) else at
+    return Cells(mesh, cells_at(mesh, along if isinstance(along, str) else None))
+
+
+def stiffness_over(part: Shell | Beam | Bar, size: float) -> tuple[float, float]:
     """Force per length and displacement of a part over the size of a cell, and moment per length and rotation."""
     if isinstance(part, Shell):
         plate = part.section.stiffness(part.material)  # type: ignore[arg-type]
@@ -210,7 +229,7 @@ def _stiffness(part: Shell | Beam | Bar, size: float) -> tuple[float, float]:
     return modulus * section.area / size**2, modulus * min(section.second_moments) / size**2
 
 
-def weld(mesh: NamedMesh, at: str | Stretch, to: tuple[NamedMesh, str | None], **how) -> Interface:
+def weld(mesh: NamedMesh, at: Place, to: tuple[NamedMesh, str | None], **how) -> Interface:
     """Two parts that move and turn together; where they stand apart, rigid links turn with the first (see `link`).
 
     `how` are further attributes of an Interface: reach, enforcement.
@@ -218,24 +237,25 @@ def weld(mesh: NamedMesh, at: str | Stretch, to: tuple[NamedMesh, str | None], *
     return Interface(mesh, at, to, " ".join(COMPONENTS[mesh.dimension]), **{"name": "weld"} | how)
 
 
-def link(mesh: NamedMesh, at: str | Stretch, to: tuple[NamedMesh, str | None], reach: float, **how) -> Interface:
+def link(mesh: NamedMesh, at: Place, to: tuple[NamedMesh, str | None], reach: float, **how) -> Interface:
     """Rigid links to a part that stands up to `reach` off the first, and turn with the first: an eccentric weld.
 
     Along a line on a surface the turn about its normal is free. A plate has no stiffness against it on a line: what a
     mesh has depends on its size, and held the bar by it, at an arm, with up to four times the stiffness of the limit.
     """
-    on_surface = any(m.domain.topology.dim == 2 for m in (mesh, to[0])) and at not in mesh.points
+    on_surface = any(m.domain.topology.dim == 2 for m in (mesh, to[0])) and not (
+        isinstance(at, str) and at in mesh.points)
     maker = bolt if on_surface else weld
     return maker(mesh, at, to, reach=reach, **{"name": "link"} | how)
 
 
-def hinge(mesh: NamedMesh, at: str | Stretch, to: tuple[NamedMesh, str | None], **how) -> Interface:
+def hinge(mesh: NamedMesh, at: Place, to: tuple[NamedMesh, str | None], **how) -> Interface:
     """Two parts that move together and turn freely."""
     held = COMPONENTS[mesh.dimension][:mesh.dimension]
     return Interface(mesh, at, to, " ".join(held), **{"name": "hinge"} | how)
 
 
-def bolt(mesh: NamedMesh, at: str | Stretch, to: tuple[NamedMesh, str | None],
+def bolt(mesh: NamedMesh, at: Place, to: tuple[NamedMesh, str | None],
          axis: Sequence[float] | None = None, **how) -> Interface:
     """Two parts that move together and turn freely about one axis, which turns with the first.
 

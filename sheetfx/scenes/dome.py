@@ -3,7 +3,8 @@
 19 nodes, 42 bars (tubes 40 x 2), 24 flat steel panels 10 mm thick, span 8 m and rise 1.6 m. The thesis prints neither
 coordinates nor drawing: three geometries are likely, see `meshes.dome`. It fixes the six outermost corners; they are
 pinned here, and `--held "x y z rx ry rz"` clamps them. Where mid-surfaces of panels lie against the axes of the bars it
-does not say either: `--offset` is that distance, zero by default.
+does not say either: `--offset` is that distance, zero by default. With `--model contact` which faces touch and how long
+the welds are decides the answer (demos/dome_contact.md); the thesis gives neither.
 """
 
 from __future__ import annotations
@@ -34,12 +35,14 @@ from ..show.critical_modes import draw_critical_modes
 from ..show.curves import path_curve
 from ..show.evaluate import last_state_kept
 from ..show.files import paraview
+from ..show.pairs import pair_history
 from ..show.pictures import shapes
 from ._benchmark import Form
+from ._dome_contact import FACES_OF_PANELS, joints, separate_panels
 
 BAR, PANEL = Tube(40.0, 2.0), Plate(10.0)
 STEEL = Elastic(2.1e5, 0.3, density=7.85e-9)
-MODELS = "coupled", "flange", "bars"
+MODELS = "coupled", "contact", "flange", "bars"
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,18 +63,30 @@ class Dome:
 def case(
     geometry: Annotated[str, Option(help=f"of the nodes: {', '.join(meshes.tables.DOMES)}, or a file, see "
                                          "`meshes.read_table`")] = "hex",
-    model: Annotated[str, Option(help="panels and bars `coupled` along their edges, bars with the effective `flange` "
-                                      "of panels, or `bars` alone")] = "coupled",
+    model: Annotated[str, Option(help="panels and bars `coupled` along their edges, welded near the corners and in "
+                                      "`contact` elsewhere, bars with the effective `flange` of panels, or `bars` "
+                                      "alone")] = "coupled",
     divisions: Annotated[int, Option(min=1, help="cells along each bar; even for quadrilaterals")] = 6,
     form: Form = "naghdi-q2",
     offset: Annotated[float, Option(help="of the panels' mid-surfaces above the axes of the bars, mm")] = 0.0,
     held: Annotated[str, Option(help="components that supports hold at the corners")] = "x y z",
+    faces: Annotated[str, Option(help="that touch: panels lie on bars (`seat`), their edges push against bars "
+                                      "(`butt`), or `both`")] = "both",
+    weld: Annotated[float, Option(help="length of the welds from each corner of a panel along its edges, mm")] = 200.0,
+    gap: Annotated[float, Option(help="initial gap, mm")] = 0.1,
+    friction: Annotated[float, Option(help="Coulomb's coefficient")] = 0.2,
+    pairs: Annotated[int | None, Option(help="of points along each edge; default three in each piece of cells")] = None,
+    stiffness: Annotated[float | None, Option(help="of a pair, N/mm, or without --pairs of contact, N/mm for each mm "
+                                                   "of edge; default by the panels' own")] = None,
+    enforcement: Annotated[str, Option(help="of contact: `penalty` or `uzawa`")] = "penalty",
     to: Annotated[float, Option(help="deflection of the apex at which the path ends, mm")] = 45.0,
     step: Annotated[float | None, Option(help="first arc length; default chosen by the structure")] = None,
 ) -> Case:
     """Dome of panels on bars: the load at which its rising path bifurcates, and where it goes from there."""
     if model not in MODELS:
         raise ValueError(f"dome: model is {model!r}; it must be one of {', '.join(MODELS)}")
+    if faces not in FACES_OF_PANELS:
+        raise ValueError(f"dome: faces is {faces!r}; it must be one of {', '.join(FACES_OF_PANELS)}")
     require_positive_number("dome", to=to)
     table = meshes.dome(geometry)
     for name in ("apex", "corners"):
@@ -79,6 +94,9 @@ def case(
             raise ValueError(f"dome: the geometry {geometry!r} has no set of nodes {name!r}; add it to the table")
     if model == "coupled":
         dome = coupled(table, divisions, form, offset)
+    elif model == "contact":
+        dome = touching(table, divisions, form, offset, faces, weld, pairs, stiffness, gap=gap, friction=friction,
+                        enforcement=enforcement)
     else:
         dome = skeleton(table, divisions, offset if model == "flange" else None)
     bars = dome.bars
@@ -86,7 +104,7 @@ def case(
         scene=Scene(dome.parts, [Support(bars, "corners", held)], [PointForce(bars, "apex", (0.0, 0.0, -1.0))],
                     Monitor(bars, "apex", "z", -1.0), joints=dome.joints),
         control=ArcLength() if step is None else ArcLength(step=step), until=Until(deflection=to),
-        quantities=quantities, pictures=[path_curve, shapes, draw_critical_modes, paraview],
+        quantities=quantities, pictures=[path_curve, shapes, draw_critical_modes, pair_history, paraview],
         axes=("deflection of the apex (mm)", "load (N)"))
 
 
@@ -97,6 +115,19 @@ def coupled(table: meshes.Table, divisions: int, form: str, offset: float = 0.0)
     beams = Beam(mesh.curves, BAR, STEEL, degree=discrete.displacement[1])
     return Dome(mesh.curves, [beams, Shell(mesh.surfaces, PANEL, STEEL, form=form, offset=offset)],
                 [Compatible(mesh.curves, mesh.surfaces)])
+
+
+def touching(table: meshes.Table, divisions: int, form: str, offset: float, faces: str, weld: float,
+             pairs: int | None, stiffness: float | None, **contact) -> Dome:
+    """Panels that are welded to the bars near their corners, and touch them elsewhere."""
+    discrete = named_form(form)
+    mesh = separate_panels(table, divisions, discrete)
+    if stiffness is not None and pairs is not None:
+        lengths = [np.linalg.norm(np.subtract(table.nodes[a], table.nodes[b])) for a, b in table.bars]
+        stiffness *= pairs / float(np.mean(lengths))
+    beams = Beam(mesh.curves, BAR, STEEL, degree=discrete.displacement[1])
+    return Dome(mesh.curves, [beams, Shell(mesh.surfaces, PANEL, STEEL, form=form, offset=offset)],
+                joints(mesh, table, faces, weld, pairs=pairs, stiffness=stiffness, **contact))
 
 
 def skeleton(table: meshes.Table, divisions: int, offset: float | None) -> Dome:

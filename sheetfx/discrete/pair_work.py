@@ -1,0 +1,268 @@
+"""Contact of two deformable parts at pairs of points as a contribution to the system, with what it remembers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from .. import forms
+from .layout import Layout
+from .partners import Partners
+from .points import PointLaw, PointWork, Trace
+from .unknowns import Unknowns
+
+SOFTER = 4  # power of the multiple of the regularisation by which stiffness is divided
+OPEN, STICK, SLIP = "open", "stick", "slip"
+
+
+@dataclass(frozen=True)
+class PairState:
+    """State of the pairs of a contact on this process, one row for each.
+
+    Attributes
+    ----------
+    position : (n, d), current place of the first part's point
+    gap : (n,), length, negative where parts penetrate
+    pressure : (n,), force per length of the line of contact
+    slip : (n, d - 1), of the second part past the first since the beginning, along the line and across
+    traction : (n, d - 1), force per length against the slip
+    weight : (n,), length that belongs to the pair
+    status : (n,) of "open", "stick", "slip" ("slip" without friction)
+    """
+
+    position: np.ndarray
+    gap: np.ndarray
+    pressure: np.ndarray
+    slip: np.ndarray
+    traction: np.ndarray
+    weight: np.ndarray
+    status: np.ndarray
+
+
+@dataclass
+class Pairs:
+    """Pairs of points as they are in the beginning, and how they touch.
+
+    Attributes
+    ----------
+    points : (n, d), places of the first part's points
+    arms : (n, d), from these to the second part's points
+    axes : (n, d, d), directions in the rows: out of the first part's face, along the line, across
+    gap : (n,), initial
+    weights : (n,), length that each stands for
+    parameters : normal and tangential stiffness (pressure per length), friction coefficient, cohesion, tensile strength
+    augmented : whether pressures are augmented until no pair penetrates by more than `tolerance`
+    """
+
+    points: np.ndarray
+    arms: np.ndarray
+    axes: np.ndarray
+    gap: np.ndarray
+    weights: np.ndarray
+    parameters: Sequence[float]
+    augmented: bool
+    tolerance: float
+
+    @property
+    def count(self) -> int:
+        return len(self.points)
+
+    @property
+    def dimension(self) -> int:
+        return self.points.shape[1]
+
+    @property
+    def rubs(self) -> bool:
+        """Whether there are tractions."""
+        return self.parameters[2] > 0 or self.parameters[3] > 0
+
+    def table(self) -> np.ndarray:
+        """The parameters at each pair."""
+        return np.tile(np.array(self.parameters, dtype=float), (self.count, 1))
+
+
+class PairWork(PointWork):
+    """Virtual work of pressures and tractions between pairs of points.
+
+    Parameters
+    ----------
+    unknowns : Unknowns
+    first : traces of the first part: displacement and, where it has one, rotation
+    second : trace of the second part's displacement, or Partners that follow the first part's points
+    pairs : Pairs
+    contact : PairContact, which has the law
+    name : of its history in snapshots
+    """
+
+    def __init__(self, unknowns: Unknowns, first: Sequence[Trace], second: Trace | Partners, pairs: Pairs, contact,
+                 name: str):
+        self.contact, self.approaches = contact, contact.approach
+        self._first, self.pairs, self._name, d = list(first), pairs, name, pairs.dimension
+        self._partners = second if isinstance(second, Partners) else None
+        traces = [*first, *(self._partners.traces() if self._partners else [second])]
+        slips = d - 1 if pairs.rubs else 0
+        self._slips, self._history = slips, np.zeros((pairs.count, 2 * d - 1))
+        axes = pairs.axes.reshape(pairs.count, d * d)
+        geometry = self._geometry() if self._partners else [pairs.arms]
+        data = [*geometry, axes, self._start(), self._history, pairs.table()]
+        moving, split = self._partners is not None, len(first)
+
+        def strains(values, data, factor):
+            self._parameters = data[-1]
+            if moving:
+                kinematics = forms.contact.on_moving_partner(values[:split], values[split:], *data[:5])
+            else:
+                kinematics = forms.contact.on_fixed_partner(values[:split], values[split:], data[0], data[1],
+                                                            data[2][0])
+            return forms.contact.strains_of(kinematics, data[-2], bool(slips))
+
+        def resultants(strains):
+            return forms.contact.resultants_of(contact.law, strains, self._parameters, slips)
+
+        sizes = [unknowns.fields[t.field].components for t in traces]
+        points = PointLaw(strains, resultants, sizes, data, pairs.count, lambda: 0.0, pairs.weights)
+        super().__init__(unknowns, traces, points, smooth=False, conservative=not slips)
+        self._data_of_start, self._data_of_history = len(data) - 3, len(data) - 2
+        self._committed = self._history.copy()
+        self._partners_committed = self._partners.history() if self._partners else None
+        self._pattern_nodes = None
+
+    def _geometry(self) -> list[np.ndarray]:
+        place, *derivatives = self._partners.geometry()
+        return [place - self.pairs.points, *derivatives]
+
+    def _start(self) -> np.ndarray:
+        pairs = self.pairs
+        if self._partners is None:
+            return pairs.gap[:, None]
+        places = np.einsum("nij,nj->ni", pairs.axes, pairs.arms)
+        return np.column_stack((pairs.gap, places, self._partners.travelled))
+
+    def _follow(self) -> None:
+        """Bring partners to where they are opposite now."""
+        if self._partners is None:
+            return
+        values = super().values()
+        d, pairs = self.pairs.dimension, self.pairs
+        along = pairs.axes[:, 1]
+        if len(self._first) > 1:
+            along = _turned(values[:, self._parts[1]], along)
+        self._partners.follow(pairs.points + values[:, :d], along)
+        self._traces[len(self._first):] = self._partners.traces()
+        for number, array in enumerate(self._geometry()):
+            self._law.give(number, array)
+        self._law.give(self._data_of_start, self._start())
+        self._law._weights = pairs.weights * self._partners.on
+
+    def values(self) -> np.ndarray:
+        self._follow()
+        return super().values()
+
+    def extrapolate_stress(self) -> None:
+        """Pressures have no linear change to be extrapolated by."""
+
+    def pattern(self, layout: Layout):
+        self._pattern_nodes = [t.nodes for t in self._traces]
+        return super().pattern(layout)
+
+    @property
+    def moved(self) -> bool:
+        if self._partners is None or self._pattern_nodes is None:
+            return False
+        self._follow()
+        return any((t.nodes != nodes).any() for t, nodes in zip(self._traces, self._pattern_nodes, strict=True))
+
+    def _put_history(self, history: np.ndarray) -> None:
+        self._history = history
+        self._law.give(self._data_of_history, history)
+
+    def _now(self) -> tuple[np.ndarray, np.ndarray]:
+        """Strains and resultants now."""
+        z = self.values()
+        return self._law.strains(z), self._law.resultants(z)
+
+    def _updated(self, pressures: bool, slips: bool) -> np.ndarray:
+        strains, resultants = self._now()
+        history, n = self._history.copy(), self._slips
+        if pressures:
+            history[:, 0] = -resultants[:, 0]
+        if n:
+            history[:, 1:1 + n] = resultants[:, 1:1 + n]
+            if slips:
+                history[:, 1 + n:] += strains[:, 1:1 + n]
+        return history
+
+    def commit(self) -> None:
+        self._put_history(self._updated(self.pairs.augmented, slips=True))
+        self._committed = self._history.copy()
+        if self._partners:
+            self._partners_committed = self._partners.history()
+
+    def snapshot(self) -> dict[str, np.ndarray]:
+        kept = {self._name: self._committed.copy()}
+        if self._partners:
+            kept[f"{self._name} partners"] = self._partners_committed.copy()
+        return kept
+
+    def restore(self, snapshot: dict[str, np.ndarray]) -> None:
+        self._committed = snapshot[self._name].copy()
+        if self._partners:
+            self._partners_committed = snapshot[f"{self._name} partners"].copy()
+        self.rewind()
+
+    def rewind(self) -> None:
+        self._put_history(self._committed.copy())
+        if self._partners:
+            self._partners.restore(self._partners_committed)
+
+    def regularise(self, times: float) -> None:
+        table = self.pairs.table()
+        table[:, :2] /= times**SOFTER
+        self._law.give(self._data_of_history + 1, table)
+
+    def augment(self) -> bool:
+        if not self.pairs.augmented:
+            return True
+        strains, resultants = self._now()
+        if -strains[:, 0].min(initial=0.0) <= self.pairs.tolerance:
+            return True
+        self._put_history(self._updated(True, slips=False))
+        return False
+
+    def touching(self) -> tuple[int, float]:
+        state = self.evaluate()
+        return int((state.status != OPEN).sum()), float(-state.gap[self._here].min(initial=0.0))
+
+    @property
+    def _here(self) -> np.ndarray:
+        """Pairs that have a partner."""
+        return self._partners.on if self._partners else np.ones(self.pairs.count, dtype=bool)
+
+    def evaluate(self) -> PairState:
+        """State of the pairs in the current configuration."""
+        z, d, n = self.values(), self.pairs.dimension, self._slips
+        strains, resultants = self._law.strains(z), self._law.resultants(z)
+        pressure = np.where(self._here, -resultants[:, 0], 0.0)
+        slip, traction = np.zeros((len(z), d - 1)), np.zeros((len(z), d - 1))
+        if n:
+            traction = resultants[:, 1:1 + n] * self._here[:, None]
+            slip = strains[:, 1:1 + n] + self._history[:, 1 + n:]
+        _, _, friction, cohesion, _ = self.pairs.parameters
+        sliding = np.linalg.norm(traction, axis=1) >= (friction * pressure + cohesion) * (1 - 1e-9)
+        status = np.where(pressure == 0, OPEN, np.where(sliding, SLIP, STICK))
+        return PairState(self.pairs.points + z[:, :d], strains[:, 0], pressure, slip, traction,
+                         self.pairs.weights * self._here, status)
+
+
+def _turned(rotations: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """Vectors turned by angles of shape (n, 1), or by quaternions of shape (n, 4) and any length."""
+    if rotations.shape[1] == 1:
+        cosine, sine = np.cos(rotations[:, 0]), np.sin(rotations[:, 0])
+        return np.column_stack((cosine * vectors[:, 0] - sine * vectors[:, 1],
+                                sine * vectors[:, 0] + cosine * vectors[:, 1]))
+    scalar, vector = rotations[:, :1], rotations[:, 1:]
+    turn = np.cross(vector, vectors)
+    length2 = (rotations**2).sum(axis=1, keepdims=True)
+    return vectors + 2 * (scalar * turn + np.cross(vector, turn)) / length2

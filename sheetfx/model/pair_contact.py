@@ -1,0 +1,203 @@
+"""Contact between deformable parts: panels seated on bars, or butting against them, at pairs of points."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from .. import forms
+from ..checks import require_choice, require_finite, require_positive
+from ..mesh.lines import Stretch, lines_of, places_of
+from ..mesh.meeting import Meeting, along_lines, at_pairs, at_points, merged
+from ..mesh.projection import Cells, cells_at
+from ..mesh.reader import NamedMesh
+from .interface import Place, cells_along, stiffness_over, title_of
+from .joints import Joint
+
+FACES = "seat", "butt"
+POINTS = 3  # on each piece of a line
+STIFF = 10.0  # pressure per penetration, over the membrane stiffness of the softer part and the size of its cells
+ELASTIC_SLIP = 1e-2  # tangential over normal stiffness
+PENETRATION = 1e-6  # over the size of the cells, that augmentation leaves
+
+
+@dataclass(frozen=True, eq=False)
+class PairContact(Joint):
+    """Unilateral contact, with or without friction, of a line of one part with a curve of another.
+
+    Pairs of points along the line can be pressed together, but not pulled apart. Directions turn with the first part.
+
+    Attributes
+    ----------
+    mesh : of the first part, which has rotations where it can turn: a shell, or a beam
+    at : where on it: a named edge of surfaces, group of curves or point, a Stretch, or several of these
+    to : mesh of the second part, of curves, and the name of a group of cells of it; None: all
+    face : "seat": the first part lies on the second; "butt": the edge of a panel pushes against the second part in
+        the plane of the panel
+    toward : direction from the first part to the second one, roughly; None: that of the arms between them, which
+        then must not be zero (a butting edge always faces away from its panel)
+    gap : initial gap, whatever is between the lines otherwise (half thicknesses, radii) being filled; a number, or a
+        function from places on the first part, shape (n, dimension), to gaps
+    friction : Coulomb's coefficient
+    cohesion, strength : traction that holds without pressure, and tension that is held (force per length of line)
+    moving : whether pairs find their partner along the curve as they slide; else they stay as they are first
+    pairs : number of pairs on each line, evenly spaced; None: three Gauss points on each piece that is in one
+        cell of both parts
+    stiffness : pressure (force per length) over penetration; None: ten times that of the softer part in its plane over
+        a cell
+    tangential : stiffness against slip before the cone is reached; None: a hundredth of `stiffness`, with which Newton's
+        steps do not jump from slip to slip the other way
+    enforcement : "penalty", or "uzawa": pressures are augmented until no pair penetrates by more than a millionth of
+        a cell
+    law : function like `forms.contact.mohr_coulomb`
+    reach : distance between the lines of both parts that may be filled
+    approach : multiples of the regularisation through which each step's solution is approached: at 2 the stiffness is
+        a sixteenth
+    name : what messages call it
+    """
+
+    mesh: NamedMesh
+    at: Place
+    to: tuple[NamedMesh, str | None]
+    face: str = "seat"
+    toward: Sequence[float] | None = None
+    gap: float | Callable = 0.0
+    friction: float = 0.0
+    cohesion: float = 0.0
+    strength: float = 0.0
+    moving: bool = True
+    pairs: int | None = None
+    stiffness: float | None = None
+    tangential: float | None = None
+    enforcement: str = "penalty"
+    law: Callable = forms.contact.mohr_coulomb
+    reach: float = 0.0
+    approach: Sequence[float] = (1.0,)
+    name: str = field(default="PairContact", kw_only=True)
+
+    smooth = False
+
+    def __post_init__(self):
+        require_choice(self, "face", FACES)
+        require_choice(self, "enforcement", ("penalty", "uzawa"))
+        require_finite(self, "friction", "cohesion", "strength", "stiffness", "tangential", "reach")
+        for name in ("friction", "cohesion", "strength", "reach"):
+            if getattr(self, name) < 0:
+                raise ValueError(f"{self._title}: {name} is {getattr(self, name)}; it must not be negative")
+        require_positive(self, "stiffness", "tangential")
+        if self.pairs is not None and (self.pairs < 1 or self.pairs != int(self.pairs)):
+            raise ValueError(f"{self._title}: pairs is {self.pairs}; give a number of at least 1")
+        if self.to[0].domain.topology.dim != 1:
+            raise ValueError(f"{self._title}: the second part is a surface; give beams or bars, and the surface first")
+        if self.to[0].dimension != self.mesh.dimension:
+            raise ValueError(f"{self._title}: the first part is in {self.mesh.dimension} dimensions, the second in "
+                             f"{self.to[0].dimension}; read both with the same")
+        if self.face == "butt" and self.mesh.domain.topology.dim != 2:
+            raise ValueError(f"{self._title}: face is 'butt', but the first part is no surface; use 'seat'")
+        if not callable(self.gap) and not (np.isfinite(self.gap) and self.gap >= 0):
+            raise ValueError(f"{self._title}: gap is {self.gap}; it must be a number that is not negative")
+        _ = self.axes
+
+    @property
+    def _title(self) -> str:
+        return title_of(self.name, self._places[0])
+
+    @property
+    def _places(self) -> list[str | Stretch]:
+        return [self.at] if isinstance(self.at, (str, Stretch)) else list(self.at)
+
+    @property
+    def points(self) -> Sequence[tuple[NamedMesh, str | None]]:
+        return [(self.mesh, None), (self.to[0], None)]
+
+    @property
+    def conservative(self) -> bool:  # type: ignore[override]
+        return self.friction == 0 and self.cohesion == 0
+
+    @cached_property
+    def meeting(self) -> Meeting:
+        """Pairs of points."""
+        return _meeting(self.mesh, tuple(self._places), self.to, self.pairs, self.reach, self.name)
+
+    @cached_property
+    def axes(self) -> np.ndarray:
+        """Directions at the pairs, shape (n, d, d): out of the face, along the line, across."""
+        meeting = self.meeting
+        one, two = meeting.sides
+        along = self._directions()
+        arms = two.places - one.places
+        if self.mesh.dimension == 2:
+            out = np.column_stack((along[:, 1], -along[:, 0]))
+            return np.stack([out * self._sign(out, arms), along], axis=1)
+        if one.normals is not None:
+            normals = one.normals - (one.normals * along).sum(axis=1, keepdims=True) * along
+        else:
+            normals = np.tile(self.toward, (len(along), 1)) if self.toward is not None else arms
+            normals = normals - (normals * along).sum(axis=1, keepdims=True) * along
+        sizes = np.linalg.norm(normals, axis=1, keepdims=True)
+        if len(sizes) and not sizes.min() > 1e-9 * self.mesh.size * (one.normals is None and self.toward is None):
+            raise ValueError(f"{self._title}: no direction leads from one part to the other; give one in `toward`")
+        normals = normals / sizes
+        if self.face == "seat":
+            out = normals * self._sign(normals, arms)
+        else:
+            out = np.cross(along, normals)
+            inside = Cells(self.mesh, one.cells).middles - one.places
+            out *= -np.sign((out * inside).sum(axis=1, keepdims=True))
+        return np.stack([out, along, np.cross(out, along)], axis=1)
+
+    def _directions(self) -> np.ndarray:
+        """Unit vectors along the lines, at points along the second part."""
+        two = self.meeting.sides[1]
+        return Cells(self.to[0], two.cells).tangents(np.arange(len(two.cells)), two.reference)
+
+    def _sign(self, out: np.ndarray, arms: np.ndarray) -> np.ndarray:
+        toward = arms if self.toward is None else np.asarray(self.toward, dtype=float)
+        sign = np.sign((out * toward).sum(axis=1, keepdims=True))
+        small = np.abs((out * toward).sum(axis=1)).min(initial=np.inf)
+        if not small > 1e-9 * (self.mesh.size if self.toward is None else np.linalg.norm(self.toward)):
+            raise ValueError(f"{self._title}: no direction leads from one part to the other, which lie at the same "
+                             "place; say in `toward` on which side the second part is")
+        return sign
+
+    def contributions(self, fields):
+        meeting = self.meeting
+        one, two = meeting.sides
+        gap = self.gap(one.places) if callable(self.gap) else np.full(len(meeting.weights), float(self.gap))
+        if gap.min(initial=0.0) < 0:
+            worst = ", ".join(f"{x:.6g}" for x in one.places[gap.argmin()])
+            raise ValueError(f"{self._title}: the parts overlap by {-gap.min():.6g} at ({worst}); move one of them, or "
+                             "make the gap larger")
+        stiffness = self.stiffness or self._default_stiffness(fields)
+        yield fields.pair_work(self, one, two, {
+            "arms": two.places - one.places, "axes": self.axes, "gap": gap, "weights": meeting.weights,
+            "parameters": (stiffness, self.tangential or ELASTIC_SLIP * stiffness, self.friction, self.cohesion, self.strength),
+            "augmented": self.enforcement == "uzawa", "tolerance": PENETRATION * meeting.size})
+
+    def _default_stiffness(self, fields) -> float:
+        size = self.meeting.size
+        both = [max(stiffness_over(part, size)[0] for part in fields.scene.parts if part.mesh is mesh)
+                for mesh in (self.mesh, self.to[0])]
+        return STIFF * min(both)
+
+
+@lru_cache(maxsize=4)
+def _meeting(mesh: NamedMesh, places: Sequence[str | Stretch], to: tuple[NamedMesh, str | None], pairs: int | None,
+             reach: float, name: str) -> Meeting:
+    """Pairs of points at some places; kept, because both faces of a panel have the same."""
+    second = Cells(to[0], cells_at(*to))
+    return merged([_meeting_at(mesh, at, second, pairs, reach, title_of(name, at)) for at in places])
+
+
+def _meeting_at(mesh: NamedMesh, at: str | Stretch, second: Cells, pairs: int | None, reach: float,
+                title: str) -> Meeting:
+    first = cells_along(mesh, at)
+    if isinstance(at, str) and at in mesh.points:
+        return at_points(first, second, places_of(mesh, at), None, reach, title)
+    lines = at.lines(mesh) if isinstance(at, Stretch) else lines_of(mesh, at)
+    if pairs is None:
+        return along_lines(first, second, lines, reach, POINTS, title)
+    return at_pairs(first, second, lines, pairs, reach, title)

@@ -1,0 +1,105 @@
+"""Contact between parts along a path: arrays of all pairs, how many touch, stick and slip, and where."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path as Folder
+
+import numpy as np
+
+from ..discrete.pair_work import OPEN, SLIP, STICK, PairState
+from ..record import Record
+from .evaluate import last_state_kept, most_telling, unit_of, with_unit
+
+COLOURS = {OPEN: "#c9c9c9", STICK: "#0b4f8a", SLIP: "#c4432b"}
+MOST = 3  # states drawn in plan
+
+
+def pair_states(record: Record) -> list[list[PairState]]:
+    """For each state of a path the state of the pairs of each contact, on this process."""
+    works = record.path.discretisation.pairs
+    found = []
+    with last_state_kept(record):
+        for state in record.states:
+            record.show(state)
+            found.append([work.evaluate() for work in works])
+    return found
+
+
+def pair_history(record: Record, folder: Folder) -> None:
+    """Write pairs.npz, pairs.png and paraview/pairs.pvd; nothing where no deformable parts touch.
+
+    The arrays of contact number i are called "i gap", "i pressure", "i slip", "i traction", "i status", "i position",
+    of shape (states, pairs, ...), and "load" and "deflection", of shape (states,).
+    """
+    if not record.path.discretisation.pairs:
+        return
+    history, folder = pair_states(record), Folder(folder)
+    arrays = {"load": np.array([s.load for s in record.states]),
+              "deflection": np.array([s.deflection for s in record.states])}
+    for number, along in enumerate(zip(*history, strict=True)):
+        for name in ("gap", "pressure", "slip", "traction", "status", "position"):
+            arrays[f"{number} {name}"] = np.array([getattr(s, name) for s in along])
+    np.savez_compressed(folder / "pairs.npz", **arrays)
+    draw_pairs(record, history).savefig(folder / "pairs.png", dpi=150)
+    write_pairs(history, folder / "paraview")
+
+
+def draw_pairs(record: Record, history: Sequence[Sequence[PairState]]):
+    """A matplotlib figure: numbers of pairs by status, largest opening and slip, and places at critical points."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    steps = [next(i for i, s in enumerate(record.states) if s.step == p.step)
+             for p in most_telling(record.critical_points, MOST)] or [len(record.states) - 1]
+    figure = Figure(figsize=(11.0, 7.5), layout="constrained")
+    FigureCanvasAgg(figure)
+    above, below = figure.subfigures(2, 1)
+    numbers, sizes = above.subplots(1, 2)
+    deflection = [s.deflection for s in record.states]
+    for status in (STICK, SLIP):
+        counts = [sum(int((s.status == status).sum()) for s in states) for states in history]
+        if any(counts):
+            numbers.plot(deflection, counts, ".-", color=COLOURS[status], label={STICK: "stick", SLIP: "slip"}[status])
+    pairs = sum(len(s.gap) for s in history[0])
+    numbers.set(xlabel=record.case.axes[0], ylabel=f"pairs that touch, of {pairs}")
+    numbers.legend(frameon=False)
+    length = unit_of(record.case.axes[0])
+    for label, size in (("largest opening", lambda s: s.gap),
+                        ("largest slip", lambda s: np.linalg.norm(s.slip, axis=1))):
+        sizes.plot(deflection, [max(float(size(s).max(initial=0.0)) for s in states) for states in history], ".-",
+                   label=label)
+    sizes.set(xlabel=record.case.axes[0], ylabel=f"length ({length})" if length else "length")
+    sizes.legend(frameon=False)
+    for place, step in zip(below.subplots(1, len(steps), squeeze=False)[0], steps, strict=True):
+        _plan(place, history[step])
+        place.set_title(f"at {with_unit(record.states[step].deflection, length)}", fontsize=10)
+    return figure
+
+
+def _plan(axes, states: Sequence[PairState]) -> None:
+    """Pairs by status as seen along the last axis of space."""
+    for status in (OPEN, SLIP, STICK):
+        places = np.concatenate([s.position[s.status == status, :2] for s in states])
+        axes.plot(*places.T, ".", color=COLOURS[status], markersize=2 if status == OPEN else 5, label=status)
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+    axes.legend(frameon=False, fontsize=8, loc="upper right")
+
+
+def write_pairs(history: Sequence[Sequence[PairState]], folder: Folder) -> None:
+    """Write pairs.pvd for ParaView: the pairs as points with gap, pressure, slip, traction and status (0, 1, 2)."""
+    import pyvista
+
+    folder.mkdir(parents=True, exist_ok=True)
+    lines = []
+    for step, states in enumerate(history):
+        places = np.concatenate([s.position for s in states])
+        cloud = pyvista.PolyData(np.pad(places, [(0, 0), (0, 3 - places.shape[1])]))
+        for name in ("gap", "pressure", "slip", "traction"):
+            cloud[name] = np.concatenate([getattr(s, name) for s in states])
+        cloud["status"] = np.concatenate([np.select([s.status == STICK, s.status == SLIP], [1, 2]) for s in states])
+        cloud.save(folder / f"pairs{step:06d}.vtp")
+        lines.append(f'<DataSet timestep="{step}" file="pairs{step:06d}.vtp"/>')
+    (folder / "pairs.pvd").write_text('<VTKFile type="Collection" version="0.1"><Collection>' + "".join(lines)
+                                      + "</Collection></VTKFile>\n", encoding="utf-8")
