@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .continuation.state import CriticalPoint, State
-from .discrete.pair_work import PairState
+from .discrete.pair_work import PairState, pairs_of
 from .mesh.reader import NamedMesh
 from .path import Path
 
@@ -128,7 +128,8 @@ class Record:
 
     def pairs(self, contact) -> PairState:
         """State of the pairs of a `PairContact` in the shown state, on this process."""
-        return next(work for work in self.path.discretisation.pairs if work.contact is contact).evaluate()
+        works = pairs_of(self.path.discretisation.system.contributions)
+        return next(work for work in works if work.contact is contact).evaluate()
 
     def energies(self) -> list[float]:
         """Strain energy that each part of the scene, in their order, stores in the shown state."""

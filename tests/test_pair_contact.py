@@ -8,7 +8,7 @@ from helpers import distance, move_at_random, tangents
 
 import sheetfx as fx
 from sheetfx.discrete.discretisation import Discretisation
-from sheetfx.discrete.pair_work import PairWork
+from sheetfx.discrete.pair_work import pairs_of
 
 SECTION = {"section": fx.Rectangle(0.1, 0.1), "material": fx.Elastic(1.2e6, 0.0)}
 
@@ -18,10 +18,9 @@ def line(cells, start, end, dimension=2, name="bar"):
     return fx.read(lambda: fx.meshes.frame(nodes, {name: ("start", "end", cells)}), dimension)
 
 
-def pairs_of(record_or_discretisation):
-    discretisation = getattr(record_or_discretisation, "path", record_or_discretisation)
-    system = getattr(discretisation, "discretisation", discretisation).system
-    return [c for c in system.contributions if isinstance(c, PairWork)]
+def works(path_or_discretisation):
+    discretisation = getattr(path_or_discretisation, "discretisation", path_or_discretisation)
+    return pairs_of(discretisation.system.contributions)
 
 
 def stacked(moving, enforcement="penalty", dimension=2, **how):
@@ -39,9 +38,10 @@ def stacked(moving, enforcement="penalty", dimension=2, **how):
 @pytest.mark.parametrize("moving", [False, True])
 def test_constant_pressure_passes(moving):
     record = fx.trace(fx.Case(stacked(moving), fx.LoadControl(1.0, fixed=True)))
-    state = pairs_of(record)[0].evaluate()
+    work, = works(record.path)
+    state = work.evaluate()
     assert np.abs(state.pressure - 1.0).max() < 1e-9  # of a stiffness of 3e6 times rounding
-    assert record.states[-1].deflection == pytest.approx(1 / 50 + 1 / pairs_of(record)[0].pairs.parameters[0], rel=1e-9)
+    assert record.states[-1].deflection == pytest.approx(1 / 50 + 1 / work.pairs.parameters[0], rel=1e-9)
 
 
 @pytest.mark.parametrize("dimension, moving, friction", [
@@ -52,7 +52,7 @@ def test_tangent_is_the_derivative(dimension, moving, friction):
     discretisation = Discretisation(stacked(moving, dimension=dimension, friction=friction, stiffness=1e3, gap=0.05),
                                     mixed_points=False)
     x = move_at_random(discretisation, size=0.1)
-    work, = pairs_of(discretisation)
+    work, = works(discretisation)
     assert set(work.evaluate().status) == ({"open", "slip", "stick"} if friction else {"open", "slip"})
     with discretisation.system.additive_increments():
         assembled, differences = tangents(discretisation.system, x, 1e-5)

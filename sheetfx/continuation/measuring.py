@@ -1,12 +1,16 @@
-"""Lengths and angles of increments, in the measure of a control."""
+"""Lengths and angles of increments in the measure of a control, and the displacement that is monitored."""
 
 from __future__ import annotations
 
 from math import acos
 
 import numpy as np
+from petsc4py import PETSc
 
+from ..discrete.discretisation import Discretisation
 from ..discrete.system import System
+from ..model.scene import Monitor
+from .control import StepRule
 from .state import State
 
 
@@ -15,14 +19,28 @@ class Measuring:
 
     Attributes
     ----------
-    system : whose weights make the unknowns commensurate
+    discretisation, system : the system's weights make the unknowns commensurate
     """
 
+    discretisation: Discretisation
     system: System
+    _monitor: PETSc.Vec
 
     def _load_weight(self) -> float:
         """Weight of the load's square in the square of a length."""
         return 0.0
+
+    def _functional(self, monitor: Monitor) -> PETSc.Vec:
+        """Vector whose product with increments is a displacement."""
+        return self.system.functional(*self.discretisation.monitored(monitor), monitor.sign)
+
+    def _controlled(self, control: StepRule) -> PETSc.Vec:
+        """Vector whose product with increments is the displacement that a control goes by."""
+        return self._functional(getattr(control, "monitor", None) or self.discretisation.scene.monitor)
+
+    def monitored(self, increment: PETSc.Vec) -> float:
+        """Change of the monitored displacement by an increment of the unknowns."""
+        return self._monitor.dot(increment)
 
     def turn(self, before: State, after: State) -> float:
         """Largest angle in radians between the increment of a step and what it should go on from and lead to.

@@ -10,7 +10,6 @@ from petsc4py import PETSc
 
 from ..discrete.discretisation import Discretisation
 from ..model.advice import advice_on_supports
-from ..model.scene import Monitor
 from .arclength import create
 from .control import LoadResponse, StepRule
 from .crossings import Uncounted, UnstableModes, first_critical
@@ -66,18 +65,6 @@ class Tracer(Measuring):
     @property
     def total_factorisations(self) -> int:
         return self.stepper.linear.factorisations
-
-    def _functional(self, monitor: Monitor) -> PETSc.Vec:
-        """Vector whose product with increments is a displacement."""
-        return self.system.functional(*self.discretisation.monitored(monitor), monitor.sign)
-
-    def _controlled(self, control: StepRule) -> PETSc.Vec:
-        """Vector whose product with increments is the displacement that a control goes by."""
-        return self._functional(getattr(control, "monitor", None) or self.discretisation.scene.monitor)
-
-    def monitored(self, increment: PETSc.Vec) -> float:
-        """Change of the monitored displacement by an increment of the unknowns."""
-        return self._monitor.dot(increment)
 
     def rate(self, name: str) -> float:
         """Change of the monitored "deflection", or of the "load", by a unit of the load factor; 0: not known."""

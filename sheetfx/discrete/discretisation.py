@@ -27,7 +27,6 @@ from .layer import LayerFields, LayerWork
 from .layout import Layout
 from .load_work import works_of_loads
 from .nodal import FixedIncrements
-from .pair_work import PairWork
 from .potential import look_for_potentials
 from .redundant import without_redundant
 from .sharing import sharings_of
@@ -83,11 +82,6 @@ class Discretisation:
 
     def _work_of(self, part) -> ElementWork:
         return self.works_of_parts[self.scene.parts.index(part)]
-
-    @property
-    def pairs(self) -> list[PairWork]:
-        """Contacts between deformable parts."""
-        return [c for c in self.system.contributions if isinstance(c, PairWork)]
 
     def kinematics(self, mesh: NamedMesh) -> Kinematics:
         return self.fields.kinematics(mesh)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .. import forms
+from .contribution import Contribution
 from .layout import Layout
 from .partners import Partners
 from .points import PointLaw, PointWork, Trace
@@ -254,6 +255,11 @@ class PairWork(PointWork):
         status = np.where(pressure == 0, OPEN, np.where(sliding, SLIP, STICK))
         return PairState(self.pairs.points + z[:, :d], strains[:, 0], pressure, slip, traction,
                          self.pairs.weights * self._here, status)
+
+
+def pairs_of(contributions: Sequence[Contribution]) -> list[PairWork]:
+    """The contacts between deformable parts among contributions."""
+    return [c for c in contributions if isinstance(c, PairWork)]
 
 
 def _turned(rotations: np.ndarray, vectors: np.ndarray) -> np.ndarray:

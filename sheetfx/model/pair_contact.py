@@ -48,8 +48,8 @@ class PairContact(Joint):
         cell of both parts
     stiffness : pressure (force per length) over penetration; None: ten times that of the softer part in its plane over
         a cell
-    tangential : stiffness against slip before the cone is reached; None: a hundredth of `stiffness`, with which Newton's
-        steps do not jump from slip to slip the other way
+    tangential : stiffness against slip before the cone is reached; None: a hundredth of `stiffness`, with which
+        Newton's steps do not jump from slip to slip the other way
     enforcement : "penalty", or "uzawa": pressures are augmented until no pair penetrates by more than a millionth of
         a cell
     law : function like `forms.contact.mohr_coulomb`
@@ -172,9 +172,10 @@ class PairContact(Joint):
             raise ValueError(f"{self._title}: the parts overlap by {-gap.min():.6g} at ({worst}); move one of them, or "
                              "make the gap larger")
         stiffness = self.stiffness or self._default_stiffness(fields)
+        tangential = self.tangential or ELASTIC_SLIP * stiffness
         yield fields.pair_work(self, one, two, {
             "arms": two.places - one.places, "axes": self.axes, "gap": gap, "weights": meeting.weights,
-            "parameters": (stiffness, self.tangential or ELASTIC_SLIP * stiffness, self.friction, self.cohesion, self.strength),
+            "parameters": (stiffness, tangential, self.friction, self.cohesion, self.strength),
             "augmented": self.enforcement == "uzawa", "tolerance": PENETRATION * meeting.size})
 
     def _default_stiffness(self, fields) -> float:

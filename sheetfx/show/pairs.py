@@ -7,7 +7,7 @@ from pathlib import Path as Folder
 
 import numpy as np
 
-from ..discrete.pair_work import OPEN, SLIP, STICK, PairState
+from ..discrete.pair_work import OPEN, SLIP, STICK, PairState, pairs_of
 from ..record import Record
 from .evaluate import last_state_kept, most_telling, unit_of, with_unit
 
@@ -17,7 +17,7 @@ MOST = 3  # states drawn in plan
 
 def pair_states(record: Record) -> list[list[PairState]]:
     """For each state of a path the state of the pairs of each contact, on this process."""
-    works = record.path.discretisation.pairs
+    works = pairs_of(record.path.discretisation.system.contributions)
     found = []
     with last_state_kept(record):
         for state in record.states:
@@ -32,7 +32,7 @@ def pair_history(record: Record, folder: Folder) -> None:
     The arrays of contact number i are called "i gap", "i pressure", "i slip", "i traction", "i status", "i position",
     of shape (states, pairs, ...), and "load" and "deflection", of shape (states,).
     """
-    if not record.path.discretisation.pairs:
+    if not pairs_of(record.path.discretisation.system.contributions):
         return
     history, folder = pair_states(record), Folder(folder)
     arrays = {"load": np.array([s.load for s in record.states]),
