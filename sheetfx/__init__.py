@@ -28,8 +28,8 @@ _ROOMS = {
     "model.following": "FollowerForce LinePressure Pressure",
     "model.scene": "Monitor Scene Stage",
     "model.plasticity": "Plastic",
-    "model.section": "Elastic FibreList Flanged GivenPlate Plate Rectangle ShellStiffness Tube effective_width "
-                     "round_bar",
+    "model.plate": "GivenPlate Plate ShellStiffness",
+    "model.section": "Elastic FibreList Flanged Rectangle Tube effective_width round_bar",
     "model.shell": "Shell ShellForm",
     "model.supports": "Support clamp pin symmetry",
     "discrete.contribution": "Contribution",

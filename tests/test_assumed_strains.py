@@ -13,8 +13,9 @@ from sheetfx.discrete.discretisation import Discretisation
 from sheetfx.forms.section import linear_shell
 from sheetfx.forms.shell import ShellStrains
 from sheetfx.model.loads import PointForce
+from sheetfx.model.plate import Plate
 from sheetfx.model.scene import Monitor, Scene
-from sheetfx.model.section import Elastic, Plate
+from sheetfx.model.section import Elastic
 from sheetfx.model.shell import Shell
 from sheetfx.model.supports import Support
 

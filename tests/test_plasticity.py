@@ -9,8 +9,9 @@ import pytest
 from scipy.optimize import brentq
 
 from sheetfx.model.plasticity import Fibres, Layers, Plastic
+from sheetfx.model.plate import Plate
 from sheetfx.model.return_mapping import REMEMBERED
-from sheetfx.model.section import FibreList, Flanged, Plate, Rectangle, Tube, round_bar
+from sheetfx.model.section import FibreList, Flanged, Rectangle, Tube, round_bar
 
 STEEL = Plastic(200e3, 0.3, yield_stress=200.0)
 HARDENING = Plastic(200e3, 0.3, yield_stress=200.0, hardening=5e3, kinematic=8e3)

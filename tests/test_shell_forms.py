@@ -17,8 +17,9 @@ from sheetfx.forms.shell import ShellStrains
 from sheetfx.mesh.reader import read
 from sheetfx.model.following import Pressure
 from sheetfx.model.loads import EdgeForce, PointForce, SurfaceForce
+from sheetfx.model.plate import GivenPlate, Plate, ShellStiffness
 from sheetfx.model.scene import Monitor, Scene
-from sheetfx.model.section import Elastic, GivenPlate, Plate, ShellStiffness
+from sheetfx.model.section import Elastic
 from sheetfx.model.shell import FORMS, TRIANGLE, Shell
 from sheetfx.model.supports import Support, clamp, symmetry
 from sheetfx.path import Path

@@ -12,8 +12,9 @@ from sheetfx.continuation.control import LoadControl
 from sheetfx.mesh.reader import read
 from sheetfx.model.beam import Beam
 from sheetfx.model.loads import EdgeForce, LineForce, PointForce, PrescribedDisplacement
+from sheetfx.model.plate import Plate
 from sheetfx.model.scene import Monitor, Scene
-from sheetfx.model.section import Elastic, Plate, Rectangle
+from sheetfx.model.section import Elastic, Rectangle
 from sheetfx.model.shell import Shell
 from sheetfx.model.supports import Support, clamp, pin
 from sheetfx.path import Path

@@ -11,8 +11,9 @@ import numpy as np
 from ..checks import require_finite, require_positive
 from ..forms.section import linear_elastic, linear_shell
 from .history import LawWithHistory
+from .plate import Plate
 from .return_mapping import ON_SURFACE, REMEMBERED, one_axis, plane_stress
-from .section import Elastic, Plate
+from .section import Elastic
 
 
 @dataclass(frozen=True)

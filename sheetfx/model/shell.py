@@ -18,7 +18,8 @@ from ..mesh.reader import NamedMesh
 from .gradient import require_law
 from .history import LawWithHistory, has_history
 from .plasticity import section_law
-from .section import Elastic, GivenPlate, Plate
+from .plate import GivenPlate, Plate
+from .section import Elastic
 from .work import Internal, Term, Tying
 
 TRIANGLE, QUADRILATERAL = basix.CellType.triangle, basix.CellType.quadrilateral

@@ -8,7 +8,8 @@ from typer import Option
 
 from ..case import Case
 from ..model.loads import EdgeForce
-from ..model.section import Elastic, Plate
+from ..model.plate import Plate
+from ..model.section import Elastic
 from ..model.shell import Shell
 from ..model.supports import clamp
 from ._benchmark import Cells, Form, Published, Reading, Steps, benchmark, members, surface

@@ -24,8 +24,9 @@ from ..checks import require_positive_number
 from ..continuation.control import ArcLength
 from ..mesh.reader import read
 from ..model.loads import PointForce
+from ..model.plate import Plate
 from ..model.scene import Monitor, Scene
-from ..model.section import Elastic, Plate
+from ..model.section import Elastic
 from ..model.shell import TRIANGLE, Shell, named_form
 from ..model.supports import clamp
 from ..path import Until

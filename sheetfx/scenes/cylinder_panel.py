@@ -17,8 +17,9 @@ from ..case import Case
 from ..checks import require_positive_number
 from ..continuation.control import ArcLength
 from ..model.loads import EdgeForce
+from ..model.plate import Plate
 from ..model.scene import Monitor, Scene
-from ..model.section import Elastic, Plate
+from ..model.section import Elastic
 from ..model.shell import Shell
 from ..model.supports import Support, symmetry
 from ..path import Until

@@ -11,7 +11,8 @@ from ..case import Case
 from ..continuation.control import ArcLength
 from ..mesh.reader import NamedMesh
 from ..model.loads import PointForce
-from ..model.section import Elastic, Plate
+from ..model.plate import Plate
+from ..model.section import Elastic
 from ..model.shell import Shell
 from ..model.supports import Support, symmetry
 from ..path import Until

@@ -25,8 +25,9 @@ from ..mesh.reader import NamedMesh, read
 from ..model.beam import Beam
 from ..model.joints import Compatible, Joint
 from ..model.loads import PointForce
+from ..model.plate import Plate
 from ..model.scene import Monitor, Scene
-from ..model.section import Elastic, Flanged, Plate, Tube, effective_width
+from ..model.section import Elastic, Flanged, Tube, effective_width
 from ..model.shell import TRIANGLE, Shell, named_form
 from ..model.supports import Support
 from ..path import Until

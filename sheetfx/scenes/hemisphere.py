@@ -13,7 +13,8 @@ from typer import Option
 
 from ..case import Case
 from ..model.loads import PointForce
-from ..model.section import Elastic, Plate
+from ..model.plate import Plate
+from ..model.section import Elastic
 from ..model.shell import Shell
 from ..model.supports import Support, symmetry
 from ._benchmark import Cells, Form, Published, Reading, Steps, at_load, benchmark, members, slopes, surface

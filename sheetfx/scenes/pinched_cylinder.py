@@ -8,7 +8,8 @@ from typer import Option
 
 from ..case import Case
 from ..model.loads import PointForce
-from ..model.section import Elastic, Plate
+from ..model.plate import Plate
+from ..model.section import Elastic
 from ..model.shell import Shell
 from ._benchmark import Cells, Form, LinearSteps, Reading, ShearFactor, benchmark, members, slopes
 from .diaphragm_cylinder import eighth

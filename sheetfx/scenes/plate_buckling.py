@@ -17,8 +17,9 @@ from typer import Option
 
 from ..case import Case
 from ..model.loads import EdgeForce
+from ..model.plate import Plate
 from ..model.scene import Monitor, Scene
-from ..model.section import Elastic, Plate
+from ..model.section import Elastic
 from ..model.shell import Shell
 from ..model.supports import Support
 from ..path import Until

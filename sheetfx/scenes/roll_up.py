@@ -13,8 +13,9 @@ from ..continuation.control import LoadControl
 from ..mesh.reader import NamedMesh, read
 from ..model.beam import Beam
 from ..model.loads import Moment
+from ..model.plate import Plate
 from ..model.scene import Monitor, Scene
-from ..model.section import Elastic, Plate, Rectangle
+from ..model.section import Elastic, Rectangle
 from ..model.shell import FORMS, Shell
 from ..model.supports import Support, clamp, symmetry
 from ..record import Record

@@ -12,7 +12,8 @@ from typer import Option
 from ..case import Case
 from ..continuation.control import ArcLength
 from ..model.loads import PointForce
-from ..model.section import Elastic, Plate
+from ..model.plate import Plate
+from ..model.section import Elastic
 from ..model.shell import Shell
 from ..model.supports import Support, symmetry
 from ..path import Until

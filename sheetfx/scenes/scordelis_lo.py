@@ -9,7 +9,8 @@ from typer import Option
 
 from ..case import Case
 from ..model.loads import SurfaceForce
-from ..model.section import Elastic, Plate
+from ..model.plate import Plate
+from ..model.section import Elastic
 from ..model.shell import Shell
 from ..model.supports import Support, symmetry
 from ._benchmark import Cells, Form, LinearSteps, Reading, ShearFactor, benchmark, cylinder, members, slopes

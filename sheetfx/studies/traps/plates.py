@@ -17,8 +17,9 @@ from ...continuation.control import LoadControl
 from ...mesh.reader import NamedMesh, read
 from ...model.joints import Uniform
 from ...model.loads import EdgeForce
+from ...model.plate import GivenPlate, Plate, ShellStiffness
 from ...model.scene import Monitor, Scene
-from ...model.section import Elastic, GivenPlate, Plate, ShellStiffness
+from ...model.section import Elastic
 from ...model.shell import Shell
 from ...model.supports import Support
 from ...scenes._benchmark import surface

@@ -10,8 +10,9 @@ import numpy as np
 from ...case import Case
 from ...continuation.control import ArcLength, LoadControl
 from ...model.following import Pressure
+from ...model.plate import Plate
 from ...model.scene import Monitor, Scene
-from ...model.section import Elastic, Plate
+from ...model.section import Elastic
 from ...model.shell import Shell
 from ...model.supports import Support, clamp, symmetry
 from ...path import Until

@@ -1,0 +1,102 @@
+"""Section data of shells (any consistent units; the scenes use N and mm)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..checks import require_positive
+from . import layers
+from .section import Elastic
+
+
+@dataclass(frozen=True)
+class ShellStiffness:
+    """Stiffness of a shell section per length, on the axes of the frame, for strains (e11, e22, 2 e12) and so on.
+
+    Attributes
+    ----------
+    membrane, coupling, bending : 3 x 3 (force / length, force, force length)
+    shear : 2 x 2 (force / length)
+    drilling : resistance against rotation about the normal (force / length)
+    """
+
+    membrane: tuple
+    coupling: tuple
+    bending: tuple
+    shear: tuple
+    drilling: float
+
+
+class ShellSection:
+    """What all shell sections have in common."""
+
+    thickness: float
+
+    def inertia(self, material: Elastic) -> list[float]:
+        """Mass per area, and rotary inertia of the director per area."""
+        density = material.density or 0.0
+        return [density * self.thickness, density * self.thickness**3 / 12]
+
+
+@dataclass(frozen=True)
+class Plate(ShellSection):
+    """Homogeneous shell section.
+
+    Attributes
+    ----------
+    thickness : length
+    shear_factor : on the transverse shear stiffness
+    drilling : factor on the membrane's shear stiffness; between 0.1 and 1 results hardly depend on it
+    points : layers through the thickness of a plastic material
+    rule : by which they are placed: "gauss", "lobatto" or "simpson" (the last two have layers on the faces)
+    """
+
+    thickness: float
+    shear_factor: float = 5 / 6
+    drilling: float = 1.0
+    points: int = 5
+    rule: str = "gauss"
+
+    def __post_init__(self):
+        require_positive(self, "thickness", "shear_factor", "drilling")
+        layers.require_points(self)
+
+    def layers(self) -> tuple[np.ndarray, np.ndarray]:
+        """Places from the mid-surface and weights of the layers of a plastic material."""
+        return layers.along(self.thickness, self.points, self.rule)
+
+    def stiffness(self, material: Elastic) -> ShellStiffness:
+        """Plane-stress stiffness of an isotropic material."""
+        nu, t = material.poisson, self.thickness
+        plane = material.modulus / (1 - nu**2)
+        unit = ((1.0, nu, 0.0), (nu, 1.0, 0.0), (0.0, 0.0, (1 - nu) / 2))
+        shear = self.shear_factor * material.shear_modulus * t
+        return ShellStiffness(
+            membrane=_scaled(unit, plane * t), coupling=_scaled(unit, 0.0), bending=_scaled(unit, plane * t**3 / 12),
+            shear=((shear, 0.0), (0.0, shear)), drilling=self.drilling * material.shear_modulus * t)
+
+
+@dataclass(frozen=True)
+class GivenPlate(ShellSection):
+    """Shell section whose stiffness is given, for orthotropic or layered shells.
+
+    Attributes
+    ----------
+    thickness : length, for the choice of quadrature
+    matrices : ShellStiffness
+    """
+
+    thickness: float
+    matrices: ShellStiffness
+
+    def __post_init__(self):
+        require_positive(self, "thickness")
+
+    def stiffness(self, material=None) -> ShellStiffness:
+        return self.matrices
+
+
+def _scaled(matrix, factor):
+    return tuple(tuple(factor * c for c in row) for row in matrix)
