@@ -134,9 +134,9 @@ class LayerWork(PointWork):
         self._near, cell = np.unique(zones.cells, return_inverse=True)
         rows, weights, gap = zones.rows, self.fields.weights(zones) / compliance, zones.interpolate(gaps)
         self._energy = float(weights @ gap**2) / 2
-        self._forces = np.zeros((len(self._near), SAMPLES))
+        self._pressed = np.zeros((len(self._near), SAMPLES))
         self._stiffness = np.zeros((len(self._near), SAMPLES, SAMPLES))
-        np.add.at(self._forces, cell, (weights * gap)[:, None] * rows)
+        np.add.at(self._pressed, cell, (weights * gap)[:, None] * rows)
         np.add.at(self._stiffness, cell, weights[:, None, None] * rows[:, :, None] * rows[:, None, :])
         self._traces = [Trace(trace.field, np.repeat(trace.nodes[self._near], SAMPLES, axis=0),
                               np.tile(shapes, (len(self._near), 1)))
@@ -144,27 +144,20 @@ class LayerWork(PointWork):
 
     def _law(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         self._slopes, bends = self._gap(z, self.fields.places[self._near], self.fields.arms[self._near])
-        return self._forces.ravel()[:, None] * self._slopes, self._forces.ravel()[:, None, None] * bends
+        return self._pressed.ravel()[:, None] * self._slopes, self._pressed.ravel()[:, None, None] * bends
 
     def tangent(self, held: Forces) -> Sequence[np.ndarray]:
-        of_samples = super().tangent(held)
-        count, rows = len(self._near), self._rows()
-        sums, pairs = [], [(left, right) for left in rows for right in rows]
-        for values, (left, right) in zip(of_samples, pairs, strict=True):
-            of_cells = np.zeros((len(self.fields.cells), left.shape[2], right.shape[2]))
-            of_cells[self._near] = values.reshape(count, SAMPLES, *of_cells.shape[1:]).sum(axis=1)
-            of_cells[self._near] += np.einsum("nsa,nst,ntb->nab", left, self._stiffness, right)
-            sums.append(of_cells.ravel())
-        return sums
-
-    def _rows(self) -> list[np.ndarray]:
-        """For each field the change of gaps by the increments in a cell, shape (cells, samples, increments)."""
-        found = []
-        for trace, field, part in zip(self._traces, self._fields, self._parts, strict=True):
-            variations = np.broadcast_to(field.variations(), (len(field.table), field.components, field.width))
-            rows = np.einsum("nc,nk,nkcw->nkw", self._slopes[:, part], trace.weights, variations[trace.nodes])
-            found.append(rows.reshape(len(self._near), SAMPLES, trace.nodes.shape[1] * field.width))
-        return found
+        forces, bends = self._law(self.values())
+        self._add(held, forces, curved_only=True)
+        samples_of_cells = (len(self._near), SAMPLES)
+        changes = self._derivatives()
+        size = changes.shape[2]
+        rows = np.einsum("nc,ncw->nw", self._slopes, changes).reshape(*samples_of_cells, size)
+        blocks = (changes.transpose(0, 2, 1) @ (bends @ changes)).reshape(*samples_of_cells, size, size).sum(axis=1)
+        blocks += rows.transpose(0, 2, 1) @ (self._stiffness @ rows)
+        values = np.zeros((len(self.fields.cells), size, size))
+        np.add.at(values, self._same[self._near], blocks)
+        return [values.ravel()]
 
     def regularise(self, times: float) -> None:
         self.fields.thicken(times)
