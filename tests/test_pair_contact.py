@@ -45,12 +45,12 @@ def test_constant_pressure_passes(moving):
 
 
 @pytest.mark.parametrize("dimension, moving, friction", [
-    (2, True, 2.0), (3, True, 2.0), pytest.param(2, False, 1.0, marks=pytest.mark.slow),
-    pytest.param(3, False, 2.0, marks=pytest.mark.slow), pytest.param(3, True, 0.0, marks=pytest.mark.slow)])
+    (2, True, 1.3), (3, True, 1.3), pytest.param(2, False, 1.3, marks=pytest.mark.slow),
+    pytest.param(3, False, 1.3, marks=pytest.mark.slow), pytest.param(3, True, 0.0, marks=pytest.mark.slow)])
 def test_tangent_is_the_derivative(dimension, moving, friction):
     """Far from equilibrium, partners in other cells than at first; with friction not symmetric."""
-    discretisation = Discretisation(stacked(moving, dimension=dimension, friction=friction, stiffness=1e3, tangential=1e3, gap=0.05),
-                                    mixed_points=False)
+    scene = stacked(moving, dimension=dimension, friction=friction, stiffness=1e3, tangential=1e3, gap=0.05)
+    discretisation = Discretisation(scene, mixed_points=False)
     x = move_at_random(discretisation, size=0.1)
     work, = works(discretisation)
     assert set(work.evaluate().status) == ({"open", "slip", "stick"} if friction else {"open", "slip"})
