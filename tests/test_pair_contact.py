@@ -27,7 +27,8 @@ def stacked(moving, enforcement="penalty", dimension=2, **how):
     """A beam on another one of other cells, which lies on an elastic foundation; the upper one is loaded evenly."""
     upper, lower = (line(n, (0.0, y, 0.0)[:3], (1.0, y, 0.0)[:3], dimension) for n, y in ((3, 0.1), (5, 0.0)))
     beams = [fx.Beam(m, **SECTION) for m in (upper, lower)]
-    contact = fx.PairContact(upper, "bar", (lower, None), reach=0.1, moving=moving, enforcement=enforcement, **how)
+    how = {"reach": 0.1} | how
+    contact = fx.PairContact(upper, "bar", (lower, None), moving=moving, enforcement=enforcement, **how)
     foundation = fx.Foundation(beams[1], (0.0, 50.0, 0.0)[:dimension])
     down = (0.0, -1.0, 0.0)[:dimension]
     held = {2: ("x rz", "x"), 3: ("x z rx ry rz", "x z rx ry")}[dimension]
@@ -59,3 +60,54 @@ def test_tangent_is_the_derivative(dimension, moving, friction):
     assert distance(assembled, differences) < 1e-7
     if friction:
         assert distance(assembled.T, differences) > 1e-4
+
+
+def test_slides_over_cells_without_a_jolt():
+    """A rod pressed into a beam on an elastic foundation slides along ten of its cells.
+
+    The force under a given travel is that of an infinite beam, which does not depend on the place: k / 2 beta for a
+    unit of deflection with beta^4 = k / 4 EI (Hetenyi 1946, section 11), in series with the rod and the contact.
+    """
+    stiffness, depth = 5e3, 0.01
+    bar, rod = line(30, (0.0, 0.0), (3.0, 0.0)), line(1, (1.05, 0.3), (1.05, 0.0), name="rod")
+    thin = {"section": fx.Rectangle(0.1, 0.1), "material": fx.Elastic(1.2e6, 0.0), "shear_rigidity": 1e7}
+    beams = [fx.Beam(m, **thin) for m in (bar, rod)]
+    contact = fx.PairContact(rod, "end", (bar, None), toward=(0.0, -1.0), stiffness=1e6)
+    scene = fx.Scene(
+        beams, [fx.Support(bar, "start", "x"), fx.Support(rod, "start", "rz")],
+        [fx.PrescribedDisplacement(rod, "start", "x", 1.0)], fx.Monitor(rod, "start", "x"),
+        joints=[contact, fx.Foundation(beams[0], (0.0, stiffness))],
+        stages=[fx.Stage([fx.PrescribedDisplacement(rod, "start", "y", -depth)],
+                         control=fx.LoadControl(step=1.0, fixed=True))])
+    record = fx.trace(fx.Case(scene, fx.LoadControl(step=0.02, fixed=True)))
+    forces = []
+    for state in record.states:
+        record.show(state)
+        forces.append(record.pairs(contact).pressure[0])
+    forces = np.array(forces[-50:])
+    beta = (stiffness / 4 / 10.0) ** 0.25
+    spring = 1 / (2 * beta / stiffness + 1e-6 + 0.3 / 1.2e4)
+    assert np.ptp(forces) < 5e-3 * forces.mean()
+    assert forces.mean() == pytest.approx(depth * spring, rel=5e-3)
+
+
+@pytest.mark.parametrize("how, message", [
+    ({"gap": -0.1}, "gap is -0.1; it must be a number that is not negative"),
+    ({"friction": -0.2}, "friction is -0.2; it must not be negative"),
+    ({"stiffness": 0.0}, "stiffness is 0.0; it must be positive"),
+    ({"pairs": 0}, "pairs is 0; give a number of at least 1"),
+    ({"face": "butt"}, "face is 'butt', but the first part is no surface"),
+    ({"face": "edge"}, "face is 'edge'; it must be one of seat, butt"),
+    ({"enforcement": "exact"}, "enforcement is 'exact'"),
+    ({"reach": 0.01}, "0.1 off the part that it is joined to, more than the reach of 0.01"),
+    ({"toward": (1.0, 0.0)}, "no direction leads from one part to the other"),
+])
+def test_wrong_input_is_named(how, message):
+    with pytest.raises(ValueError, match=message.replace("(", r"\(")):
+        stacked(True, **{"reach": 0.1} | how)
+
+
+def test_overlap_is_named():
+    scene = stacked(True, gap=lambda x: 0.05 - x[:, 0])
+    with pytest.raises(ValueError, match=r"overlap by 0.9.* at \(0.9.*move one of them"):
+        Discretisation(scene)
