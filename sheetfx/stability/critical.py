@@ -295,10 +295,9 @@ def _bifurcation(segment: Segment, crossings: list[Crossing]) -> CriticalPoint:
     first, count, tracer = crossings[0], len(crossings), segment.tracer
     point = CriticalPoint("bifurcation", first.load, first.deflection, segment.after.step, first.length, count,
                           spread=first.spread)
-    if tracer.system.history.moved:
-        return replace(point, name="comparison solid")
     if not tracer.system.smooth or not tracer.system.conservative or first.spread:
-        return point
+        tracer.back_to(segment.states[min(s for s in segment.states if s >= first.length)])
+        return replace(point, name="comparison solid") if tracer.system.history.moved else point
     try:
         state = segment.on_path(first.length)
     except Missed:
