@@ -103,8 +103,12 @@ class Unknowns:
         form = ufl.algorithms.expand_derivatives(form)
         mapping = {k: v for f in self.fields for k, v in f.at_rest().items()}
         form = ufl.replace(form, mapping) if mapping else form
-        domain = ufl.domain.extract_unique_domain(form) if isinstance(form, ufl.core.expr.Expr) else _domain_of(form)
-        return form if domain is None else lift_numbers(constants_on(domain, form), domain)
+        if isinstance(form, ufl.core.expr.Expr):
+            domain = ufl.domain.extract_unique_domain(form)
+            return form if domain is None else _on_domain(form, domain)
+        domains = dict.fromkeys(integral.ufl_domain() for integral in form.integrals())
+        parts = [_on_domain(ufl.Form([i for i in form.integrals() if i.ufl_domain() == d]), d) for d in domains]
+        return ufl.Form([integral for part in parts for integral in part.integrals()])
 
     def blocks_of(self, form) -> list:
         """Split a linear form into a list and a bilinear form into a square list of forms, by blocks with a space.
@@ -122,6 +126,6 @@ class Unknowns:
         return [block(i) for i in numbers]
 
 
-def _domain_of(form):
-    """The mesh that a form is integrated over; None for an empty form."""
-    return form.integrals()[0].ufl_domain() if form.integrals() else None
+def _on_domain(form, domain):
+    """A form or expression on one mesh with its numbers as constants there."""
+    return lift_numbers(constants_on(domain, form), domain)
