@@ -62,7 +62,7 @@ def test_cheap_models(model):
 
 
 def test_wrong_options_are_named():
-    with pytest.raises(ValueError, match="dome: model is 'shell'; it must be one of coupled, flange, bars"):
+    with pytest.raises(ValueError, match="dome: model is 'shell'; it must be one of coupled, contact, flange, bars"):
         case(model="shell")
     with pytest.raises(ValueError, match="no geometry 'round'; choose from arc, hex, plan"):
         case(geometry="round")
