@@ -119,8 +119,8 @@ class PointWork(Contribution):
         return groups
 
     def pattern(self, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
-        numbers = np.concatenate([layout.free_numbers[field][nodes].reshape(len(nodes), -1)
-                                  for field, nodes, _ in self._groups()], axis=1)
+        chosen = [layout.free_numbers[field][nodes] for field, nodes, _ in self._groups()]
+        numbers = np.concatenate([n.reshape(len(n), n.shape[1] * n.shape[2]) for n in chosen], axis=1)
         own, self._same = np.unique(numbers, axis=0, return_inverse=True)
         self._same = self._same.ravel()
         shape = (*own.shape, own.shape[1])
@@ -152,7 +152,7 @@ class PointWork(Contribution):
             rows = np.zeros((len(nodes), self._parts[-1].stop, nodes.shape[1] * f.width))
             for number in members:
                 varied = self._traces[number].weights[:, :, None, None] * variations
-                rows[:, self._parts[number]] = varied.transpose(0, 2, 1, 3).reshape(len(nodes), f.components, -1)
+                rows[:, self._parts[number]] = varied.transpose(0, 2, 1, 3).reshape(rows[:, self._parts[number]].shape)
             columns.append(rows)
         return np.concatenate(columns, axis=2)
 
