@@ -240,7 +240,8 @@ class PointLaw:
         return self._evaluate(expression, z, *shape) * self._weights.reshape(-1, *(1,) * len(shape))
 
     def forces(self, z: np.ndarray) -> np.ndarray:
-        return self._weighted(self._force, z, self._size)
+        """Forces alone."""
+        return self._weighted(self._force if self._count else None, z, self._size)
 
     def __call__(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Forces and stiffness."""
