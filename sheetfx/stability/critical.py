@@ -68,11 +68,19 @@ def locate(tracer, earlier: State | None, before: State, after: State,
     crossings = _bifurcations(segment, [length for s, length, _ in limits if s is segment])
     crossings += [_return(segment, length) for length in returns]
     points += [_bifurcation(segment, cluster) for cluster in _clusters(crossings, TOGETHER * after.length)]
+    if segment.guarded and not limits and any(_is_off(point, before, after) for point in points):
+        raise Jump("a bifurcation is found at a load that the step does not pass")
     for other in others:
         points += other(segment)
     if tracer.state is not after:
         tracer.back_to(after)
     return tuple(sorted(points, key=lambda p: (p.step, p.length)))
+
+
+def _is_off(point: CriticalPoint, before: State, after: State) -> bool:
+    """Whether a point's load is farther from those of the states around it than these are from each other."""
+    rise = abs(after.load - before.load)
+    return not min(before.load, after.load) - rise <= point.load <= max(before.load, after.load) + rise
 
 
 def step_of(who: str, states: Sequence[State], point: CriticalPoint, size: int) -> tuple[State, State]:
