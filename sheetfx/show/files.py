@@ -9,8 +9,9 @@ import ufl
 from dolfinx import fem, la
 from dolfinx.io import VTKFile
 
-from ..compat import JIT, interpolation_points
+from ..compat import interpolation_points
 from ..discrete.kinematics import Kinematics
+from ..jit import compiled_expression
 from ..mesh.reader import NamedMesh
 from ..record import Record
 from .evaluate import last_state_kept
@@ -36,7 +37,7 @@ def _write(record: Record, mesh: NamedMesh, file: Folder) -> None:
     if kinematics.rotation is not None:
         values["rotation"] = _rotation_vector(mesh, kinematics)
     points = interpolation_points(space)
-    expressions = [fem.Expression(v, points, jit_options=JIT) for v in values.values()]
+    expressions = [compiled_expression(v, points) for v in values.values()]
     share = fem.Function(space)
     _add(share, np.ones((*space.dofmap.list[mesh.group(None)].shape, 3)), mesh)
     functions = [fem.Function(space, name=name) for name in values]

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import ufl
-from dolfinx import fem
 
-from ..compat import JIT
+from ..jit import compiled_expression
 from ..mesh.reader import NamedMesh
 from ..model.shell import TRIANGLE
 from ..record import Record
@@ -63,7 +62,7 @@ def surfaces(record: Record, displacements: Mapping[NamedMesh, object] | None = 
         u = displacements[mesh] if displacements else record.path.discretisation.kinematics(mesh).u
         points, faces, border = _lattice(mesh.domain.basix_cell() == TRIANGLE)
         x = ufl.SpatialCoordinate(mesh.domain)
-        expression = fem.Expression(ufl.as_vector([*x, *(x + u)]), points, jit_options=JIT)
+        expression = compiled_expression(ufl.as_vector([*x, *(x + u)]), points)
         gathered = comm.gather(expression.eval(mesh.domain, mesh.group(None)).reshape(-1, len(points), 2, 3))
         if gathered is not None:
             table = np.concatenate(gathered)
