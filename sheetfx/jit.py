@@ -9,6 +9,7 @@ process is killed, so that the next one finds it, and takes away the kernels tha
 from __future__ import annotations
 
 import fcntl
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -21,6 +22,7 @@ from dolfinx import fem
 # Python may have been built with -g, and passes it on: debugging information is a third of the time of compilation.
 OPTIONS = {"timeout": 600, "cffi_extra_compile_args": ["-O2", "-g0"]}
 ANNOUNCED = "compiling"  # folder in the cache with a file of each process that compiles
+_looked_after: set[Path] = set()  # caches, by this process
 
 
 def compiled_form(form) -> fem.Form:
@@ -44,26 +46,34 @@ def _announced() -> Iterator[None]:
     with NamedTemporaryFile(dir=folder) as mine:
         fcntl.flock(mine, fcntl.LOCK_EX)
         others = [file for file in folder.iterdir() if file != Path(mine.name)]
-        if others:
+        if others or cache not in _looked_after:
             _remove_unfinished(cache, others, Path(mine.name).stat().st_mtime)
+            _looked_after.add(cache)
         yield
 
 
 def _remove_unfinished(cache: Path, others: list[Path], now: float) -> None:
-    """Take away kernels that nobody finishes: begun after a process that is dead, and before all that live."""
+    """Take away kernels that nobody finishes.
+
+    They were begun before all processes that live, and after one that is dead, or longer ago than others wait.
+    """
     living, dead = {}, {}
     for file in others:
         with suppress(FileNotFoundError), open(file) as lock:
             (dead if _is_free(lock) else living)[file] = file.stat().st_mtime
-    if dead:
-        begun = {file: file.stat().st_mtime for file in cache.glob("libffcx_*.c")
-                 if not file.with_suffix(".c.cached").exists()}
-        last = min([*living.values(), now])
-        for file in [f for f, time in begun.items() if min(dead.values()) <= time < last]:
+    files = {file.name for file in os.scandir(cache)}
+    begun = {}
+    for name in files:
+        if name.endswith(".c") and f"{name}.cached" not in files:
+            with suppress(FileNotFoundError):
+                begun[name] = (cache / name).stat().st_mtime
+    last = min([*living.values(), now])
+    for name, time in begun.items():
+        if time < last and (time >= min(dead.values(), default=now) or time < now - OPTIONS["timeout"]):
+            (cache / name).unlink(missing_ok=True)
+    if all(time < last for time in begun.values()):  # else some may be theirs or those of the living
+        for file in dead:
             file.unlink(missing_ok=True)
-        if all(time < last for time in begun.values()):  # else some may be theirs or those of the living
-            for file in dead:
-                file.unlink(missing_ok=True)
 
 
 def _is_free(lock: IO) -> bool:

@@ -1,5 +1,6 @@
 """The cache of compiled forms stays sound where a process is killed while it compiles."""
 
+import os
 import signal
 import subprocess
 import sys
@@ -54,6 +55,14 @@ def test_kernel_that_a_process_was_killed_in_is_compiled_again(cache, left):
     assert expression().eval(create_interval(MPI.COMM_SELF, 1, (0.0, 1.0)), np.array([0]))[0, 0] == pytest.approx(0.25)
     assert left.with_suffix(".c.cached").exists()
     assert not list((cache / jit.ANNOUNCED).iterdir())
+
+
+def test_kernel_that_was_left_long_ago_is_compiled_again(cache, left):
+    """By a process that told nobody of itself."""
+    for file in (cache / jit.ANNOUNCED).iterdir():
+        file.unlink()
+    os.utime(left, (0, 0))
+    assert expression() and left.with_suffix(".c.cached").exists()
 
 
 def test_kernel_that_a_process_is_at_is_left_alone(cache, left):
