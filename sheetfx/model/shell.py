@@ -51,14 +51,14 @@ class ShellForm:
         """Shares of the full rule in the energies of the membrane, and of shear and drilling; at most 1.
 
         thickness^2 / area keeps the parasitic energy of a bent cell below its bending energy; membranes whose low
-        rule is too soft get 1 / (10 curvature^2 area) times more, which is everything where they are flat.
+        rule is too soft get 1 / (5 curvature^2 area) times more, which is everything where they are flat.
         """
         area = ufl.JacobianDeterminant(frame.domain)
         share = thickness**2 / area
         membrane = share
         if self.facets:
             bent = sum(ufl.inner(s, s) for s in (frame.along(frame.director, t) for t in frame.tangents))
-            membrane = share * (1 + 0.1 / (bent * area + 1e-12))
+            membrane = share * (1 + 0.2 / (bent * area + 1e-12))
         return ufl.min_value(1.0, membrane), ufl.min_value(1.0, share)
 
     def tying(self, frame, thickness) -> Tying:
