@@ -28,6 +28,7 @@ _ROOMS = {
     "model.following": "FollowerForce LinePressure Pressure",
     "model.scene": "Monitor Scene Stage",
     "model.plasticity": "Plastic",
+    "model.laminate": "Laminate Ply",
     "model.plate": "GivenPlate Plate ShellStiffness",
     "model.section": "Elastic FibreList Flanged Rectangle Tube effective_width round_bar",
     "model.shell": "Shell ShellForm",
