@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .. import forms
+from .contact import OPEN, ContactState, status_of
 from .contribution import Contribution
 from .layout import Layout
 from .partners import Partners
@@ -15,31 +16,19 @@ from .points import PointLaw, PointWork, Trace
 from .unknowns import Unknowns
 
 SOFTER = 4  # power of the multiple of the regularisation by which stiffness is divided
-OPEN, STICK, SLIP = "open", "stick", "slip"
 
 
 @dataclass(frozen=True)
-class PairState:
+class PairState(ContactState):
     """State of the pairs of a contact on this process, one row for each.
 
     Attributes
     ----------
-    position : (n, d), current place of the first part's point
-    gap : (n,), length, negative where parts penetrate
-    pressure : (n,), force per length of the line of contact
-    slip : (n, d - 1), of the second part past the first since the beginning, along the line and across
     traction : (n, d - 1), force per length against the slip
-    weight : (n,), length that belongs to the pair
-    status : (n,) of "open", "stick", "slip" ("slip" without friction)
+    slip : (n, d - 1), of the second part past the first since the beginning, along the line and across
     """
 
-    position: np.ndarray
-    gap: np.ndarray
-    pressure: np.ndarray
     slip: np.ndarray
-    traction: np.ndarray
-    weight: np.ndarray
-    status: np.ndarray
 
 
 @dataclass
@@ -150,12 +139,16 @@ class PairWork(PointWork):
         along = pairs.axes[:, 1]
         if len(self._first) > 1:
             along = _turned(values[:, self._parts[1]], along)
-        self._partners.follow(pairs.points + values[:, :d], along)
+        if self._partners.follow(pairs.points + values[:, :d], along):
+            self._renew()
+
+    def _renew(self) -> None:
+        """Take rows and places of the partners as they are now."""
         self._traces[len(self._first):] = self._partners.traces()
         for number, array in enumerate(self._geometry()):
             self._law.give(number, array)
         self._law.give(self._data_of_start, self._start())
-        self._law._weights = pairs.weights * self._partners.on
+        self._law.weigh(self.pairs.weights * self._partners.on)
 
     def values(self) -> np.ndarray:
         self._follow()
@@ -217,6 +210,7 @@ class PairWork(PointWork):
         self._put_history(self._committed.copy())
         if self._partners:
             self._partners.restore(self._partners_committed)
+            self._renew()
 
     def regularise(self, times: float) -> None:
         table = self.pairs.table()
@@ -251,10 +245,9 @@ class PairWork(PointWork):
             traction = resultants[:, 1:1 + n] * self._here[:, None]
             slip = strains[:, 1:1 + n] + self._history[:, 1 + n:]
         _, _, friction, cohesion, _ = self.pairs.parameters
-        sliding = np.linalg.norm(traction, axis=1) >= (friction * pressure + cohesion) * (1 - 1e-9)
-        status = np.where(pressure == 0, OPEN, np.where(sliding, SLIP, STICK))
-        return PairState(self.pairs.points + z[:, :d], strains[:, 0], pressure, slip, traction,
-                         self.pairs.weights * self._here, status)
+        status = status_of(pressure, np.linalg.norm(traction, axis=1), friction * pressure + cohesion)
+        return PairState(self.pairs.points + z[:, :d], strains[:, 0], pressure, traction,
+                         self.pairs.weights * self._here, status, slip)
 
 
 def pairs_of(contributions: Sequence[Contribution]) -> list[PairWork]:

@@ -57,14 +57,15 @@ class Partners:
         self._reference = np.ascontiguousarray(history[:, 1:2])
         self._sense, self._base = history[:, 2].copy(), history[:, 3].copy()
 
-    def follow(self, points: np.ndarray, directions: np.ndarray) -> None:
-        """Find the partners of points as they are now, from where these were last.
+    def follow(self, points: np.ndarray, directions: np.ndarray) -> bool:
+        """Find the partners of points as they are now, from where these were last; return whether anything changed.
 
         Parameters
         ----------
         points : shape (n, dimension), current places
         directions : shape (n, dimension), normals of the planes in which partners are
         """
+        changed, before = False, self.on
         for _ in range(ITERATIONS):
             place, slope, curvature = self._current()
             a, b, c = (np.einsum("nd,nd->n", directions, v) for v in (place - points, slope, curvature))
@@ -73,7 +74,9 @@ class Partners:
             step = np.where(flat, 0.0, -2 * a / (b + np.sign(b) * np.sqrt(np.maximum(b * b - 2 * a * c, 0.0))))
             self.on = ~flat
             if not self._advance(np.clip(step, -1.0, 1.0)):
-                return
+                break
+            changed = True
+        return changed or not np.array_equal(before, self.on)
 
     def _advance(self, step: np.ndarray) -> bool:
         """Take a step along the curves, on to the next cell at most; whether any partner has moved."""
@@ -84,6 +87,8 @@ class Partners:
         last, leaves = beyond & (following < 0), np.flatnonzero(beyond & (following >= 0))
         self.on &= ~last
         moved = np.abs(np.where(last, end, wanted) - self._reference[:, 0]).max(initial=0.0) > FOUND
+        if not (moved or len(leaves)):
+            return False
         self._reference = np.where(beyond, end, wanted)[:, None].astype(float)
         if len(leaves):
             reached = self.travelled[leaves]
@@ -93,7 +98,7 @@ class Partners:
             self._sense[leaves] = ahead * np.where(enters == 0, 1.0, -1.0)
             lengths = self._track.lengths(self._which[leaves], self._reference[leaves])
             self._base[leaves] = reached - self._sense[leaves] * lengths
-        return bool(moved or len(leaves))
+        return True
 
     def _current(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Current places, and their first and second derivative by the reference coordinate."""
