@@ -15,7 +15,7 @@ from .partners import Partners
 from .points import PointLaw, PointWork, Trace
 from .unknowns import Unknowns
 
-SOFTER = 4  # power of the multiple of the regularisation by which stiffness is divided
+APPROACH = 2.0  # of states with friction: any multiple of the regularisation stands for given bounds of friction
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ class PairWork(PointWork):
 
     def __init__(self, unknowns: Unknowns, first: Sequence[Trace], second: Trace | Partners, pairs: Pairs, contact,
                  name: str):
-        self.contact, self.approaches = contact, contact.approach
+        self.contact, self.approaches = contact, (APPROACH,) if pairs.parameters[2] > 0 else (1.0,)
         self._first, self.pairs, self._name, d = list(first), pairs, name, pairs.dimension
         self._partners = second if isinstance(second, Partners) else None
         traces = [*first, *(self._partners.traces() if self._partners else [second])]
@@ -213,8 +213,16 @@ class PairWork(PointWork):
             self._renew()
 
     def regularise(self, times: float) -> None:
+        """On the approach, `times` above 1, friction is bounded by the pressures that there are now.
+
+        Pairs that have just closed slip freely then, and forces have a potential while the bounds stay (the fixed point
+        iteration on Tresca's friction of Panagiotopoulos 1975, of which one step is taken). Newton's iteration, which
+        hops between sticking and slipping the other way when pairs close, converges from there.
+        """
         table = self.pairs.table()
-        table[:, :2] /= times**SOFTER
+        if times > 1:
+            table[:, 3] += table[:, 2] * self.evaluate().pressure
+            table[:, 2] = 0.0
         self._law.give(self._data_of_history + 1, table)
 
     def augment(self) -> bool:

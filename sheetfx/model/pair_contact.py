@@ -56,8 +56,6 @@ class PairContact(Joint):
         a cell
     law : function like `forms.contact.mohr_coulomb`
     reach : distance between the lines of both parts that may be filled
-    approach : multiples of the regularisation through which each step's solution is approached: at 2 the stiffness is
-        a sixteenth
     name : what messages call it
     """
 
@@ -77,7 +75,6 @@ class PairContact(Joint):
     enforcement: str = "penalty"
     law: Callable = forms.contact.mohr_coulomb
     reach: float = 0.0
-    approach: Sequence[float] = (1.0,)
     name: str = field(default="PairContact", kw_only=True)
 
     smooth = False
