@@ -92,6 +92,7 @@ class PairWork(PointWork):
         self._first, self.pairs, self._name, d = list(first), pairs, name, pairs.dimension
         self._partners = second if isinstance(second, Partners) else None
         traces = [*first, *(self._partners.traces() if self._partners else [second])]
+        self._arms = self._geometry()[0] if self._partners else pairs.arms
         slips = d - 1 if pairs.rubs else 0
         self._slips, self._history = slips, np.zeros((pairs.count, 2 * d - 1))
         axes = pairs.axes.reshape(pairs.count, d * d)
@@ -127,7 +128,7 @@ class PairWork(PointWork):
         pairs = self.pairs
         if self._partners is None:
             return pairs.gap[:, None]
-        places = np.einsum("nij,nj->ni", pairs.axes, pairs.arms)
+        places = np.einsum("nij,nj->ni", pairs.axes, self._arms)
         return np.column_stack((pairs.gap, places, self._partners.travelled))
 
     def _follow(self) -> None:
