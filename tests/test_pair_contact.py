@@ -62,6 +62,23 @@ def test_tangent_is_the_derivative(dimension, moving, friction):
         assert distance(assembled.T, differences) > 1e-4
 
 
+def test_energy_is_that_of_the_forces():
+    scene = stacked(True, stiffness=1e3, gap=0.01, strength=5.0)
+    system = (discretisation := Discretisation(scene, mixed_points=False)).system
+    work, = works(discretisation)
+    x = move_at_random(discretisation, size=0.05)
+    along, out, energies = system.create_vector(np.sin(np.arange(len(x.array)))), system.create_vector(), []
+    along.array[system.fixed_rows] = 0
+    with system.additive_increments():
+        system.residual_of([work], out)
+        for step in (1e-5, -1e-5):
+            moved = x.copy()
+            moved.axpy(step, along)
+            system.configure(moved, system.factor)
+            energies.append(work.energy())
+    assert (energies[0] - energies[1]) / 2e-5 == pytest.approx(out.dot(along), rel=1e-7)
+
+
 @pytest.mark.parametrize("arm, depth, step, wavers", [
     (0.0, 0.01, 0.02, 5e-3), pytest.param(0.1, 0.05, 0.01, 6e-3, marks=pytest.mark.slow)])
 def test_slides_over_cells_without_a_jolt(arm, depth, step, wavers):

@@ -235,6 +235,13 @@ class PairWork(PointWork):
         self._put_history(self._updated(True, slips=False))
         return False
 
+    def energy(self) -> float | None:
+        if not self.conservative or self.pairs.augmented or self.contact.law is not forms.contact.mohr_coulomb:
+            return None
+        gap = self._law.strains(self.values())[:, 0]
+        energy = _unilateral_energy(gap, self._history[:, 0], self.pairs.table())
+        return float((self.pairs.weights * self._here) @ energy)
+
     def touching(self) -> tuple[int, float]:
         state = self.evaluate()
         return int((state.status != OPEN).sum()), float(-state.gap[self._here].min(initial=0.0))
@@ -262,6 +269,24 @@ class PairWork(PointWork):
 def pairs_of(contributions: Sequence[Contribution]) -> list[PairWork]:
     """The contacts between deformable parts among contributions."""
     return [c for c in contributions if isinstance(c, PairWork)]
+
+
+def _unilateral_energy(gap, pressure, parameters):
+    """Energy whose derivative by the gap is the pressure of `forms.contact.mohr_coulomb` without friction, negative.
+
+    Parameters
+    ----------
+    gap, pressure : arrays, shape (n,)
+    parameters : array, shape (n, 5)
+
+    Returns
+    -------
+    array, energy per length of the line of contact, zero where nothing touches.
+    """
+    normal, strength = parameters[:, 0], parameters[:, 4]
+    trial = pressure - normal * gap
+    held = np.maximum(trial, -strength)
+    return (held**2 / 2 + held * (trial - held) - np.maximum(pressure, -strength)**2 / 2) / normal
 
 
 def _turned(rotations: np.ndarray, vectors: np.ndarray) -> np.ndarray:
