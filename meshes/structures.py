@@ -30,7 +30,7 @@ def structure(table: Table, divisions: int, triangles: bool = True, separate: bo
         If a node is on a bar or edge between the ends of it.
     """
     bars, panels = table.named_bars, table.named_panels
-    edges = _edges(table, separate)
+    edges = edges_of(table, separate)
     _check_meeting(table, bars if separate else bars | edges)
     corners = {name: [_corner(n, name, separate) for n in row] for name, row in panels.items()}
     places = {n: table.nodes[n] for row in bars.values() for n in row}
@@ -51,8 +51,8 @@ def _corner(node: str, panel: str, separate: bool) -> str:
     return f"{node} of {panel}" if separate else node
 
 
-def _edges(table: Table, separate: bool) -> dict[str, tuple[str, ...]]:
-    """Points at the ends of edges of panels, but for those along bars that share their nodes."""
+def edges_of(table: Table, separate: bool = False) -> dict[str, tuple[str, ...]]:
+    """Points at the ends of edges of panels, but for those along bars that share their nodes; see `structure`."""
     sides = [ends for row in table.panels for ends in around(row)]
     order = {frozenset(ends): ends for ends in reversed([*table.bars, *sides])}
     bars = {frozenset(ends) for ends in table.bars}

@@ -36,7 +36,7 @@ class StepRule:
     iterations : number of iterations that a step should take; steps grow and shrink with the
         square root of this over the number taken
     turn : largest angle in radians between the increment of a step and the tangents at its start and its end (with
-        contact, the increment before); pi: any
+        contact, the tangent at its start or the increment before); pi: any
     newton : "full", a new tangent for each iteration, or "modified", the tangent at the start of the step for all
     default : of the class, the first step where none is given
     passes_limits : of the class, whether a step can go through an extremum of the load

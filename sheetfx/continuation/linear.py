@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from petsc4py import PETSc
 
+SPARE, MOST_SPARE = 20, 2000  # percent of working space for pivots that are put off, beyond what analysis estimates
+
 
 class SingularTangent(ArithmeticError):
     """The factorisation met a zero pivot: the structure can move freely or is at a critical point."""
@@ -18,7 +20,7 @@ class DirectSolver:
 
     def __init__(self, ksp: PETSc.KSP, matrix: PETSc.Mat, symmetric: bool):
         self.ksp, self.matrix, self.symmetric = ksp, matrix, symmetric
-        self.factorisations = 0
+        self.factorisations, self._spare = 0, SPARE
         self._set_up()
 
     def _set_up(self) -> None:
@@ -44,13 +46,21 @@ class DirectSolver:
             # Inertia needs null pivot detection (ICNTL 24); the threshold keeps it from replacing any.
             pc.getFactorMatrix().setMumpsIcntl(24, 1)
             pc.getFactorMatrix().setMumpsCntl(3, -1e-100)
+            pc.getFactorMatrix().setMumpsIcntl(14, self._spare)
             if pc.getType() == PETSc.PC.Type.LU:
                 pc.getFactorMatrix().setMumpsIcntl(33, 1)  # the determinant, in place of the inertia
         self.factorisations += 1
         pc.setReusePreconditioner(False)
         pc.setUp()
         pc.setReusePreconditioner(True)  # until `factorise` is called again, whatever is assembled meanwhile
-        if pc.getFailedReason() != PETSc.PC.FailedReason.NOERROR or self._null_pivots():
+        reason = pc.getFailedReason()
+        if reason == PETSc.PC.FailedReason.FACTOR_OUTMEMORY and self._spare < MOST_SPARE:
+            self._spare *= 4
+            pc.reset()
+            self._set_up()
+            self.factorisations -= 1
+            self.factorise()
+        elif reason != PETSc.PC.FailedReason.NOERROR or self._null_pivots():
             pc.reset()
             self._set_up()
             raise SingularTangent("the tangent is singular")

@@ -45,13 +45,13 @@ class Measuring:
     def turn(self, before: State, after: State) -> float:
         """Largest angle in radians between the increment of a step and what it should go on from and lead to.
 
-        These are the tangents at its start and its end; with contact, where tangents waver, the increment before.
+        These are the tangents at its start and its end. With contact, where tangents waver and paths have corners, it
+        has to go on from either the increment before or the tangent at its start.
         """
-        wavering = not self.system.smooth and before.increment.any()
-        directions = [before.direction] if wavering else [before.tangent]
         if self.system.smooth:
-            directions.append(after.tangent)
-        return max(self.angle(after.direction, d) for d in directions)
+            return max(self.angle(after.direction, d) for d in (before.tangent, after.tangent))
+        ways = [before.tangent, before.direction] if before.increment.any() else [before.tangent]
+        return min(self.angle(after.direction, way) for way in ways)
 
     def angle(self, one: tuple[float, np.ndarray], other: tuple[float, np.ndarray]) -> float:
         """Angle between two increments of load factor and unknowns."""

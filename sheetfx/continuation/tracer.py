@@ -21,6 +21,7 @@ from .state import State
 
 PROBE = 1e-6  # distance along the response at which the change of the tangent is looked at
 NEAR = 1e-9  # of a step, distance of a state from where the tangent was factored that serves as its own
+FIRST_WITH_CONTACT = 1 / 8  # of the usual length
 BEFORE = 0.38  # of the way to the first critical point, first step; twice as long steps then do not end on it
 
 
@@ -55,6 +56,7 @@ class Tracer(Measuring):
         try:
             self.state = self._converged(None)
             self._load.array[:] = np.cos(np.arange(self._load.local_size))
+            self._load.array[self.system.multiplier_rows] = 0  # gaps of such a size would need forces that only round
             self.stepper.linear.check(self._load)
         except SingularTangent:
             raise ValueError("the unloaded structure can move freely (its tangent is singular): "
@@ -186,11 +188,15 @@ class Tracer(Measuring):
         """Have the first step end before the first critical point where its length is not given.
 
         That point is estimated by the tangent a small way along the response to the load, with the factor that is
-        there. With contact, where it says little, the length is the control's.
+        there. With contact, where it says little, the first step is a part of the control's: a long one from no load
+        finds states of other paths, which nothing that came before would tell.
         """
         control, system = self.control, self.system
         self.usual = self.first = self.shortest = control.usual(self.discretisation.scene.meshes[0].size)
-        if not control.guarded or not system.smooth:
+        if not control.guarded:
+            return
+        if not system.smooth:
+            self.first = self.usual if control.step is not None else FIRST_WITH_CONTACT * self.usual
             return
         estimate = first_critical(system, self.stepper.linear, self._response, PROBE / sqrt(self.tangent.norm2))
         self.shortest = min(self.usual, BEFORE * estimate / abs(control.predict(1.0, 1.0, self.tangent)))

@@ -22,7 +22,7 @@ def work_matches(segment: Segment, earlier: State | None) -> bool:
     The load in between is that of the parabola through the states, `earlier` being the one before the step.
     """
     before, after, tracer = segment.before, segment.after, segment.tracer
-    if not tracer.system.steep or any(c.energy() is None for c in tracer.system.steep):
+    if not tracer.system.energies_known:
         return True
     change, way = _energy(segment)
     rise = after.load_increment
@@ -43,10 +43,10 @@ def _energy(segment: Segment) -> tuple[float, float]:
     """Change of the energy from the first to the last state under the load of the first, and motion along the load."""
     before, after, tracer = segment.before, segment.after, segment.tracer
     system, increment = tracer.system, after.increment
-    smooth = [c for c in system.contributions if c not in system.steep]
+    smooth, rough = ([c for c in system.contributions if c.smooth == wanted] for wanted in (True, False))
     out, place, ways = system.create_vector(), system.create_vector(), []
     tracer.back_to(before)
-    stored = -sum(c.energy() for c in system.steep)
+    stored = -sum(c.energy() for c in rough)
     ways.append(tracer.load_vector().array @ increment)
     points, weights = np.polynomial.legendre.leggauss(POINTS)
     change = 0.0
@@ -58,7 +58,7 @@ def _energy(segment: Segment) -> tuple[float, float]:
             change += weight * float(out.array @ increment)
         place.array[:] = increment
         system.configure(place, before.factor)
-        stored += sum(c.energy() for c in system.steep)
+        stored += sum(c.energy() for c in rough)
         system.load(out)
         ways.append(out.array @ increment)
     tracer.back_to(after)

@@ -21,6 +21,9 @@ POINTS_ON_LAYER = 16
 COUNTS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)
 
 
+OPEN, STICK, SLIP = "open", "stick", "slip"
+
+
 @dataclass(frozen=True)
 class ContactState:
     """State of all contact points of one process, one row for each.
@@ -40,6 +43,11 @@ class ContactState:
     traction: np.ndarray
     weight: np.ndarray
     status: np.ndarray
+
+
+def status_of(pressure: np.ndarray, traction: np.ndarray, bound: np.ndarray) -> np.ndarray:
+    """Status of points by their pressure, the size of their traction, and that at which they slip."""
+    return np.where(pressure == 0, OPEN, np.where(traction >= bound * (1 - 1e-9), SLIP, STICK))
 
 
 class ContactFields:
@@ -164,8 +172,7 @@ class ContactFields:
         weight = (table[..., d + 3] * self._weights).ravel()
         table = table.reshape(-1, d + 4)
         gap, pressure, traction = table[:, d], table[:, d + 1], table[:, d + 2]
-        sliding = np.abs(traction) >= self.contact.friction * pressure * (1 - 1e-9)
-        status = np.where(pressure <= 0, "open", np.where(sliding, "slip", "stick"))
+        status = status_of(pressure, np.abs(traction), self.contact.friction * pressure)
         return ContactState(table[:, :d], gap, pressure, traction, weight, status)
 
     def smallest_gap(self) -> float:
@@ -183,7 +190,7 @@ class ContactFields:
 
     def touching(self, state: ContactState) -> int:
         """Number of contact points of this process that touch."""
-        points = np.unique(self._points_of_rows()[state.status != "open"])
+        points = np.unique(self._points_of_rows()[state.status != OPEN])
         return int((points < self.multiplier.function_space.dofmap.index_map.size_local).sum())
 
     def store(self, state: ContactState, normal: bool) -> None:

@@ -14,7 +14,7 @@ from .. import forms
 from ..jit import compiled_expression
 from ..mesh.numbers import lift_numbers
 from ..model.contact import Contact
-from .contact import ContactFields, ContactState
+from .contact import OPEN, SLIP, ContactFields, ContactState
 from .contact_work import touching
 from .contribution import Forces
 from .fields import Fields
@@ -89,10 +89,10 @@ class LayerFields(ContactFields):
             position=rows[:, 1: 1 + d], gap=rows[:, 0],
             pressure=np.where(closed, -rows[:, 0], 0.0) / self._final_compliance,
             traction=np.zeros(len(rows)), weight=np.concatenate([np.zeros(len(apart)), self.weights(zones)]),
-            status=np.where(closed, "slip", "open"))
+            status=np.where(closed, SLIP, OPEN))
 
     def touching(self, state: ContactState) -> int:
-        return int((state.status != "open").sum())
+        return int((state.status != OPEN).sum())
 
     def numbers(self) -> None:
         return None

@@ -8,38 +8,27 @@ from dataclasses import dataclass
 import numpy as np
 
 from .. import forms
+from .contact import OPEN, ContactState, status_of
 from .contribution import Contribution
 from .layout import Layout
 from .partners import Partners
 from .points import PointLaw, PointWork, Trace
 from .unknowns import Unknowns
 
-SOFTER = 4  # power of the multiple of the regularisation by which stiffness is divided
-OPEN, STICK, SLIP = "open", "stick", "slip"
+APPROACH = 2.0  # of states with friction: any multiple of the regularisation stands for given bounds of friction
 
 
 @dataclass(frozen=True)
-class PairState:
+class PairState(ContactState):
     """State of the pairs of a contact on this process, one row for each.
 
     Attributes
     ----------
-    position : (n, d), current place of the first part's point
-    gap : (n,), length, negative where parts penetrate
-    pressure : (n,), force per length of the line of contact
-    slip : (n, d - 1), of the second part past the first since the beginning, along the line and across
     traction : (n, d - 1), force per length against the slip
-    weight : (n,), length that belongs to the pair
-    status : (n,) of "open", "stick", "slip" ("slip" without friction)
+    slip : (n, d - 1), of the second part past the first since the beginning, along the line and across
     """
 
-    position: np.ndarray
-    gap: np.ndarray
-    pressure: np.ndarray
     slip: np.ndarray
-    traction: np.ndarray
-    weight: np.ndarray
-    status: np.ndarray
 
 
 @dataclass
@@ -99,10 +88,11 @@ class PairWork(PointWork):
 
     def __init__(self, unknowns: Unknowns, first: Sequence[Trace], second: Trace | Partners, pairs: Pairs, contact,
                  name: str):
-        self.contact, self.approaches = contact, contact.approach
+        self.contact, self.approaches = contact, (APPROACH,) if pairs.parameters[2] > 0 else (1.0,)
         self._first, self.pairs, self._name, d = list(first), pairs, name, pairs.dimension
         self._partners = second if isinstance(second, Partners) else None
         traces = [*first, *(self._partners.traces() if self._partners else [second])]
+        self._arms = self._geometry()[0] if self._partners else pairs.arms
         slips = d - 1 if pairs.rubs else 0
         self._slips, self._history = slips, np.zeros((pairs.count, 2 * d - 1))
         axes = pairs.axes.reshape(pairs.count, d * d)
@@ -138,7 +128,7 @@ class PairWork(PointWork):
         pairs = self.pairs
         if self._partners is None:
             return pairs.gap[:, None]
-        places = np.einsum("nij,nj->ni", pairs.axes, pairs.arms)
+        places = np.einsum("nij,nj->ni", pairs.axes, self._arms)
         return np.column_stack((pairs.gap, places, self._partners.travelled))
 
     def _follow(self) -> None:
@@ -150,12 +140,16 @@ class PairWork(PointWork):
         along = pairs.axes[:, 1]
         if len(self._first) > 1:
             along = _turned(values[:, self._parts[1]], along)
-        self._partners.follow(pairs.points + values[:, :d], along)
+        if self._partners.follow(pairs.points + values[:, :d], along):
+            self._renew()
+
+    def _renew(self) -> None:
+        """Take rows and places of the partners as they are now."""
         self._traces[len(self._first):] = self._partners.traces()
         for number, array in enumerate(self._geometry()):
             self._law.give(number, array)
         self._law.give(self._data_of_start, self._start())
-        self._law._weights = pairs.weights * self._partners.on
+        self._law.weigh(self.pairs.weights * self._partners.on)
 
     def values(self) -> np.ndarray:
         self._follow()
@@ -217,10 +211,19 @@ class PairWork(PointWork):
         self._put_history(self._committed.copy())
         if self._partners:
             self._partners.restore(self._partners_committed)
+            self._renew()
 
     def regularise(self, times: float) -> None:
+        """On the approach, `times` above 1, friction is bounded by the pressures that there are now.
+
+        Pairs that have just closed slip freely then, and forces have a potential while the bounds stay (the fixed point
+        iteration on Tresca's friction of Panagiotopoulos 1975, of which one step is taken). Newton's iteration, which
+        hops between sticking and slipping the other way when pairs close, converges from there.
+        """
         table = self.pairs.table()
-        table[:, :2] /= times**SOFTER
+        if times > 1:
+            table[:, 3] += table[:, 2] * self.evaluate().pressure
+            table[:, 2] = 0.0
         self._law.give(self._data_of_history + 1, table)
 
     def augment(self) -> bool:
@@ -231,6 +234,13 @@ class PairWork(PointWork):
             return True
         self._put_history(self._updated(True, slips=False))
         return False
+
+    def energy(self) -> float | None:
+        if not self.conservative or self.pairs.augmented or self.contact.law is not forms.contact.mohr_coulomb:
+            return None
+        gap = self._law.strains(self.values())[:, 0]
+        energy = _unilateral_energy(gap, self._history[:, 0], self.pairs.table())
+        return float((self.pairs.weights * self._here) @ energy)
 
     def touching(self) -> tuple[int, float]:
         state = self.evaluate()
@@ -251,15 +261,32 @@ class PairWork(PointWork):
             traction = resultants[:, 1:1 + n] * self._here[:, None]
             slip = strains[:, 1:1 + n] + self._history[:, 1 + n:]
         _, _, friction, cohesion, _ = self.pairs.parameters
-        sliding = np.linalg.norm(traction, axis=1) >= (friction * pressure + cohesion) * (1 - 1e-9)
-        status = np.where(pressure == 0, OPEN, np.where(sliding, SLIP, STICK))
-        return PairState(self.pairs.points + z[:, :d], strains[:, 0], pressure, slip, traction,
-                         self.pairs.weights * self._here, status)
+        status = status_of(pressure, np.linalg.norm(traction, axis=1), friction * pressure + cohesion)
+        return PairState(self.pairs.points + z[:, :d], strains[:, 0], pressure, traction,
+                         self.pairs.weights * self._here, status, slip)
 
 
 def pairs_of(contributions: Sequence[Contribution]) -> list[PairWork]:
     """The contacts between deformable parts among contributions."""
     return [c for c in contributions if isinstance(c, PairWork)]
+
+
+def _unilateral_energy(gap, pressure, parameters):
+    """Energy whose derivative by the gap is the pressure of `forms.contact.mohr_coulomb` without friction, negative.
+
+    Parameters
+    ----------
+    gap, pressure : arrays, shape (n,)
+    parameters : array, shape (n, 5)
+
+    Returns
+    -------
+    array, energy per length of the line of contact, zero where nothing touches.
+    """
+    normal, strength = parameters[:, 0], parameters[:, 4]
+    trial = pressure - normal * gap
+    held = np.maximum(trial, -strength)
+    return (held**2 / 2 + held * (trial - held) - np.maximum(pressure, -strength)**2 / 2) / normal
 
 
 def _turned(rotations: np.ndarray, vectors: np.ndarray) -> np.ndarray:

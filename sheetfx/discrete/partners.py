@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..mesh.projection import Cells
-from ..mesh.track import Track
+from ..mesh.track import SmoothRows, Track
 from .nodal_field import AdditiveField
 from .points import Trace
 
@@ -15,6 +15,8 @@ STEEP = 1e-3  # cosine of the angle between a curve and the direction in which i
 
 class Partners:
     """The point of a curve that lies in the plane through each of some points, normal to a direction.
+
+    The curve is smooth over the nodes of its cells (`mesh.track.SmoothRows`).
 
     Parameters
     ----------
@@ -33,8 +35,9 @@ class Partners:
     def __init__(self, field: AdditiveField, number: int, cells: Cells, which: np.ndarray, reference: np.ndarray):
         self._field, self._number, self._track = field, number, Track(cells)
         space = field.value.function_space
-        self._element = space.ufl_element().basix_element
-        self._nodes = space.dofmap.list[cells.cells].astype(np.int64)
+        self._rows, self._shape = (SmoothRows(self._track, e) for e in (space.ufl_element().basix_element, cells.shape))
+        self._nodes = self._rows.gathered(space.dofmap.list[cells.cells].astype(np.int64))
+        self._places = self._shape.gathered(cells.nodes)
         self._which, self._reference = which.copy(), np.ascontiguousarray(reference[:, :1])
         self._sense = np.ones(len(which))
         self._base = -self._track.lengths(self._which, self._reference)
@@ -57,14 +60,15 @@ class Partners:
         self._reference = np.ascontiguousarray(history[:, 1:2])
         self._sense, self._base = history[:, 2].copy(), history[:, 3].copy()
 
-    def follow(self, points: np.ndarray, directions: np.ndarray) -> None:
-        """Find the partners of points as they are now, from where these were last.
+    def follow(self, points: np.ndarray, directions: np.ndarray) -> bool:
+        """Find the partners of points as they are now, from where these were last; return whether anything changed.
 
         Parameters
         ----------
         points : shape (n, dimension), current places
         directions : shape (n, dimension), normals of the planes in which partners are
         """
+        changed, before = False, self.on
         for _ in range(ITERATIONS):
             place, slope, curvature = self._current()
             a, b, c = (np.einsum("nd,nd->n", directions, v) for v in (place - points, slope, curvature))
@@ -73,7 +77,9 @@ class Partners:
             step = np.where(flat, 0.0, -2 * a / (b + np.sign(b) * np.sqrt(np.maximum(b * b - 2 * a * c, 0.0))))
             self.on = ~flat
             if not self._advance(np.clip(step, -1.0, 1.0)):
-                return
+                break
+            changed = True
+        return changed or not np.array_equal(before, self.on)
 
     def _advance(self, step: np.ndarray) -> bool:
         """Take a step along the curves, on to the next cell at most; whether any partner has moved."""
@@ -84,6 +90,8 @@ class Partners:
         last, leaves = beyond & (following < 0), np.flatnonzero(beyond & (following >= 0))
         self.on &= ~last
         moved = np.abs(np.where(last, end, wanted) - self._reference[:, 0]).max(initial=0.0) > FOUND
+        if not (moved or len(leaves)):
+            return False
         self._reference = np.where(beyond, end, wanted)[:, None].astype(float)
         if len(leaves):
             reached = self.travelled[leaves]
@@ -93,20 +101,16 @@ class Partners:
             self._sense[leaves] = ahead * np.where(enters == 0, 1.0, -1.0)
             lengths = self._track.lengths(self._which[leaves], self._reference[leaves])
             self._base[leaves] = reached - self._sense[leaves] * lengths
-        return bool(moved or len(leaves))
+        return True
 
-    def _current(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Current places, and their first and second derivative by the reference coordinate."""
-        table, values = self._table(), self._field.table[self.nodes]
-        before = [self._track.places(self._which, self._reference),
-                  *(self._track.slopes(self._which, self._reference, order) for order in (1, 2))]
-        return tuple(x + np.einsum("nk,nkd->nd", t, values) for x, t in zip(before, table, strict=True))
+    def _current(self) -> np.ndarray:
+        """Current places, and their two derivatives by the reference coordinate, shape (3, n, dimension)."""
+        values = self._field.table[self.nodes]
+        return self._before() + np.einsum("onk,nkd->ond", self._rows.table(self._which, self._reference), values)
 
-    def _table(self) -> np.ndarray:
-        """Shape functions of the displacement and their derivatives by the reference coordinate, shape (3, n, k)."""
-        if not len(self._which):
-            return np.zeros((3, 0, self._nodes.shape[1]))
-        return self._element.tabulate(2, self._reference)[:, :, :, 0]
+    def _before(self) -> np.ndarray:
+        """The same in the reference configuration."""
+        return np.einsum("onk,nkd->ond", self._shape.table(self._which, self._reference), self._places[self._which])
 
     def _by_length(self, first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Derivatives by arc length from those by the reference coordinate."""
@@ -117,10 +121,10 @@ class Partners:
 
     def traces(self) -> list[Trace]:
         """Rows of the displacement, and of its first and second derivative by arc length."""
-        table = self._table()
+        table = self._rows.table(self._which, self._reference)
         return [Trace(self._number, self.nodes, weights) for weights in (table[0], *self._by_length(*table[1:]))]
 
     def geometry(self) -> list[np.ndarray]:
         """Places in the reference configuration, and their first and second derivative by arc length."""
-        slopes = (self._track.slopes(self._which, self._reference, order) for order in (1, 2))
-        return [self._track.places(self._which, self._reference), *self._by_length(*slopes)]
+        place, *slopes = self._before()
+        return [place, *self._by_length(*slopes)]

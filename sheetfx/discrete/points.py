@@ -204,6 +204,10 @@ class PointLaw:
         if self._count:
             self._put(self._data[number], values)
 
+    def weigh(self, weights: np.ndarray) -> None:
+        """Change the weights of the points."""
+        self._weights = weights
+
     def strains(self, z: np.ndarray) -> np.ndarray:
         """Strains at z, shape (points, strains)."""
         return self._evaluate(self._strains, z, self._held.function_space.dofmap.bs) if self._count else z

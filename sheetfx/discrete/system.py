@@ -68,6 +68,11 @@ class System:
         """The load factor of the present configuration."""
         return self.factors.now
 
+    @property
+    def energies_known(self) -> bool:
+        """Whether there are contributions that are not smooth, and all of them tell their energy."""
+        return not self.smooth and all(c.smooth or c.energy() is not None for c in self.contributions)
+
     def _multipliers(self) -> np.ndarray:
         """Rows of free Lagrange multipliers in this process's part of a vector."""
         marks, vector = self._layout.zeros(), self.create_vector()

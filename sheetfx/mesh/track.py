@@ -6,10 +6,13 @@ from math import cos, radians
 
 import basix
 import numpy as np
+from numpy.polynomial import Polynomial
 
 from .projection import Cells
 
 ON = cos(radians(45.0))  # of the angle up to which a chain goes on where it bends
+SMOOTH = cos(radians(10.0))  # of that up to which a bend is one of the cells, not of the curve
+SMOOTHING = Polynomial([0, 1, -4.5, 6, -2.5]), Polynomial([0, 0, 1.5, -4, 2.5])  # slopes 1 at 0, at 1; without mean
 LINE, LINE_WEIGHTS = basix.make_quadrature(basix.CellType.interval, 15)
 
 
@@ -26,6 +29,7 @@ class Track:
     ----------
     following : shape (cells, 2), the cell beyond the ends at reference coordinates 0 and 1; -1: none
     enters : shape (cells, 2), reference coordinate at which that cell is entered
+    smooth : shape (cells, 2), whether the curve has no corner there
     """
 
     def __init__(self, cells: Cells):
@@ -42,16 +46,17 @@ class Track:
             for end, vertex in enumerate(pair):
                 at.setdefault(int(vertex), []).append((number, end))
         self.following = np.full((len(every), 2), -1)
-        self.enters = np.zeros((len(every), 2))
+        self.enters = np.zeros((len(every), 2), dtype=np.int64)
+        self.smooth = np.zeros((len(every), 2), dtype=bool)
         for meeting in at.values():
             for number, end in meeting:
                 others = [(-outward[number, end] @ outward[other], other) for other in meeting if other[0] != number]
                 straight, other = max(others, default=(-1.0, (-1, 0)))
                 if straight > ON:
                     self.following[number, end], self.enters[number, end] = other
-
-    def places(self, which: np.ndarray, reference: np.ndarray) -> np.ndarray:
-        return self.cells.places(which, reference)
+                    self.smooth[number, end] = straight > SMOOTH
+        back = self.following[self.following, self.enters]
+        self.smooth &= back == every[:, None]
 
     def slopes(self, which: np.ndarray, reference: np.ndarray, order: int = 1) -> np.ndarray:
         """Derivative of the place by the reference coordinate, of an order, shape (n, dimension)."""
@@ -65,3 +70,53 @@ class Track:
         parts = [weight * np.linalg.norm(self.slopes(which, point * reference), axis=1)
                  for point, weight in zip(LINE[:, 0], LINE_WEIGHTS, strict=True)]
         return reference[:, 0] * np.sum(parts, axis=0)
+
+
+class SmoothRows:
+    """Interpolation along a track whose slope is continuous from cell to cell, unless the curve has a corner there.
+
+    To the shape functions of a cell others are added that are zero at its ends, change the slope by arc length at one
+    of them by half of its jump there, and have no mean. Values between cells, the mean over each cell, and fields that
+    have no jump stay as they are, so that a constant pressure makes the same nodal forces; what touches such a curve
+    feels a force that does not jump as it slides over a node. (Hermite's cubic functions, with which contact surfaces
+    are smoothed in Wriggers 2006, section 9.6, have a mean.)
+
+    Parameters
+    ----------
+    track : Track
+    element : basix element of an interval, whose first two nodes are at its ends
+    """
+
+    def __init__(self, track: Track, element):
+        self._track, self._element, k = track, element, element.dim
+        ends = element.tabulate(1, np.array([[0.0], [1.0]]))[1, :, :, 0]
+        count = len(track.following)
+        every = np.arange(count)
+        paces = np.column_stack([np.linalg.norm(track.slopes(every, np.full((count, 1), float(end))), axis=1)
+                                 for end in (0, 1)])
+        self._next = np.where(track.smooth, track.following, every[:, None])
+        self._others = np.array([np.delete(np.arange(k), end) for end in (0, 1)])[track.enters]
+        self._jumps = np.zeros((2, count, 3 * k - 2))
+        for end in (0, 1):
+            enters, jump = track.enters[:, end], self._jumps[end]
+            ratio = paces[:, end] / paces[self._next[:, end], enters] * np.where(enters == end, -1, 1)
+            beyond = ratio[:, None] * ends[enters]
+            jump[:, :k] = -ends[end]
+            jump[:, end] += beyond[every, enters]
+            columns = slice(k + end * (k - 1), k + (end + 1) * (k - 1))
+            jump[:, columns] = np.take_along_axis(beyond, self._others[:, end], axis=1)
+            jump *= track.smooth[:, end, None] / 2
+
+    def gathered(self, values: np.ndarray) -> np.ndarray:
+        """Of values at nodes of cells, shape (cells, k, ...), those in the rows of each cell, (cells, 3 k - 2, ...)."""
+        beyond = [values[self._next[:, end][:, None], self._others[:, end]] for end in (0, 1)]
+        return np.concatenate([values, *beyond], axis=1)
+
+    def table(self, which: np.ndarray, reference: np.ndarray) -> np.ndarray:
+        """Weights of what is gathered, and their first and second derivative by the reference coordinate, (3, n, m)."""
+        table = np.zeros((3, len(which), self._jumps.shape[2]))
+        if len(which):
+            table[:, :, :self._element.dim] = self._element.tabulate(2, np.ascontiguousarray(reference))[:, :, :, 0]
+            hermite = np.array([[p(reference[:, 0]) for p in (q, q.deriv(), q.deriv(2))] for q in SMOOTHING])
+            table += np.einsum("eon,enm->onm", hermite, self._jumps[:, which])
+        return table

@@ -14,17 +14,15 @@ import numpy as np
 
 from .. import forms
 from ..checks import require_choice, require_known_component
-from ..mesh.lines import Stretch, lines_of, places_of
-from ..mesh.meeting import Meeting, along_lines, at_points, merged
-from ..mesh.projection import Cells, cells_at
+from ..mesh.lines import Stretch
+from ..mesh.meeting import Meeting, along_lines
 from ..mesh.reader import COMPONENTS, NamedMesh
 from .beam import Bar, Beam
 from .joints import Joint
+from .places import Place, each_of, meeting_of, title_of
 from .shell import Shell
 
 STIFF = 1e3  # of a penalty, times the stiffness of the softer part (Herrema et al. 2019, section 4)
-
-Place = str | Stretch | Sequence[str | Stretch]  # on a part: a named point, edge or group of curves, a line
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +95,7 @@ class Interface(Joint):
 
     @property
     def _places(self) -> list[str | Stretch]:
-        return [self.at] if isinstance(self.at, (str, Stretch)) else list(self.at)
+        return each_of(self.at)
 
     @property
     def _at_point(self) -> bool:
@@ -123,23 +121,8 @@ class Interface(Joint):
     @cached_property
     def meeting(self) -> Meeting:
         """Points where the parts meet."""
-        second = Cells(self.to[0], cells_at(*self.to))
-        return merged([self._meeting_at(at, second) for at in self._places])
-
-    def _meeting_at(self, at: str | Stretch, second: Cells) -> Meeting:
-        to, there = self.to
-        title, first = title_of(self.name, at), cells_along(self.mesh, at)
-        ends_at_point = there is not None and there in to.points
-        if isinstance(at, str) and at in self.mesh.points:
-            others = places_of(to, there) if there is not None and ends_at_point else None
-            return at_points(first, second, places_of(self.mesh, at), others, self.reach, title)
-        if ends_at_point:
-            raise ValueError(f"{title}: a line cannot be joined to the point {there!r}; name an edge or a group "
-                             "of cells")
-        if isinstance(at, str) and self.mesh.domain.topology.dim == 2 and at not in self.mesh.edges:
-            raise ValueError(f"{title}: is a surface; give an edge, or a Stretch of a line on it")
-        lines = at.lines(self.mesh) if isinstance(at, Stretch) else lines_of(self.mesh, at)
-        return along_lines(first, second, lines, self.reach, 4, title)
+        return meeting_of(self.mesh, self._places, self.to, self.reach, self.name,
+                          lambda first, second, lines, title: along_lines(first, second, lines, self.reach, 4, title))
 
     def unknowns(self, fields) -> None:
         if self.held and self.enforcement == "multiplier":
@@ -207,17 +190,6 @@ class Interface(Joint):
         soft = np.min([np.max(parts, axis=0) for parts in both], axis=0)
         length = size if self._at_point else 1.0
         return [STIFF * length * soft[int(i >= self.mesh.dimension)] for i in chosen]
-
-
-def title_of(name: str, at: str | Stretch) -> str:
-    """What messages call a joint by its name and place."""
-    return f"{name} from {at.start!r}" if isinstance(at, Stretch) else f"{name} at {at!r}"
-
-
-def cells_along(mesh: NamedMesh, at: str | Stretch) -> Cells:
-    """Cells of a mesh that a place is looked for on: those along an edge where it is one, or a stretch of one."""
-    along = at.along if isinstance(at, Stretch) else at
-    return Cells(mesh, cells_at(mesh, along if isinstance(along, str) else None))
 
 
 def stiffness_over(part: Shell | Beam | Bar, size: float) -> tuple[float, float]:

@@ -10,14 +10,16 @@ import numpy as np
 
 from .. import forms
 from ..checks import require_choice, require_finite, require_positive
-from ..mesh.lines import Stretch, lines_of, places_of
-from ..mesh.meeting import Meeting, along_lines, at_pairs, at_points, merged
-from ..mesh.projection import Cells, cells_at
+from ..mesh.lines import Stretch
+from ..mesh.meeting import Meeting, Side, along_lines, at_pairs
+from ..mesh.projection import Cells
 from ..mesh.reader import NamedMesh
-from .interface import Place, cells_along, stiffness_over, title_of
+from .interface import stiffness_over
 from .joints import Joint
+from .places import Place, each_of, meeting_of, title_of
 
 FACES = "seat", "butt"
+PARALLEL = 1e-9  # sine of an angle, or an arm over the size of the mesh, that gives no direction
 POINTS = 3  # on each piece of a line
 STIFF = 10.0  # pressure per penetration, over the membrane stiffness of the softer part and the size of its cells
 ELASTIC_SLIP = 1e-2  # tangential over normal stiffness
@@ -54,8 +56,6 @@ class PairContact(Joint):
         a cell
     law : function like `forms.contact.mohr_coulomb`
     reach : distance between the lines of both parts that may be filled
-    approach : multiples of the regularisation through which each step's solution is approached: at 2 the stiffness is
-        a sixteenth
     name : what messages call it
     """
 
@@ -75,7 +75,6 @@ class PairContact(Joint):
     enforcement: str = "penalty"
     law: Callable = forms.contact.mohr_coulomb
     reach: float = 0.0
-    approach: Sequence[float] = (1.0,)
     name: str = field(default="PairContact", kw_only=True)
 
     smooth = False
@@ -103,11 +102,7 @@ class PairContact(Joint):
 
     @property
     def _title(self) -> str:
-        return title_of(self.name, self._places[0])
-
-    @property
-    def _places(self) -> list[str | Stretch]:
-        return [self.at] if isinstance(self.at, (str, Stretch)) else list(self.at)
+        return title_of(self.name, each_of(self.at)[0])
 
     @property
     def points(self) -> Sequence[tuple[NamedMesh, str | None]]:
@@ -120,7 +115,7 @@ class PairContact(Joint):
     @cached_property
     def meeting(self) -> Meeting:
         """Pairs of points."""
-        return _meeting(self.mesh, tuple(self._places), self.to, self.pairs, self.reach, self.name)
+        return _meeting(self.mesh, tuple(each_of(self.at)), self.to, self.pairs, self.reach, self.name)
 
     @cached_property
     def axes(self) -> np.ndarray:
@@ -132,14 +127,12 @@ class PairContact(Joint):
         if self.mesh.dimension == 2:
             out = np.column_stack((along[:, 1], -along[:, 0]))
             return np.stack([out * self._sign(out, arms), along], axis=1)
-        if one.normals is not None:
-            normals = one.normals - (one.normals * along).sum(axis=1, keepdims=True) * along
-        else:
-            normals = np.tile(self.toward, (len(along), 1)) if self.toward is not None else arms
-            normals = normals - (normals * along).sum(axis=1, keepdims=True) * along
+        normals = self._normals(one, arms)
+        normals = normals - (normals * along).sum(axis=1, keepdims=True) * along
         sizes = np.linalg.norm(normals, axis=1, keepdims=True)
-        if len(sizes) and not sizes.min() > 1e-9 * self.mesh.size * (one.normals is None and self.toward is None):
-            raise ValueError(f"{self._title}: no direction leads from one part to the other; give one in `toward`")
+        if sizes.min(initial=1.0) <= PARALLEL:
+            raise ValueError(f"{self._title}: no direction leads from one part to the other across their lines; give "
+                             "one in `toward`")
         normals = normals / sizes
         if self.face == "seat":
             out = normals * self._sign(normals, arms)
@@ -149,19 +142,26 @@ class PairContact(Joint):
             out *= -np.sign((out * inside).sum(axis=1, keepdims=True))
         return np.stack([out, along, np.cross(out, along)], axis=1)
 
+    def _normals(self, first: Side, arms: np.ndarray) -> np.ndarray:
+        """Directions of the order of 1 off the lines: normals of a surface, else those toward the second part."""
+        if first.normals is not None:
+            return first.normals
+        if self.toward is None:
+            return arms / self.mesh.size
+        return np.tile(self.toward / np.linalg.norm(self.toward), (len(arms), 1))
+
     def _directions(self) -> np.ndarray:
         """Unit vectors along the lines, at points along the second part."""
         two = self.meeting.sides[1]
         return Cells(self.to[0], two.cells).tangents(np.arange(len(two.cells)), two.reference)
 
     def _sign(self, out: np.ndarray, arms: np.ndarray) -> np.ndarray:
-        toward = arms if self.toward is None else np.asarray(self.toward, dtype=float)
-        sign = np.sign((out * toward).sum(axis=1, keepdims=True))
-        small = np.abs((out * toward).sum(axis=1)).min(initial=np.inf)
-        if not small > 1e-9 * (self.mesh.size if self.toward is None else np.linalg.norm(self.toward)):
+        toward = arms / self.mesh.size if self.toward is None else self.toward / np.linalg.norm(self.toward)
+        along = (out * toward).sum(axis=1, keepdims=True)
+        if np.abs(along).min(initial=1.0) <= PARALLEL:
             raise ValueError(f"{self._title}: no direction leads from one part to the other, which lie at the same "
                              "place; say in `toward` on which side the second part is")
-        return sign
+        return np.sign(along)
 
     def contributions(self, fields):
         meeting = self.meeting
@@ -189,16 +189,9 @@ class PairContact(Joint):
 def _meeting(mesh: NamedMesh, places: Sequence[str | Stretch], to: tuple[NamedMesh, str | None], pairs: int | None,
              reach: float, name: str) -> Meeting:
     """Pairs of points at some places; kept, because both faces of a panel have the same."""
-    second = Cells(to[0], cells_at(*to))
-    return merged([_meeting_at(mesh, at, second, pairs, reach, title_of(name, at)) for at in places])
+    def along(first, second, lines, title):
+        if pairs is None:
+            return along_lines(first, second, lines, reach, POINTS, title)
+        return at_pairs(first, second, lines, pairs, reach, title)
 
-
-def _meeting_at(mesh: NamedMesh, at: str | Stretch, second: Cells, pairs: int | None, reach: float,
-                title: str) -> Meeting:
-    first = cells_along(mesh, at)
-    if isinstance(at, str) and at in mesh.points:
-        return at_points(first, second, places_of(mesh, at), None, reach, title)
-    lines = at.lines(mesh) if isinstance(at, Stretch) else lines_of(mesh, at)
-    if pairs is None:
-        return along_lines(first, second, lines, reach, POINTS, title)
-    return at_pairs(first, second, lines, pairs, reach, title)
+    return meeting_of(mesh, places, to, reach, name, along)

@@ -23,18 +23,6 @@ def separate_panels(table: meshes.Table, divisions: int, form: ShellForm) -> Mix
     return read_mixed(partial(meshes.structure, table, divisions, form.cell == TRIANGLE, separate=True), ["bars"])
 
 
-def edges(table: meshes.Table) -> list[tuple[str, str, str, str]]:
-    """Of each edge of each panel its name, those of its ends, and that of the bar along it."""
-    bars = {frozenset(ends): name for name, ends in table.named_bars.items()}
-    found = []
-    for panel, nodes in table.named_panels.items():
-        for ends in zip(nodes, (*nodes[1:], nodes[0]), strict=True):
-            bar = bars[frozenset(ends)]
-            row = table.named_bars[bar]
-            found.append((f"edge {'-'.join(row)} of {panel}", f"{row[0]} of {panel}", f"{row[1]} of {panel}", bar))
-    return found
-
-
 def joints(mesh: MixedMesh, table: meshes.Table, faces: str, length: float, **contact) -> list[Joint]:
     """Welds of a length from each corner of a panel along both its edges, and contact along the edges.
 
@@ -43,14 +31,13 @@ def joints(mesh: MixedMesh, table: meshes.Table, faces: str, length: float, **co
     faces : "seat", "butt", or "both"
     contact : further attributes of `PairContact`
     """
-    ends = [Stretch(point, along=edge, length=length) for edge, first, last, _ in edges(table)
-            for point in (first, last)]
+    edges = meshes.edges_of(table, separate=True)
+    ends = [Stretch(point, along=edge, length=length) for edge, points in edges.items() for point in points]
     shortest = min(np.linalg.norm(np.subtract(table.nodes[a], table.nodes[b])) for a, b in table.bars)
     if not 0 < length < shortest / 2:
         raise ValueError(f"dome: weld is {length}; give a length between 0 and half of the shortest bar, "
                          f"{shortest / 2:.4g}")
-    along = [edge for edge, *_ in edges(table)]
     chosen = FACES if faces == "both" else (faces,)
     return [weld(mesh.surfaces, ends, (mesh.curves, None)),
-            *(PairContact(mesh.surfaces, along, (mesh.curves, None), face, toward=INWARD, name="contact", **contact)
-              for face in chosen)]
+            *(PairContact(mesh.surfaces, list(edges), (mesh.curves, None), face, toward=INWARD, name="contact",
+                          **contact) for face in chosen)]

@@ -9,7 +9,7 @@ from pathlib import Path as Folder
 import numpy as np
 
 from ..continuation.state import State
-from ..discrete.contact import ContactState
+from ..discrete.contact import OPEN, SLIP, STICK, ContactState
 from ..record import Record
 from .evaluate import ContactPoints, communicator, last_state_kept, unit_of, with_unit
 
@@ -83,11 +83,11 @@ def summarise(contacts: list[ContactState]) -> dict[str, float]:
     """Numbers of touching, sticking and slipping points; largest pressure and place of contact (NaN: none)."""
     pressure, status, x = (np.concatenate([getattr(c, n) if n != "x" else c.position[:, 0] for c in contacts])
                            for n in ("pressure", "status", "x"))
-    touching = status != "open"
+    touching = status != OPEN
     peak = int(np.argmax(pressure))
     return {
-        "touching": int(touching.sum()), "sticking": int((status == "stick").sum()),
-        "slipping": int((status == "slip").sum()), "pressure": float(pressure[peak]),
+        "touching": int(touching.sum()), "sticking": int((status == STICK).sum()),
+        "slipping": int((status == SLIP).sum()), "pressure": float(pressure[peak]),
         "peak": float(x[peak]) if touching.any() else np.nan,
         "first": float(x[touching].min()) if touching.any() else np.nan,
         "last": float(x[touching].max()) if touching.any() else np.nan,
@@ -151,7 +151,7 @@ def _figure(rows: int):
 
 
 def _stems(axes, contact: ContactState, values: np.ndarray, colour: str, label: str) -> None:
-    touching = contact.status != "open"
+    touching = contact.status != OPEN
     x, values = contact.position[touching, 0], values[touching]
     axes.vlines(x, 0, values, color=colour, linewidth=1.5)
     axes.plot(x, values, "o", color=colour, markersize=4.5, label=label)
@@ -165,7 +165,7 @@ def _densities(axes, contact: ContactState, values: np.ndarray, colour: str, lab
 
 def _limit_to_touching(axes, contacts: list[ContactState]) -> None:
     """Show the contact zone and its surroundings."""
-    x = np.concatenate([c.position[c.status != "open", 0] for c in contacts])
+    x = np.concatenate([c.position[c.status != OPEN, 0] for c in contacts])
     if len(x):
         everywhere = np.concatenate([c.position[:, 0] for c in contacts])
         margin = max(0.5 * np.ptp(x), 0.01 * np.ptp(everywhere))

@@ -7,7 +7,8 @@ from pathlib import Path as Folder
 
 import numpy as np
 
-from ..discrete.pair_work import OPEN, SLIP, STICK, PairState, pairs_of
+from ..discrete.contact import OPEN, SLIP, STICK
+from ..discrete.pair_work import PairState, pairs_of
 from ..record import Record
 from .evaluate import last_state_kept, most_telling, unit_of, with_unit
 

@@ -8,7 +8,7 @@ from pathlib import Path as Folder
 import numpy as np
 
 from ..continuation.state import State
-from ..discrete.contact import ContactState
+from ..discrete.contact import SLIP, STICK, ContactState
 from ..model.obstacles import RigidCylinder, RigidPlane
 from ..record import Record
 from .display import save_picture
@@ -30,7 +30,7 @@ from .views import draw_views, view
 SIZE, MOST_VIEWS = (1600, 900), 6
 COLOURS = ("#0b4f8a", "#c4432b", "#1b8a5a", "#8e44ad", "#0097a7", "#7f6a00", "#d81b60")
 UNDEFORMED, LAST = "#9a9a9a", "#222222"
-STATUS = {"stick": ("#111111", "sticking"), "slip": ("#f2a900", "slipping")}
+STATUS = {STICK: ("#111111", "sticking"), SLIP: ("#f2a900", "slipping")}
 TOUCHING = ("#f2a900", "touching")
 
 

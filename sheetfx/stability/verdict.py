@@ -23,15 +23,11 @@ def searched(discretisation: Discretisation, control: StepRule, flutter: bool) -
         found.append("other paths: not looked for, steps are taken as they are")
     elif not system.smooth:
         found.append("other paths: a step that turns too far is cut, " + (
-            "or whose work is not the change of the energy" if _energies_known(system) else
+            "or whose work is not the change of the energy" if system.conservative and system.energies_known else
             "jumps within steps are not looked for"))
     else:
         found.append("other paths: steps that leave the smooth path are cut")
     return found
-
-
-def _energies_known(system) -> bool:
-    return system.conservative and bool(system.steep) and all(c.energy() is not None for c in system.steep)
 
 
 def _of_loads(discretisation: Discretisation) -> list[str]:

@@ -1,0 +1,67 @@
+"""Where joints are on parts: named points, edges, curves and stretches of lines; and where both parts meet there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from ..mesh.lines import Piece, Stretch, lines_of, places_of
+from ..mesh.meeting import Meeting, at_points, merged
+from ..mesh.projection import Cells, cells_at
+from ..mesh.reader import NamedMesh
+
+Place = str | Stretch | Sequence[str | Stretch]  # on a part: a named point, edge or group of curves, a line
+Ends = tuple[NamedMesh, str | None]  # a mesh and what is named on it; None: all
+AlongLines = Callable[[Cells, Cells, Sequence[Sequence[Piece]], str], Meeting]  # parts, lines and title
+
+
+def each_of(at: Place) -> list[str | Stretch]:
+    """The single places of one or several."""
+    return [at] if isinstance(at, (str, Stretch)) else list(at)
+
+
+def title_of(name: str, at: str | Stretch) -> str:
+    """What messages call a joint by its name and place."""
+    return f"{name} from {at.start!r}" if isinstance(at, Stretch) else f"{name} at {at!r}"
+
+
+def meeting_of(mesh: NamedMesh, places: Sequence[str | Stretch], to: Ends, reach: float, name: str,
+               along_lines: AlongLines) -> Meeting:
+    """Points where two parts meet at some places.
+
+    Parameters
+    ----------
+    mesh, places : of the first part
+    to : mesh of the second part, and the name of a point, an edge or a group of cells of it
+    reach : distance of the parts that may be bridged
+    name : of the joint, for messages
+    along_lines : what chooses points where a place is a line
+
+    Raises
+    ------
+    ValueError
+        If a place is a surface, a line is joined to a point, or points are off a part.
+    """
+    second = Cells(to[0], cells_at(*to))
+    return merged([_meeting_at(mesh, at, second, to, reach, title_of(name, at), along_lines) for at in places])
+
+
+def _meeting_at(mesh: NamedMesh, at: str | Stretch, second: Cells, to: Ends, reach: float, title: str,
+                along_lines: AlongLines) -> Meeting:
+    other, there = to
+    first = _cells_along(mesh, at)
+    point = there if there is not None and there in other.points else None
+    if isinstance(at, str) and at in mesh.points:
+        others = None if point is None else places_of(other, point)
+        return at_points(first, second, places_of(mesh, at), others, reach, title)
+    if point is not None:
+        raise ValueError(f"{title}: a line cannot be joined to the point {there!r}; name an edge or a group of cells")
+    if isinstance(at, str) and mesh.domain.topology.dim == 2 and at not in mesh.edges:
+        raise ValueError(f"{title}: is a surface; give an edge, or a Stretch of a line on it")
+    lines = at.lines(mesh) if isinstance(at, Stretch) else lines_of(mesh, at)
+    return along_lines(first, second, lines, title)
+
+
+def _cells_along(mesh: NamedMesh, at: str | Stretch) -> Cells:
+    """Cells of a mesh that a place is looked for on: those along an edge where it is one, or a stretch of one."""
+    along = at.along if isinstance(at, Stretch) else at
+    return Cells(mesh, cells_at(mesh, along if isinstance(along, str) else None))
