@@ -166,7 +166,7 @@ def test_two_processes_take_the_same_path():
     assert found == pytest.approx(alone, rel=1e-9)
 
 
-def column(hardening, depth=0.05, shear_rigidity=1e3):
+def column(hardening, depth=0.05, shear_rigidity=1e3, points=3):
     """Column on hinges that yields at 0.8 of its tangent-modulus load, and that load, pi^2 E_t I / L^2."""
     modulus = 200e3
     tangent = modulus * hardening / (modulus + hardening)
@@ -174,7 +174,7 @@ def column(hardening, depth=0.05, shear_rigidity=1e3):
     material = fx.Plastic(modulus, 0.3, yield_stress=0.8 * load / depth**2, hardening=hardening)
     nodes = {"base": (0, 0), "middle": (0.5, 0), "tip": (1, 0)}
     mesh = fx.read(lambda: meshes.frame(nodes, {"lower": ("base", "middle", 8), "upper": ("middle", "tip", 8)}), 2)
-    beam = fx.Beam(mesh, fx.Rectangle(depth, depth, points=3), material, shear_rigidity=shear_rigidity)
+    beam = fx.Beam(mesh, fx.Rectangle(depth, depth, points=points), material, shear_rigidity=shear_rigidity)
     return fx.Scene([beam], [fx.pin(mesh, "base"), fx.Support(mesh, "tip", "y")],
                     [fx.PointForce(mesh, "tip", (-load, 0.0))], fx.Monitor(mesh, "middle", "y")), load
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from math import pi
+from dataclasses import replace
+from math import pi, sqrt, tan
 
 import pytest
 from helpers import follow
@@ -51,3 +52,50 @@ def test_a_yielded_structure_does_not_snap():
         record.snap(record.states[-1])
     with pytest.raises(ValueError, match="a law with history does not say how much of the work it has taken"):
         record.energies()
+
+
+def slender():
+    """The column of `column` with 20 fibres, its tangent-modulus load, and its reduced-modulus load.
+
+    The latter is pi^2 E_r I / L^2, E_r = 4 E E_t / (sqrt E + sqrt E_t)^2 of a rectangle (von Karman 1910).
+    """
+    scene, load = column(HARDENING, depth=0.02, shear_rigidity=30.0, points=20)
+    return scene, load, 4 / (1 + sqrt(HARDENING / (MODULUS + HARDENING))) ** 2 * load
+
+
+@pytest.mark.parametrize("ratio", [1.1, 1.4])
+def test_a_column_above_its_tangent_modulus_load_bends_with_the_reduced_modulus(ratio):
+    """Under a load that is held each section loads on one side and unloads on the other, however small the moment.
+
+    Deflection by a force in the middle: Q / (2 P k) (tan(k L / 2) - k L / 2), k^2 = P / (E_r I).
+    """
+    scene, tangent, reduced = slender()
+    mesh, force = scene.parts[0].mesh, 1e-4 * tangent
+    held = replace(scene, loads=[fx.PointForce(mesh, "middle", (0.0, force))],
+                   stages=[fx.Stage([fx.PointForce(mesh, "tip", (-ratio * tangent, 0.0))], "press")])
+    *_, last = fx.Path(held, fx.LoadControl(step=1.0, fixed=True, turn=4.0))
+    k = pi * sqrt(ratio * tangent / reduced)
+    assert last.deflection == pytest.approx(force / (2 * ratio * tangent * k) * (tan(k / 2) - k / 2), rel=3e-3)
+    assert last.unstable_modes == 0
+
+
+def test_branches_of_a_column_rise_from_the_tangent_modulus_load():
+    """Shanley (1947): load and deflection rise together, 6 w / d at first, so that nothing unloads (Hutchinson 1974).
+
+    The load then comes to a maximum below the reduced-modulus load.
+    """
+    scene, tangent, reduced = slender()
+    record = follow(scene, fx.LoadControl(step=0.1, target=1.2))
+    (point,) = record.critical_points
+    rises = {}
+    for amplitude in (1e-3, 1e-4):
+        one, other = record.branches(point, amplitude)
+        assert one.start.load == pytest.approx(other.start.load, rel=1e-9)
+        assert one.start.deflection == pytest.approx(-other.start.deflection, rel=1e-6)
+        assert not one.doubt and one.start.unstable_modes == 0
+        rises[amplitude] = (one.start.load / point.load - 1) / (6 * abs(one.start.deflection) / 0.02)
+    assert 0.6 < rises[1e-3] < 0.85 < rises[1e-4] < 1.0
+    control = fx.DisplacementControl(step=5e-4, sign="projection", turn=4.0)
+    states = list(fx.Path(scene, control, fx.Until(deflection=0.01), start=[one.start]))
+    (limit,) = [p for s in states for p in s.critical if p.kind == "limit"]
+    assert 1.2 * tangent < limit.load < reduced and limit.name == "maximum"
