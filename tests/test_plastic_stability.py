@@ -5,11 +5,15 @@ from __future__ import annotations
 from dataclasses import replace
 from math import pi, sqrt, tan
 
+import numpy as np
 import pytest
 from helpers import follow
+from scipy.optimize import brentq
 from test_plastic_paths import column, hinged_beam
+from test_shell_forms import surface
 
 import sheetfx as fx
+from sheetfx.model.plasticity import Layers
 from sheetfx.stability.critical import state_at
 from sheetfx.stability.koiter import expansion
 
@@ -99,3 +103,68 @@ def test_branches_of_a_column_rise_from_the_tangent_modulus_load():
     states = list(fx.Path(scene, control, fx.Until(deflection=0.01), start=[one.start]))
     (limit,) = [p for s in states for p in s.critical if p.kind == "limit"]
     assert 1.2 * tangent < limit.load < reduced and limit.name == "maximum"
+
+
+class DeformationTheory:
+    """Hencky's law of a plate whose strains have grown in proportion: the return mapping from the virgin state.
+
+    Backward Euler from there gives total plastic strains along the deviator, and its moduli are those of the theory.
+    """
+
+    remembered = 0
+
+    def __init__(self, plate, material):
+        self.flow = Layers(*plate.layers(), material, plate.stiffness(material))
+
+    def update(self, strains, history):
+        resultants, moduli, _ = self.flow.update(strains, np.zeros((len(strains), self.flow.remembered)))
+        return resultants, moduli, history
+
+
+PLATE, STEEL = fx.Plate(0.01, points=2), fx.Plastic(200e3, 0.3, yield_stress=40.0, hardening=30e3)
+
+
+def plate_buckling_stress(theory):
+    """Stress at which a simply supported square plate bifurcates in one half wave, by Mindlin's theory.
+
+    Rates of plane stress about compression along x: strain rates are elastic ones plus (1 / E_t - 1 / E_s) n n^T times
+    those of stress, n = (1, -1/2, 0), plus 3 / 2 (1 / E_s - 1 / E) times the deviator; flow theory takes E for E_s in
+    both (Handelman and Prager 1948, Bijlaard 1949; Hutchinson 1974, section III).
+    """
+    e, nu, t = STEEL.modulus, STEEL.poisson, PLATE.thickness
+    tangent = e * STEEL.hardening / (e + STEEL.hardening)
+    elastic = np.array([[1, -nu, 0], [-nu, 1, 0], [0, 0, 2 + 2 * nu]]) / e
+    deviator = np.array([[2 / 3, -1 / 3, 0], [-1 / 3, 2 / 3, 0], [0, 0, 2]])
+    normal = np.array([1, -0.5, 0])
+
+    def missing(stress):
+        secant = stress / (stress / tangent - STEEL.yield_stress * (1 / tangent - 1 / e))
+        secant = secant if theory == "deformation" else e
+        moduli = np.linalg.inv(elastic + 1.5 * (1 / secant - 1 / e) * deviator
+                               + (1 / tangent - 1 / secant) * np.outer(normal, normal))
+        (a, b, _), (_, d, _), (_, _, g) = moduli * t**3 / 12
+        shear = 5 / 6 * STEEL.shear_modulus * t
+        stiffness = np.array([[a + g, b + g, 0], [b + g, d + g, 0], [0, 0, 0]]) * pi**2
+        stiffness += shear * np.array([[1, 0, pi], [0, 1, pi], [pi, pi, 2 * pi**2]])
+        stiffness[2, 2] -= stress * t * pi**2
+        return np.linalg.det(stiffness) / shear**2
+
+    return brentq(missing, STEEL.yield_stress, 1e3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("theory", ["flow", "deformation"])
+def test_a_compressed_plate_buckles_in_the_plastic_range(theory):
+    """The bifurcation by flow theory, and with a law of deformation theory the lower one: the plastic paradox."""
+    mesh = surface("naghdi-q2", (6, 6), None, (0.5, 0.5))
+    law = {"law": DeformationTheory(PLATE, STEEL)} if theory == "deformation" else {}
+    shell = fx.Shell(mesh, PLATE, STEEL, **law)
+    stress = plate_buckling_stress(theory)
+    scene = fx.Scene([shell], [fx.symmetry(mesh, "west", "x"), fx.symmetry(mesh, "south", "y"),
+                               fx.Support(mesh, "east", "z rx"), fx.Support(mesh, "north", "z ry")],
+                     [fx.EdgeForce(mesh, "east", (-stress * PLATE.thickness, 0.0, 0.0))],
+                     fx.Monitor(mesh, "north-east", "x", -1.0))
+    record = follow(scene, fx.LoadControl(step=0.3, target=1.1))
+    (point,) = record.critical_points
+    assert point.kind == "bifurcation" and point.name == "comparison solid" * (theory == "flow")
+    assert point.load / (0.5 * stress * PLATE.thickness) == pytest.approx(1.0, rel=2e-3)

@@ -121,6 +121,7 @@ class Tracer(Measuring):
                     return self.state
                 except (SingularTangent, Uncounted) as failure:
                     self.failure = str(failure)
+                    self.system.history.rewind()
             self._undo(start)
         self._stuck = start
         return None
@@ -162,7 +163,7 @@ class Tracer(Measuring):
                 self._count.critical = self.accept(load_increment)
                 return self._count.critical
         except (SingularTangent, Uncounted):
-            pass
+            self.system.history.rewind()
         self._undo(start)
         return None
 
@@ -255,7 +256,8 @@ class Tracer(Measuring):
     def _converged(self, start: State | None, iterations=0, length=0.0, factorisations=0, factored=False) -> State:
         """Describe the current configuration with its tangent, which may be factored already, then commit it."""
         system, tangent = self.system, self.tangent
-        self._respond(factored)
+        softened = system.history.settle()
+        self._respond(factored and not softened)
         weight = self._load_weight()
         load_increment = self.stepper.load_increment if start else 0.0
         extremes = start.displacement_extremes + self._passes_extreme(start) if start else 0
