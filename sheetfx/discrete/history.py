@@ -45,7 +45,8 @@ class History:
         gone, and like those of deformation theory softer across it. Those of the comparison solid (Hill 1958) are the
         ones about the state itself.
         """
-        return any([contribution.settle() for contribution in self._contributions])
+        changed = [contribution.settle() for contribution in self._contributions]
+        return any(changed)
 
     def rewind(self) -> None:
         """Forget what a failed step has changed in the history of contributions."""
