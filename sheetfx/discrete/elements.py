@@ -137,6 +137,11 @@ class ElementWork(Contribution):
         ((term, _),) = self._memories
         return np.concatenate([term.resultants(chunk) for chunk in self._chunks()])
 
+    def history(self) -> tuple[np.ndarray, np.ndarray]:
+        """What the points of a law with history remember, (cells, points, remembered), and their weights."""
+        ((term, memory),) = self._memories
+        return memory.history, term.measure
+
     def settle(self) -> bool:
         accepted = self.snapshot()
         self.commit()

@@ -77,6 +77,11 @@ class RememberingLaw:
         self._strains[chunk] = strains
 
     @property
+    def history(self) -> np.ndarray:
+        """History of the last accepted state, (cells, points, remembered)."""
+        return self._history
+
+    @property
     def moved(self) -> bool:
         """Whether a point of this process remembers something."""
         return bool(self._history.any())
