@@ -20,6 +20,7 @@ _ROOMS = {
     "model.contact": "Contact",
     "model.joints": "Compatible Foundation Joint Spring Uniform",
     "model.history": "LawWithHistory",
+    "model.ilyushin": "Ilyushin",
     "model.interface": "Interface bolt hinge link weld",
     "model.loads": "EdgeForce LineForce Load Moment "
                    "ObstacleForce PointForce PrescribedDisplacement PrescribedRotation SurfaceForce",

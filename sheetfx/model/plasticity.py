@@ -146,7 +146,8 @@ class Fibres(PlasticLaw):
             arms[:, 4], arms[:, 5] = places[:, 1], -places[:, 0]
         rounded = np.round(arms, 12 - int(np.floor(np.log10(np.abs(places).max() or 1.0))))
         _, first, same = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
-        self._arms, self.areas = arms[first], np.bincount(same.ravel(), np.asarray(areas, float))
+        kept = np.argsort(first)
+        self._arms, self.areas = arms[first[kept]], np.bincount(same.ravel(), np.asarray(areas, float))[kept]
         carried = self._arms.any(axis=0)
         self._elastic = np.diag(np.where(carried, 0.0, np.asarray(stiffness, float)))
         self.remembered = 3 * len(self.areas)
