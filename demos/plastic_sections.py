@@ -161,10 +161,10 @@ assert last < max(100 * second**2, 1e-9) and second < 0.1
 
 # %% [markdown]
 # ## Without layers
-# `fx.Shell(mesh, plate, steel, law=fx.Ilyushin(plate, steel))` lets the section flow as a whole, by Ilyushin's condition
-# for stress resultants. Force and moment of a fully plastic strip obey $m = 1 - n^2$; his surface is within 4 % of that.
-# The price is the way there: a bent section stays elastic until all of it flows. Strains grow in proportion here, to a
-# hundred times those of first yield.
+# `fx.Shell(mesh, plate, steel, law=fx.Ilyushin(plate, steel))` lets the section flow as a whole, by Ilyushin's
+# condition for stress resultants. Force and moment of a fully plastic strip obey $m = 1 - n^2$; his surface is within
+# 4 % of that. The price is the way there: a bent section stays elastic until all of it flows. Strains grow in proportion
+# here, to a hundred times those of first yield.
 
 # %%
 PLATE = fx.Plate(1.0)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Annotated
 
-import numpy as np
 from typer import Option
 
 from ..case import Case
@@ -48,6 +47,10 @@ def case(
 
 def forces(record: Record) -> dict[str, float]:
     """Each of the two forces where the path first comes to some deflections, between states in a straight line."""
-    deflections, loads = (np.array([getattr(s, name) for s in record.states]) for name in ("deflection", "load"))
-    reached = [w for w in DEFLECTIONS if w <= deflections.max()]
-    return {f"force_at_{w:g}": float(np.interp(w, deflections, loads / 2)) for w in reached}
+    values: dict[str, float] = {}
+    for before, after in zip(record.states, record.states[1:], strict=False):
+        for w in DEFLECTIONS:
+            if before.deflection < w <= after.deflection:
+                part = (w - before.deflection) / (after.deflection - before.deflection)
+                values.setdefault(f"force_at_{w:g}", (before.load + part * (after.load - before.load)) / 2)
+    return values

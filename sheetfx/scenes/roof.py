@@ -67,8 +67,8 @@ def case(
         Shell(mesh, Plate(thickness), material(3102.75, 0.3, yield_stress, hardening), form=form),
         [symmetry(mesh, "west", "x"), symmetry(mesh, "south", "y"), Support(mesh, "north", "x y z")],
         [PointForce(mesh, "crown", (0.0, 0.0, -0.25))], READINGS, ("deflection of the crown (mm)", "force (N)"),
-        symmetry_factor=4, control=ArcLength(step=step, largest=2.0 if yield_stress else 8.0), until=Until(deflection=to),
-        published=None if yield_stress else PUBLISHED.get(thickness), quantities=_quantities)
+        symmetry_factor=4, control=ArcLength(step=step, largest=2.0 if yield_stress else 8.0),
+        until=Until(deflection=to), published=None if yield_stress else PUBLISHED.get(thickness), quantities=_quantities)
     pictures = [*case.pictures, *([plastic_zones] if yield_stress else [])]
     return replace(case, events=yield_events(case.scene), pictures=pictures)
 
