@@ -101,6 +101,11 @@ class AssumedWork:
         return self._integrated(self._forces(chunk, self._law(chunk, strains)[0]), slopes)
 
     @property
+    def measure(self) -> np.ndarray:
+        """Weights of the points of integration, (cells, points)."""
+        return self._measure
+
+    @property
     def memory(self) -> RememberingLaw | None:
         """The law where it is one with history."""
         return self._law if isinstance(self._law, RememberingLaw) else None

@@ -217,7 +217,7 @@ def _stationary(segment: Segment, length: float, count: int) -> Crossing:
 
 def _limit(segment: Segment, length: float, rising: bool) -> CriticalPoint:
     state = segment.states[length]
-    return CriticalPoint("limit", state.load, state.deflection, state.step, float(length),
+    return CriticalPoint("limit", state.load, state.deflection, state.step, float(length or state.length),
                          name="maximum" if rising else "minimum")
 
 
