@@ -10,7 +10,7 @@ import sheetfx as fx
 from sheetfx.case import Case, trace
 from sheetfx.studies.traps import FAMILIES, TRAPS, Trap
 
-SMALL = [t.name for t in TRAPS.values() if not t.slow and t.points and not t.name.startswith(("punch", "slenderness"))]
+SMALL = [t.name for t in TRAPS.values() if not t.slow and t.points and not t.name.startswith(("punch", "slenderness", "contact"))]
 
 
 def assert_points(trap: Trap, case: Case):
