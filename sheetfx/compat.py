@@ -44,9 +44,6 @@ def require_compiler():
 
 require_compiler()
 
-# Python may have been built with -g, and passes it on: debugging information is a third of the time of compilation.
-JIT = {"timeout": 600, "cffi_extra_compile_args": ["-O2", "-g0"]}
-
 # Reason to stop at a residual that is not a number: DIVERGED_FNORM_NAN in PETSc 3.22, DIVERGED_FUNCTION_NANORINF later.
 _reasons = vars(PETSc.SNES.ConvergedReason)
 NOT_A_NUMBER = _reasons.get("DIVERGED_FNORM_NAN", _reasons.get("DIVERGED_FUNCTION_NANORINF"))

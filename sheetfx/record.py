@@ -11,6 +11,7 @@ import numpy as np
 
 from .continuation.state import CriticalPoint, State
 from .discrete.pair_work import PairState, pairs_of
+from .discrete.plastic import PlasticState, plastic_share, plastic_state
 from .mesh.reader import NamedMesh
 from .path import Path
 
@@ -125,6 +126,14 @@ class Record:
         axial force, shear force, moment; for a shell forces, moments and shear forces per length.
         """
         return self.path.discretisation.resultants(part)
+
+    def plastic(self, part) -> PlasticState:
+        """Where a plastic part has flowed in the shown state, on this process, see `discrete.plastic`."""
+        return plastic_state(self.path.discretisation, part)
+
+    def plastic_share(self) -> float:
+        """Share of the volume of all plastic parts that has flowed in the shown state, on all processes."""
+        return plastic_share(self.path.discretisation)
 
     def pairs(self, contact) -> PairState:
         """State of the pairs of a `PairContact` in the shown state, on this process."""

@@ -73,6 +73,15 @@ def test_wrong_options_are_named():
 
 
 @pytest.mark.slow
+def test_double_points_of_the_dome_stay_double():
+    """Six panels alike have pairs of modes, which rounding of the mesh splits by a millionth, up the path and down."""
+    record = fx.trace(case(divisions=5, to=45.0, form="naghdi-p2cr"))
+    found = [(p.kind, p.multiplicity) for p in record.critical_points]
+    assert found == [("bifurcation", 1), ("bifurcation", 2), ("limit", 1), ("bifurcation", 2), ("bifurcation", 2),
+                     ("bifurcation", 1), ("limit", 1), ("bifurcation", 2)]
+
+
+@pytest.mark.slow
 def test_coupled_dome_bifurcates():
     """First a mode of the panels around the apex, before the limit of the path that keeps all symmetries.
 

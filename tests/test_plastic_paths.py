@@ -166,15 +166,15 @@ def test_two_processes_take_the_same_path():
     assert found == pytest.approx(alone, rel=1e-9)
 
 
-def column(hardening):
+def column(hardening, depth=0.05, shear_rigidity=1e3, points=3):
     """Column on hinges that yields at 0.8 of its tangent-modulus load, and that load, pi^2 E_t I / L^2."""
-    modulus, depth = 200e3, 0.05
+    modulus = 200e3
     tangent = modulus * hardening / (modulus + hardening)
     load = pi**2 * tangent * depth**4 / 12
     material = fx.Plastic(modulus, 0.3, yield_stress=0.8 * load / depth**2, hardening=hardening)
     nodes = {"base": (0, 0), "middle": (0.5, 0), "tip": (1, 0)}
     mesh = fx.read(lambda: meshes.frame(nodes, {"lower": ("base", "middle", 8), "upper": ("middle", "tip", 8)}), 2)
-    beam = fx.Beam(mesh, fx.Rectangle(depth, depth, points=3), material, shear_rigidity=1e3)
+    beam = fx.Beam(mesh, fx.Rectangle(depth, depth, points=points), material, shear_rigidity=shear_rigidity)
     return fx.Scene([beam], [fx.pin(mesh, "base"), fx.Support(mesh, "tip", "y")],
                     [fx.PointForce(mesh, "tip", (-load, 0.0))], fx.Monitor(mesh, "middle", "y")), load
 
@@ -190,11 +190,13 @@ def test_column_bifurcates_at_its_tangent_modulus_load(hardening):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("clamped", "cells", "factor", "tolerance"), [(False, 6, 6.52, 1e-2), (True, 14, 12.5, 7e-2)])
-def test_circular_plates_collapse(clamped, cells, factor, tolerance):
+@pytest.mark.parametrize(("clamped", "cells", "factor", "tolerance", "resultants"), [
+    (False, 6, 6.52, 1e-2, False), (True, 14, 12.5, 7e-2, False), (False, 6, 6.52, 1e-2, True)])
+def test_circular_plates_collapse(clamped, cells, factor, tolerance, resultants):
     """p R^2 / M_p by von Mises's condition: 6.52 on simple, 12.5 on clamped supports (Hopkins and Wang 1955).
 
-    Simpson's five layers give M_p exactly; the clamped plate's hinge at its edge converges with the cells' size only.
+    Simpson's five layers and Ilyushin's law give M_p exactly; the clamped plate's hinge at its edge converges with the
+    cells' size only.
     """
     thickness, modulus, strength = 0.05, 1e5, 1.0
 
@@ -203,8 +205,8 @@ def test_circular_plates_collapse(clamped, cells, factor, tolerance):
         return np.column_stack((s * np.sqrt(1 - t**2 / 2), t * np.sqrt(1 - s**2 / 2), 0 * s))
 
     mesh = surface("naghdi-q2", (cells, cells), place)
-    shell = fx.Shell(mesh, fx.Plate(thickness, points=5, rule="simpson"),
-                     fx.Plastic(modulus, 0.3, yield_stress=strength))
+    plate, material = fx.Plate(thickness, points=5, rule="simpson"), fx.Plastic(modulus, 0.3, yield_stress=strength)
+    shell = fx.Shell(mesh, plate, material, **({"law": fx.Ilyushin(plate, material)} if resultants else {}))
     edge = "x y z rx ry rz" if clamped else "z"
     moment = strength * thickness**2 / 4
     scene = fx.Scene([shell], [fx.Support(mesh, "east", edge), fx.Support(mesh, "north", edge),

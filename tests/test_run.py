@@ -104,16 +104,17 @@ def test_resume_with_other_parameters_is_refused(tmp_path):
         run(case, "arch", SMALL | {"elements": 41}, tmp_path, resume=True)
 
 
-def test_two_processes_give_the_same_path(tmp_path):
+@pytest.mark.parametrize("friction, to, rows", [(0.3, 6, slice(None)), (0.0, 12, -1)], ids=["friction", "smooth"])
+def test_two_processes_give_the_same_path(tmp_path, friction, to, rows):
     """To solver tolerance (relative residual 1e-8), with a punch whose travel all processes share.
 
-    With friction, because without it contact forces are eliminated on one process only, so that steps differ.
+    Without friction contact forces are eliminated on one process only, so that steps differ but for the last state.
     """
-    options = ["run", "arch", "--elements", 40, "--layer", 10.8, "--to", 6, "--friction", 0.3, "-o"]
+    options = ["run", "arch", "--elements", 40, "--layer", 10.8, "--to", to, "--friction", friction, "-o"]
     for processes in (1, 2):
         result = sheetfx(*options, tmp_path / str(processes), processes=processes)
         assert result.returncode == 0, result.stderr
-    np.testing.assert_allclose(table(tmp_path / "2"), table(tmp_path / "1"), rtol=1e-6, atol=1e-8)
+    np.testing.assert_allclose(table(tmp_path / "2")[rows], table(tmp_path / "1")[rows], rtol=1e-6, atol=1e-8)
 
 
 def test_new_run_clears_the_falls_of_an_earlier_one(tmp_path):
@@ -227,7 +228,7 @@ def test_unknown_point_and_component():
 
 def test_obstacle_inside_the_structure():
     inside = RigidCylinder(100.0, (0.0, 3380.6 + 90.0))
-    with pytest.raises(ValueError, match=r"RigidCylinder: starts (10|9\.9\d+) inside"):
+    with pytest.raises(ValueError, match="RigidCylinder: starts 10 inside"):
         trace(Case(bare_arch([("end", "x y rz"), ("crown", "x rz")], [inside])))
 
 

@@ -365,7 +365,8 @@ def test_orthotropic_section():
     shear = 5 / 12 * AXIAL
     matrices = ShellStiffness(diagonal(7 * AXIAL, AXIAL, AXIAL / 2), diagonal(0.0, 0.0, 0.0),
                               diagonal(7 * BENDING, BENDING, BENDING / 2), ((shear, 0.0), (0.0, shear)), AXIAL / 2)
-    assert strip((0.0, 0.0, 1.0), "z", GivenPlate(STRIP["thickness"], matrices)) == pytest.approx(
+    section = GivenPlate(STRIP["thickness"], matrices)
+    assert strip((0.0, 0.0, 1.0), "z", section, axis=(1.0, 0.0, 0.0)) == pytest.approx(
         1 / 3 / (7 * BENDING) + 1 / shear, rel=2e-3)
 
 

@@ -125,7 +125,7 @@ def test_rounding_is_not_drawn_as_a_path():
     assert 0 < max(abs(s.deflection) for s in record.states) < 1e-9
     assert not curves.path_knots(record.states)[0][:, 0].any()
     assert curves.draw_path(record).axes[0].get_xlim() == (-1.0, 1.0)
-    assert all(label.endswith("deflection 0") for _, label, _, _ in pictures._choose(record))
+    assert all(label.endswith("deflection 0") for _, label, _, _ in pictures.states_to_draw(record))
 
 
 def test_long_legends_fit_into_the_picture(tmp_path):

@@ -128,7 +128,7 @@ class PathStep:
             self.history.append(norm / size if size else norm)
             if norm <= rtol * size and (iteration or self._guess is None):
                 return Reason.CONVERGED_FNORM_RELATIVE
-            if iteration > (self._guess is None) and self._at_rounding(x, norm / size):
+            if iteration > (self._guess is None) and self._at_rounding(x, self.history[-1]):
                 self.rounding = max(self.rounding, norm)
                 return Reason.CONVERGED_SNORM_RELATIVE
             if norm != norm or norm > 1e12 * max(size, 1.0) or self.tangent.inner(x, x) > FARTHEST**2:

@@ -44,12 +44,10 @@ class Tracer(Measuring):
         self._response, self._load = self.system.create_vector(), self.system.create_vector()
         monitor = discretisation.scene.monitor
         self._monitor = self._functional(monitor)
-        self.tangent = LoadResponse(self._response, self.system.weights,
-                                    self._controlled(control))
+        self.tangent = LoadResponse(self._response, self.system.weights, self._controlled(control))
         self._reference: tuple[float, float] | None = None
         self._stuck: State | None = None
-        self.iterations = self._most = 0
-        self.failure = ""
+        self.iterations, self._most, self.failure = 0, 0, ""
         self._factored: tuple[State | None, int] = None, 0
         self._count = UnstableModes(self.system, self.stepper.linear)
         self.system.history.rebase()
@@ -123,6 +121,7 @@ class Tracer(Measuring):
                     return self.state
                 except (SingularTangent, Uncounted) as failure:
                     self.failure = str(failure)
+                    self.system.history.rewind()
             self._undo(start)
         self._stuck = start
         return None
@@ -164,7 +163,7 @@ class Tracer(Measuring):
                 self._count.critical = self.accept(load_increment)
                 return self._count.critical
         except (SingularTangent, Uncounted):
-            pass
+            self.system.history.rewind()
         self._undo(start)
         return None
 
@@ -193,10 +192,9 @@ class Tracer(Measuring):
         """
         control, system = self.control, self.system
         self.usual = self.first = self.shortest = control.usual(self.discretisation.scene.meshes[0].size)
-        if not control.guarded:
-            return
-        if not system.smooth:
-            self.first = self.usual if control.step is not None else FIRST_WITH_CONTACT * self.usual
+        if control.guarded and not system.smooth and control.step is None:
+            self.first = FIRST_WITH_CONTACT * self.usual
+        if not control.guarded or not system.smooth:
             return
         estimate = first_critical(system, self.stepper.linear, self._response, PROBE / sqrt(self.tangent.norm2))
         self.shortest = min(self.usual, BEFORE * estimate / abs(control.predict(1.0, 1.0, self.tangent)))
@@ -261,7 +259,8 @@ class Tracer(Measuring):
     def _converged(self, start: State | None, iterations=0, length=0.0, factorisations=0, factored=False) -> State:
         """Describe the current configuration with its tangent, which may be factored already, then commit it."""
         system, tangent = self.system, self.tangent
-        self._respond(factored)
+        softened = system.history.settle()
+        self._respond(factored and not softened)
         weight = self._load_weight()
         load_increment = self.stepper.load_increment if start else 0.0
         extremes = start.displacement_extremes + self._passes_extreme(start) if start else 0

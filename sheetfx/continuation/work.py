@@ -50,7 +50,7 @@ def _energy(segment: Segment) -> tuple[float, float]:
     ways.append(tracer.load_vector().array @ increment)
     points, weights = np.polynomial.legendre.leggauss(POINTS)
     change = 0.0
-    with system.additive_increments():
+    with system.additive_increments(frozen=False):
         for part, weight in zip((1 + points) / 2, weights / 2, strict=True):
             place.array[:] = part * increment
             system.configure(place, before.factor)

@@ -1,14 +1,15 @@
 """Work of a term whose law is called with assumed strains, once at each point of integration.
 
 The strains e are sampled at the points of integration and at the fewer points of a lower rule. With their polynomial
-through the latter, P e, the law is given
+P e through the latter, and the polynomial Q e of the same kind that is nearest to them at the former, the law is given
 
-    e* = P e + r (e - P e),    0 <= r <= 1,
+    e* = (1 - r^2) P e + r^2 Q e + r (e - Q e),    0 <= r <= 1,
 
-a fixed matrix between the points of a cell. Where e is of the full rule's degree, P is its projection on polynomials
-of one degree less (their difference is Legendre's polynomial, whose zeros are Gauss's points), so that an elastic law
-stores (1 - r^2) of the energy by the lower rule and r^2 of that by the full one: selective reduced integration (Malkus
-and Hughes 1978; Arnold and Brezzi 1997), but one that coupled laws and laws with history can bear. The tangent,
+a fixed matrix between the points of a cell. Polynomial and rest are orthogonal: constant moduli do no work between
+them, and constant forces the work that r^2 of the full rule and 1 - r^2 of the lower one give. Where e is of the full
+rule's degree in an affine cell, P e = Q e (what is left is Legendre's polynomial, whose zeros are Gauss's points), so
+that an elastic law stores its energy by these shares of both rules: selective reduced integration (Malkus and Hughes
+1978; Arnold and Brezzi 1997), but one that coupled laws and laws with history can bear. The tangent,
 
     B*^T C B* + sum of s^ d2e,    s^ = T^T (weight s),
 
@@ -53,7 +54,10 @@ class AssumedWork:
         self._samplings = [s for s in (self._full, self._low) if s is not None]
         self.numbers = self._full.numbers
         self._measure, self._roots = _measure_and_roots(term, domain, cells)
-        self._projection = _projection(term, domain, cells) if self._tying else None
+        if self._tying:
+            self._projection = _projection(term, domain, cells)
+            weighted = self._projection.transpose(0, 2, 1) * self._measure[:, None, :]
+            self._nearest = np.linalg.solve(weighted @ self._projection, weighted)
         self._law = (RememberingLaw(term.law, (*self._measure.shape, self._size)) if has_history(term.law)
                      else FormulaLaw(term.law, self._size, domain, cells, term.rule))
         self._increments = increments
@@ -64,9 +68,9 @@ class AssumedWork:
         here, *low = values
         if low:
             tied = here[:, :, self._tying.tied]
-            projected = (self._projection[chunk] @ low[0].reshape(*low[0].shape[:2], -1)).reshape(tied.shape)
             roots = self._roots[chunk].reshape(len(tied), 1, -1, *(1,) * (tied.ndim - 3))
-            here[:, :, self._tying.tied] = projected + roots * (tied - projected)
+            low = (1 - roots**2) * low[0] - (roots - roots**2) * _along(self._nearest[chunk], tied)
+            here[:, :, self._tying.tied] = _along(self._projection[chunk], low) + roots * tied
         return here
 
     def _sampled(self, chunk: slice, forces: np.ndarray) -> list[np.ndarray]:
@@ -74,9 +78,10 @@ class AssumedWork:
         if self._low is None:
             return [forces]
         tied = forces[:, :, self._tying.tied]
-        own = self._roots[chunk, None] * tied
-        forces[:, :, self._tying.tied] = own
-        return [forces, self._projection[chunk].transpose(0, 2, 1) @ (tied - own)]
+        roots, low = self._roots[chunk, None], self._projection[chunk].transpose(0, 2, 1) @ tied
+        forces[:, :, self._tying.tied] = roots * tied - self._nearest[chunk].transpose(0, 2, 1) @ (
+            (roots - roots**2) * low)
+        return [forces, (1 - roots**2) * low]
 
     def _sample(self, chunk: slice) -> tuple[np.ndarray, list[np.ndarray]]:
         """Assumed strains, and the derivatives of the sampled ones by the jets."""
@@ -94,6 +99,11 @@ class AssumedWork:
         """Number of each field and its internal forces."""
         strains, slopes = self._sample(chunk)
         return self._integrated(self._forces(chunk, self._law(chunk, strains)[0]), slopes)
+
+    @property
+    def measure(self) -> np.ndarray:
+        """Weights of the points of integration, (cells, points)."""
+        return self._measure
 
     @property
     def memory(self) -> RememberingLaw | None:
@@ -149,7 +159,7 @@ class AssumedWork:
         if self._low is None or self.numbers[place] not in self._low.numbers:
             return nodal
         low = self._low.by_nodes(slopes[1], self.numbers[place])
-        _tie(nodal, low, self._projection[chunk], self._roots[chunk], np.array(self._tying.tied))
+        _tie(nodal, low, self._projection[chunk], self._nearest[chunk], self._roots[chunk], np.array(self._tying.tied))
         return nodal
 
 
@@ -247,21 +257,33 @@ def _by_nodes(slopes, start, components, orders, table):
     return found
 
 
+def _along(matrices: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Products of a matrix of each cell with values at its points, (cells, points, ...)."""
+    found = matrices @ values.reshape(*values.shape[:2], -1)
+    return found.reshape(*found.shape[:2], *values.shape[2:])
+
+
 @numba.njit(cache=True, fastmath=True)
-def _tie(full, low, projection, roots, tied):
-    """Replace tied strains by r times their own value and 1 - r times that of the polynomial through the low points."""
-    width, projected = full.shape[3], np.empty(full.shape[3])
+def _tie(full, low, projection, nearest, roots, tied):
+    """Replace tied strains by assumed ones; all polynomials are known by their values at the low points."""
+    width, polynomial = full.shape[3], np.empty((low.shape[1], full.shape[3]))
     for c in range(full.shape[0]):
-        for q in range(full.shape[1]):
-            for t in range(len(tied)):
-                row, root = full[c, q, tied[t]], roots[c, t]
-                projected[:] = 0.0
-                for p in range(low.shape[1]):
-                    weight, other = (1 - root) * projection[c, q, p], low[c, p, t]
+        for t in range(len(tied)):
+            root = roots[c, t]
+            for p in range(low.shape[1]):
+                polynomial[p] = (1 - root**2) * low[c, p, t]
+                for q in range(full.shape[1]):
+                    weight, other = (root - root**2) * nearest[c, p, q], full[c, q, tied[t]]
                     for m in range(width):
-                        projected[m] += weight * other[m]
+                        polynomial[p, m] -= weight * other[m]
+            for q in range(full.shape[1]):
+                row = full[c, q, tied[t]]
                 for m in range(width):
-                    row[m] = root * row[m] + projected[m]
+                    row[m] *= root
+                for p in range(low.shape[1]):
+                    weight = projection[c, q, p]
+                    for m in range(width):
+                        row[m] += weight * polynomial[p, m]
 
 
 @numba.njit(cache=True, fastmath=True)

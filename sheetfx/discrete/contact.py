@@ -10,7 +10,7 @@ import ufl
 from dolfinx import fem
 
 from .. import forms
-from ..compat import JIT
+from ..jit import compiled_expression
 from ..model.contact import Contact
 from .nodal_field import AdditiveField
 from .unknowns import Block
@@ -161,7 +161,7 @@ class ContactFields:
         length = ufl.sqrt(sum(jacobian[i, 0] ** 2 for i in range(domain.geometry.dim)))
         tractions = (self.tractions + [ufl.as_ufl(0.0)])[:2]
         values = [*(self._position[i] for i in range(domain.geometry.dim)), self.gap, *tractions, length]
-        self._expression = fem.Expression(at_rest(ufl.as_vector(values)), self._points, jit_options=JIT)
+        self._expression = compiled_expression(at_rest(ufl.as_vector(values)), self._points)
 
     def evaluate(self) -> ContactState:
         """State of the contact points in the current configuration."""
@@ -174,6 +174,10 @@ class ContactFields:
         gap, pressure, traction = table[:, d], table[:, d + 1], table[:, d + 2]
         status = status_of(pressure, np.abs(traction), self.contact.friction * pressure)
         return ContactState(table[:, :d], gap, pressure, traction, weight, status)
+
+    def smallest_gap(self) -> float:
+        """Smallest gap of the points that may touch on this process; infinite where it has none."""
+        return float(self.evaluate().gap.min(initial=np.inf))
 
     def _points_of_rows(self) -> np.ndarray:
         """Local number of the contact point of each row of a state; cells may share a node."""

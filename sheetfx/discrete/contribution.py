@@ -95,6 +95,13 @@ class Contribution:
         """
         return ()
 
+    def settle(self) -> bool:
+        """Let laws with history move on to the present state, so that its tangent is that of loading on from it.
+
+        `commit` confirms it, `rewind` takes it back. Return whether the tangent has changed.
+        """
+        return False
+
     def commit(self) -> None:
         """Accept the present state: history moves on. Increments still count from where they did."""
 

@@ -11,7 +11,7 @@ import ufl
 from dolfinx import fem
 from dolfinx.mesh import Mesh
 
-from ..compat import JIT
+from ..jit import compiled_expression
 from ..mesh.numbers import lift_numbers
 from ..mesh.quadrature import Rule
 from ..model.work import Term
@@ -152,7 +152,7 @@ class PointwiseWork(Densities):
 
 def at_points(expression, domain: Mesh, points: np.ndarray) -> fem.Expression:
     """A UFL expression to be evaluated at reference points of cells."""
-    return fem.Expression(lift_numbers(ufl.algorithms.expand_derivatives(expression), domain), points, jit_options=JIT)
+    return compiled_expression(lift_numbers(ufl.algorithms.expand_derivatives(expression), domain), points)
 
 
 def values_at_points(domain: Mesh, cells: np.ndarray, rule: Rule, shape: tuple) -> tuple[fem.Function, np.ndarray]:

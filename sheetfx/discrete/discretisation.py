@@ -8,10 +8,9 @@ from itertools import chain
 
 import numpy as np
 import ufl
-from dolfinx import fem
 from mpi4py import MPI
 
-from ..compat import JIT
+from ..jit import compiled_expression
 from ..mesh.numbers import lift_numbers
 from ..mesh.reader import NamedMesh
 from ..model.contact import Contact
@@ -120,7 +119,7 @@ class Discretisation:
             c.close(self._position(contact), self.travel(contact.obstacle), self._before)
             with self.clock("compile"):
                 c.prepare(self.unknowns.at_rest)
-            smallest = mesh.domain.comm.allreduce(float(c.evaluate().gap.min(initial=np.inf)), op=MPI.MIN)
+            smallest = mesh.domain.comm.allreduce(c.smallest_gap(), op=MPI.MIN)
             if smallest < -1e-6 * contact.beam.section.depth:
                 raise ValueError(
                     f"{type(contact.obstacle).__name__}: starts {-smallest:.4g} inside the structure; "
@@ -165,7 +164,7 @@ class Discretisation:
             return work.resultants()
         k, domain, cells = self.kinematics(part.mesh), part.mesh.domain, part.mesh.group(part.group)
         resultants, points = part.resultants(k.u, k.total_rotation)
-        values = fem.Expression(lift_numbers(resultants, domain), points, jit_options=JIT).eval(domain, cells)
+        values = compiled_expression(lift_numbers(resultants, domain), points).eval(domain, cells)
         return values.reshape(len(cells), len(points), -1)
 
     def strain_energy(self, part) -> float:

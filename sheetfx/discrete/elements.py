@@ -75,6 +75,7 @@ class ElementWork(Contribution):
             t, domain, cells, fields, increments) for t in internal.terms]
         self._memories = [(t, t.memory) for t in self._terms if isinstance(t, AssumedWork) and t.memory]
         self._name = name
+        self._accepted: dict[str, np.ndarray] = {}
         if self._memories:
             self.smooth = False  # moduli jump where points begin to yield or unload
             self.without_descent = ("parts whose law has history have no energy to descend; trace their paths by arc "
@@ -136,7 +137,23 @@ class ElementWork(Contribution):
         ((term, _),) = self._memories
         return np.concatenate([term.resultants(chunk) for chunk in self._chunks()])
 
+    def history(self) -> tuple[np.ndarray, np.ndarray]:
+        """What the points of a law with history remember, (cells, points, remembered), and their weights."""
+        ((term, memory),) = self._memories
+        return memory.history, term.measure
+
+    def settle(self) -> bool:
+        accepted = self.snapshot()
+        self.commit()
+        self._accepted = accepted
+        return self.history_moved
+
+    def rewind(self) -> None:
+        if self._accepted:
+            self.restore(self._accepted)
+
     def commit(self) -> None:
+        self._accepted = {}
         for term, _ in self._memories:
             for chunk in self._chunks():
                 term.commit(chunk)
@@ -153,6 +170,7 @@ class ElementWork(Contribution):
         return {f"{self._name} {n}": memory.snapshot() for n, (_, memory) in enumerate(self._memories)}
 
     def restore(self, snapshot: dict[str, np.ndarray]) -> None:
+        self._accepted = {}
         for n, (_, memory) in enumerate(self._memories):
             memory.restore(snapshot[f"{self._name} {n}"])
 

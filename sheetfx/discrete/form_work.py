@@ -11,7 +11,7 @@ from petsc4py import PETSc
 from ufl.algorithms.map_integrands import map_integrands
 
 from .. import compat
-from ..compat import JIT
+from ..jit import compiled_form
 from .contribution import Contribution, Forces
 from .layout import Layout
 from .number import NumberField
@@ -81,7 +81,7 @@ def _slope(form, variable):
 def _compiled(unknowns: Unknowns, form) -> list:
     """Compiled forms by blocks with a space; None where there is nothing."""
     form = unknowns.at_rest(form)
-    return None if form.empty() else fem.form(unknowns.blocks_of(form), jit_options=JIT)
+    return None if form.empty() else compiled_form(unknowns.blocks_of(form))
 
 
 class _Vectors:
@@ -95,7 +95,7 @@ class _Vectors:
             share = unknowns.at_rest(share)
             if number is not None and not share.empty():
                 there = next(n for n, block in enumerate(unknowns.blocks) if block.fields[0] is number)
-                self._parts.append((there, fem.form(share, jit_options=JIT), _add_scalar))
+                self._parts.append((there, compiled_form(share), _add_scalar))
 
     def add(self, arrays: Sequence[np.ndarray]) -> None:
         for number, form, assemble in self._parts:
@@ -150,7 +150,7 @@ def _nothing(space):
     """An empty form for the diagonal, which DOLFINx needs for the space of each block."""
     zero = fem.Constant(space.mesh, 0.0)
     u, v = ufl.TrialFunction(space), ufl.TestFunction(space)
-    return fem.form(zero * ufl.inner(u, v) * ufl.dx, jit_options=JIT)
+    return compiled_form(zero * ufl.inner(u, v) * ufl.dx)
 
 
 class _Border:
@@ -162,7 +162,7 @@ class _Border:
         self._column = _compiled(unknowns, _slope(shares[None], number.symbol))
         self._row = _compiled(unknowns, unknowns.linearise_scalar(share))
         corner = [(unknowns.fields.index(n), unknowns.at_rest(_slope(share, n.symbol))) for n in numbers]
-        self._corner = [(n, fem.form(form, jit_options=JIT)) for n, form in corner if not form.empty()]
+        self._corner = [(n, compiled_form(form)) for n, form in corner if not form.empty()]
 
     def _sides(self) -> list[tuple[list, bool]]:
         return [(forms, down) for forms, down in ((self._column, True), (self._row, False)) if forms is not None]

@@ -67,13 +67,19 @@ class RememberingLaw:
 
     def _update(self, chunk: slice, strains: np.ndarray) -> tuple[np.ndarray, ...]:
         history = self._history[chunk]
-        found = self._law.update(strains.reshape(-1, strains.shape[2]), history.reshape(-1, history.shape[2]))
+        points = strains.shape[0] * strains.shape[1]
+        found = self._law.update(strains.reshape(points, -1), history.reshape(points, history.shape[2]))
         return tuple(values.reshape(*strains.shape[:2], *values.shape[1:]) for values in found)
 
     def commit(self, chunk: slice, strains: np.ndarray) -> None:
         """Let history move on to what the present strains make of it."""
         self._history[chunk] = self._update(chunk, strains)[2]
         self._strains[chunk] = strains
+
+    @property
+    def history(self) -> np.ndarray:
+        """History of the last accepted state, (cells, points, remembered)."""
+        return self._history
 
     @property
     def moved(self) -> bool:

@@ -11,7 +11,7 @@ from dolfinx.mesh import create_interval
 from mpi4py import MPI
 
 from .. import forms
-from ..compat import JIT
+from ..jit import compiled_expression
 from ..mesh.numbers import lift_numbers
 from ..model.contact import Contact
 from .contact import OPEN, SLIP, ContactFields, ContactState
@@ -57,7 +57,7 @@ class LayerFields(ContactFields):
         self._expression = self._compiled(at_rest(ufl.as_vector([self.gap, *(self._position[i] for i in range(d))])))
 
     def _compiled(self, values) -> fem.Expression:
-        return fem.Expression(lift_numbers(values, self.contact.beam.mesh.domain), self._points, jit_options=JIT)
+        return compiled_expression(lift_numbers(values, self.contact.beam.mesh.domain), self._points)
 
     def _at_samples(self, values: Sequence) -> np.ndarray:
         return self._table(self._compiled(ufl.as_vector(values)))
@@ -70,6 +70,10 @@ class LayerFields(ContactFields):
     def gaps(self) -> np.ndarray:
         """Gaps at samples in the current configuration, shape (cells, samples)."""
         return self._table(self._expression)[..., 0]
+
+    def smallest_gap(self) -> float:
+        """Smallest gap of the samples of this process, which has the ends of cells, as zones do not."""
+        return float(self.gaps().min(initial=np.inf))
 
     def weights(self, zones: Zones) -> np.ndarray:
         """Lengths that belong to the points of zones."""
@@ -206,8 +210,8 @@ class GapAtPoints:
         slope = ufl.diff(gap, z)
         bend = ufl.diff(slope, z)
         table = ufl.as_vector([*(slope[i] for i in range(m)), *(bend[i, j] for i in range(m) for j in range(m))])
-        self._expression = fem.Expression(lift_numbers(ufl.algorithms.expand_derivatives(table), mesh),
-                                          np.array([[0.5]]), jit_options=JIT)
+        self._expression = compiled_expression(lift_numbers(ufl.algorithms.expand_derivatives(table), mesh),
+                                               np.array([[0.5]]))
 
     def __call__(self, z: np.ndarray, places: np.ndarray, arms: np.ndarray) -> tuple[np.ndarray, ...]:
         """Gradient, shape (n, m), and Hessian, shape (n, m, m), of the gap."""

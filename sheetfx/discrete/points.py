@@ -16,7 +16,7 @@ from dolfinx import fem
 from dolfinx.mesh import create_interval
 from mpi4py import MPI
 
-from ..compat import JIT
+from ..jit import compiled_expression
 from ..mesh.numbers import lift_numbers
 from .contribution import Contribution, Forces
 from .layout import Layout
@@ -231,7 +231,7 @@ class PointLaw:
             return None
         if ufl.domain.extract_unique_domain(expression) is None:  # numbers alone, which DOLFINx does not compile
             expression = fem.Constant(self._mesh, 1.0) * expression
-        return fem.Expression(lift_numbers(expression, self._mesh), np.array([[0.5]]), jit_options=JIT)
+        return compiled_expression(lift_numbers(expression, self._mesh), np.array([[0.5]]))
 
     def _evaluate(self, expression: fem.Expression | None, z: np.ndarray, *shape: int) -> np.ndarray:
         if not self._count or expression is None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from itertools import repeat
 
 import numpy as np
@@ -231,10 +231,10 @@ class System:
         return now
 
     @contextmanager
-    def additive_increments(self) -> Iterator[None]:
+    def additive_increments(self, frozen: bool = True) -> Iterator[None]:
         """Let increments since the last converged state add at all nodes, those of rotations too.
 
-        Residual and tangent are then gradient and Hessian of the energy as a function of them, wherever they are;
+        Residual and tangent are then gradient and Hessian of the energy as a function of them, wherever they are, where
         history is frozen.
         """
         turning = [f for f in self.unknowns.fields if f.curved]
@@ -242,7 +242,7 @@ class System:
         for f in turning:
             f.charted = np.ones_like(f.charted)
         try:
-            with self.history.frozen():
+            with self.history.frozen() if frozen else nullcontext():
                 yield
         finally:
             for f, charted in zip(turning, kept, strict=True):

@@ -58,6 +58,11 @@ def unit_tangent(domain):
     return column / ufl.sqrt(ufl.dot(column, column))
 
 
+def along_surface(direction, normal):
+    """Part of a direction that is tangent to a surface."""
+    return direction - ufl.dot(direction, normal) * normal
+
+
 def unit_normal(domain):
     """Normal of a surface in its reference configuration."""
     jacobian = ufl.Jacobian(domain)

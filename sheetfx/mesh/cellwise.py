@@ -5,7 +5,8 @@ from __future__ import annotations
 import basix
 from dolfinx import fem
 
-from ..compat import JIT, geometry_degree, interpolation_points
+from ..compat import geometry_degree, interpolation_points
+from ..jit import compiled_expression
 
 SIMPLICES = basix.CellType.interval, basix.CellType.triangle
 
@@ -20,5 +21,5 @@ def cellwise(domain, expression, degree: int | None = None) -> fem.Function:
     family = "DG" if domain.basix_cell() in SIMPLICES else "DQ"
     degree = geometry_degree(domain) if degree is None else degree
     values = fem.Function(fem.functionspace(domain, (family, degree, expression.ufl_shape)))
-    values.interpolate(fem.Expression(expression, interpolation_points(values.function_space), jit_options=JIT))
+    values.interpolate(compiled_expression(expression, interpolation_points(values.function_space)))
     return values

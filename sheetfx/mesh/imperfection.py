@@ -14,7 +14,8 @@ from scipy.interpolate import RBFInterpolator
 
 from .. import forms
 from ..checks import require_positive_number
-from ..compat import JIT, geometry_nodes, moved_mesh
+from ..compat import geometry_nodes, moved_mesh
+from ..jit import compiled_expression
 from .reader import NamedMesh
 
 Shape = fem.Function | Callable[[np.ndarray], np.ndarray]
@@ -133,7 +134,7 @@ def _at_nodes(mesh: NamedMesh, field) -> np.ndarray:
     domain = mesh.domain
     element = domain.ufl_domain().ufl_coordinate_element()
     space = fem.functionspace(domain, element)
-    expression = fem.Expression(field, element.basix_element.points, jit_options=JIT)
+    expression = compiled_expression(field, element.basix_element.points)
     total, count = fem.Function(space), fem.Function(space)
     cells = mesh.group(None)
     nodes, width = space.dofmap.list[cells], mesh.dimension

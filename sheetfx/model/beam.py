@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from dolfinx import fem
 from mpi4py import MPI
 
 from .. import forms
 from ..checks import require_components, require_finite
-from ..compat import JIT
+from ..jit import compiled_expression
 from ..mesh.cellwise import cellwise
 from ..mesh.numbers import as_constants
 from ..mesh.quadrature import Rule, gauss
@@ -92,7 +91,7 @@ class Beam:
         require_finite(self, "offset")
         domain, (_, length) = self.mesh.domain, self.eccentricity()
         if not isinstance(length, float):
-            at_points = fem.Expression(length, _rule(self).points, jit_options=JIT)
+            at_points = compiled_expression(length, _rule(self).points)
             lengths = at_points.eval(domain, self.mesh.group(self.group))
             if domain.comm.allreduce(lengths.min(initial=np.inf), op=MPI.MIN) <= 0:
                 raise ValueError(f"Beam: offset {np.ravel(self.offset).tolist()} lies beyond the centre of curvature "

@@ -11,7 +11,7 @@ from dolfinx import fem
 
 from .. import forms
 from ..checks import require_components, require_known_component
-from ..compat import JIT
+from ..jit import compiled_form
 from ..mesh.numbers import lift_numbers
 from ..mesh.reader import COMPONENTS, NamedMesh
 from .beam import Bar, Beam
@@ -141,7 +141,7 @@ class LineForce(Load):
             size = ufl.sqrt(ufl.dot(forms.vector(force), forms.vector(force)))
         else:
             size = fem.Constant(domain, float(np.linalg.norm(force)))
-        work = fem.form(lift_numbers(size * self.beam.measure(), domain), jit_options=JIT)
+        work = compiled_form(lift_numbers(size * self.beam.measure(), domain))
         return domain.comm.allreduce(fem.assemble_scalar(work))
 
 
@@ -226,7 +226,7 @@ class PrescribedDisplacement(Load):
 
     def total(self, fields) -> Callable[[], float]:
         reaction = fields.own(self, "reaction") * self.mesh.facet_measure(self.at)
-        form, comm = fem.form(-reaction, jit_options=JIT), self.mesh.domain.comm
+        form, comm = compiled_form(-reaction), self.mesh.domain.comm
         return lambda: comm.allreduce(fem.assemble_scalar(form))
 
 

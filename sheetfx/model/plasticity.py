@@ -64,7 +64,24 @@ def section_law(law: Callable, section, material: Elastic, stiffness):
     return Layers(places, weights, material, stiffness)
 
 
-class Layers(LawWithHistory):
+class PlasticLaw(LawWithHistory):
+    """A section law that knows where its points have flowed, for pictures and events."""
+
+    def flowed(self, history: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Share of the thickness or area that has flowed, and largest equivalent plastic strain, at many points.
+
+        Parameters
+        ----------
+        history : shape (points, remembered)
+        """
+        raise NotImplementedError
+
+    def elastic_utilisation(self, strains: np.ndarray) -> np.ndarray:
+        """Largest stress over the yield stress, if the strains (points, n) were elastic: above 1 where they yield."""
+        raise NotImplementedError
+
+
+class Layers(PlasticLaw):
     """Shell section law of a plastic material, integrated through the thickness; transverse shear is elastic.
 
     Strains are those of `forms.section.linear_shell`. A point of which both faces are inside the yield surface, and
@@ -93,13 +110,19 @@ class Layers(LawWithHistory):
         return _layers(np.ascontiguousarray(strains), np.ascontiguousarray(history), self.places, self.weights,
                        self._elastic, *self._constants)
 
-    def yielded(self, history: np.ndarray) -> np.ndarray:
-        """Share of the thickness that has yielded at points of a history."""
-        hardened = history.reshape(len(history), len(self.places), REMEMBERED)[..., -1]
-        return (hardened > 0) @ (self.weights / self.weights.sum())
+    def flowed(self, history):
+        strains = history.reshape(len(history), len(self.places), REMEMBERED)[..., -1]
+        return (strains > 0) @ (self.weights / self.weights.sum()), strains.max(axis=1)
+
+    def elastic_utilisation(self, strains):
+        modulus, poisson, strength, *_ = self._constants
+        e = strains[:, None, :3] + self.places[:, None] * strains[:, None, 3:6]
+        one, two = (modulus / (1 - poisson**2) * (e[..., i] + poisson * e[..., 1 - i]) for i in (0, 1))
+        shear = modulus / 2 / (1 + poisson) * e[..., 2]
+        return np.sqrt(one**2 - one * two + two**2 + 3 * shear**2).max(axis=1) / strength
 
 
-class Fibres(LawWithHistory):
+class Fibres(PlasticLaw):
     """Beam section law of a plastic material by fibres along the axis; shear and torsion are elastic.
 
     Strains are those of `forms.beam.simo_reissner`, of a fibre e - y k_b in the plane, e - y k_b + z k_n in space, y
@@ -108,31 +131,39 @@ class Fibres(LawWithHistory):
     Parameters
     ----------
     places : shape (fibres, 2), of the fibres from the centroid along normal and binormal (length)
-    areas : of the fibres
+    areas : of the fibres; those whose strains are the same, side by side in the plane, are taken together
     material : Plastic
     stiffness : of the elastic section, in the order of the strains; one of a bar, three in the plane, six in space
     """
 
     def __init__(self, places: np.ndarray, areas: np.ndarray, material: Plastic, stiffness: Sequence[float]):
-        places, self.areas = np.asarray(places, float).reshape(-1, 2), np.asarray(areas, float)
-        self._arms = np.zeros((len(places), len(stiffness)))
-        self._arms[:, 0] = 1.0
+        places = np.asarray(places, float).reshape(-1, 2)
+        arms = np.zeros((len(places), len(stiffness)))
+        arms[:, 0] = 1.0
         if len(stiffness) == 3:
-            self._arms[:, 2] = -places[:, 0]
+            arms[:, 2] = -places[:, 0]
         elif len(stiffness) == 6:
-            self._arms[:, 4], self._arms[:, 5] = places[:, 1], -places[:, 0]
+            arms[:, 4], arms[:, 5] = places[:, 1], -places[:, 0]
+        rounded = np.round(arms, 12 - int(np.floor(np.log10(np.abs(places).max() or 1.0))))
+        _, first, same = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
+        kept = np.argsort(first)
+        self._arms, self.areas = arms[first[kept]], np.bincount(same.ravel(), np.asarray(areas, float))[kept]
         carried = self._arms.any(axis=0)
         self._elastic = np.diag(np.where(carried, 0.0, np.asarray(stiffness, float)))
-        self.remembered = 3 * len(places)
+        self.remembered = 3 * len(self.areas)
         self._constants = material.modulus, material.yield_stress, material.hardening, material.kinematic
 
     def update(self, strains, history):
         return _fibres(np.ascontiguousarray(strains), np.ascontiguousarray(history), self._arms, self.areas,
                        self._elastic, *self._constants)
 
-    def yielded(self, history: np.ndarray) -> np.ndarray:
-        """Share of the area that has yielded at points of a history."""
-        return (history.reshape(len(history), -1, 3)[..., -1] > 0) @ (self.areas / self.areas.sum())
+    def flowed(self, history):
+        strains = history.reshape(len(history), -1, 3)[..., -1]
+        return (strains > 0) @ (self.areas / self.areas.sum()), strains.max(axis=1)
+
+    def elastic_utilisation(self, strains):
+        modulus, strength, *_ = self._constants
+        return modulus / strength * np.abs(strains @ self._arms.T).max(axis=1)
 
 
 @numba.njit(cache=True)

@@ -10,6 +10,8 @@ from ..checks import require_positive
 from . import layers
 from .section import Elastic
 
+EQUAL = 1e-9  # relative difference of stiffnesses of an isotropic section
+
 
 @dataclass(frozen=True)
 class ShellStiffness:
@@ -28,11 +30,23 @@ class ShellStiffness:
     shear: tuple
     drilling: float
 
+    @property
+    def isotropic(self) -> bool:
+        """Whether it is the same on axes that are turned about the normal."""
+        blocks = [(m := np.array(block), [m[0, 0] - m[1, 1], m[0, 0] - m[0, 1] - 2 * m[2, 2], m[0, 2], m[1, 2]])
+                  for block in (self.membrane, self.coupling, self.bending)]
+        blocks += [(m := np.array(self.shear), [m[0, 0] - m[1, 1], m[0, 1]])]
+        return all(np.abs(differences).max() <= EQUAL * np.abs(m).max() for m, differences in blocks)
+
 
 class ShellSection:
     """What all shell sections have in common."""
 
     thickness: float
+
+    def stiffness(self, material) -> ShellStiffness:
+        """Stiffness per length."""
+        raise NotImplementedError
 
     def inertia(self, material: Elastic) -> list[float]:
         """Mass per area, and rotary inertia of the director per area."""
@@ -67,7 +81,7 @@ class Plate(ShellSection):
         """Places from the mid-surface and weights of the layers of a plastic material."""
         return layers.along(self.thickness, self.points, self.rule)
 
-    def stiffness(self, material: Elastic) -> ShellStiffness:
+    def stiffness(self, material) -> ShellStiffness:
         """Plane-stress stiffness of an isotropic material."""
         nu, t = material.poisson, self.thickness
         plane = material.modulus / (1 - nu**2)

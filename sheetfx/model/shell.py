@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import basix
+import numpy as np
 import ufl
+from dolfinx import fem
 
 from .. import forms
 from ..compat import geometry_degree
@@ -18,11 +20,12 @@ from ..mesh.reader import NamedMesh
 from .gradient import require_law
 from .history import LawWithHistory, has_history
 from .plasticity import section_law
-from .plate import GivenPlate, Plate
+from .plate import Plate, ShellSection
 from .section import Elastic
 from .work import Internal, Term, Tying
 
 TRIANGLE, QUADRILATERAL = basix.CellType.triangle, basix.CellType.quadrilateral
+ALONG_NORMAL = 1e-6  # part of a direction along a surface that is too small
 TIED = 0, 1, 2, 6, 7, 8  # membrane, shear and drilling strains
 
 
@@ -51,14 +54,14 @@ class ShellForm:
         """Shares of the full rule in the energies of the membrane, and of shear and drilling; at most 1.
 
         thickness^2 / area keeps the parasitic energy of a bent cell below its bending energy; membranes whose low
-        rule is too soft get 1 / (10 curvature^2 area) times more, which is everything where they are flat.
+        rule is too soft get 1 / (5 curvature^2 area) times more, which is everything where they are flat.
         """
         area = ufl.JacobianDeterminant(frame.domain)
         share = thickness**2 / area
         membrane = share
         if self.facets:
             bent = sum(ufl.inner(s, s) for s in (frame.along(frame.director, t) for t in frame.tangents))
-            membrane = share * (1 + 0.1 / (bent * area + 1e-12))
+            membrane = share * (1 + 0.2 / (bent * area + 1e-12))
         return ufl.min_value(1.0, membrane), ufl.min_value(1.0, share)
 
     def tying(self, frame, thickness) -> Tying:
@@ -108,16 +111,20 @@ class Shell:
         it may couple stretching, bending, shear and drilling; or a LawWithHistory
     group : physical group of the surfaces; None: all
     offset : distance of the mid-surface from the meshed surface, along its normal
+    axis : direction of the first axis of strains, resultants and the section's stiffness: a vector (3,), or a function
+        of the place, a UFL vector, that gives one; each cell takes what it is along the cell's middle. The second axis
+        is 90 degrees further about the normal. None: the first edge of each cell, for sections without directions
     """
 
     mesh: NamedMesh
-    section: Plate | GivenPlate
+    section: ShellSection
     material: Elastic | None = None
     form: str | ShellForm = "naghdi-q2"
     strains: Callable | None = None
     law: Callable | LawWithHistory = forms.section.linear_shell
     group: str | None = None
     offset: float = 0.0
+    axis: Sequence[float] | Callable | None = None
 
     def __post_init__(self):
         if self.material is None and isinstance(self.section, Plate):
@@ -127,7 +134,12 @@ class Shell:
         if self.discrete.cell != cell:
             raise ValueError(f"Shell: form {self.form!r} needs a mesh of {self.discrete.cell.name} cells, "
                              f"this one has {cell.name} cells")
-        require_law("Shell", self.section_law, self.section.stiffness(self.material), 9)
+        stiffness = self.section.stiffness(self.material)
+        require_law("Shell", self.section_law, stiffness, 9)
+        if self.axis is None and not stiffness.isotropic:
+            raise ValueError(f"Shell: axis is None, but the stiffness of its {type(self.section).__name__} differs by "
+                             "direction; give the direction of its first axis, as axis=(1, 0, 0)")
+        _ = self._axis
 
     @cached_property
     def section_law(self):
@@ -145,7 +157,12 @@ class Shell:
 
     def frame(self) -> forms.shell.SurfaceFrame:
         """Reference frame with normals interpolated at the nodes of each cell."""
-        return surface_frame(self.mesh.domain)
+        return surface_frame(self.mesh.domain, self._axis)
+
+    @cached_property
+    def _axis(self) -> fem.Function | None:
+        """The first axis of each cell, where it is given."""
+        return None if self.axis is None else first_axis(self.mesh, self.axis)
 
     def measure(self):
         """Integral over the shells, for loads."""
@@ -173,14 +190,45 @@ class Shell:
         return Internal([term], self.mesh.domain, self.mesh.group(self.group))
 
 
-def surface_frame(domain) -> forms.shell.SurfaceFrame:
+def surface_frame(domain, axis=None) -> forms.shell.SurfaceFrame:
     """Frame of a surface with its normals interpolated at the nodes of each cell.
 
     Its axes follow those of each cell's middle, so that constant strains have constant components wherever a cell is
     flat.
+
+    Parameters
+    ----------
+    axis : UFL vector, the first axis of each cell's middle; None: along its first edge
     """
+    normal = forms.shell.unit_normal(domain)
     if domain.basix_cell() == TRIANGLE and geometry_degree(domain) == 1:
-        return forms.shell.surface_frame(domain)
-    tangent, normal = forms.shell.unit_tangent(domain), forms.shell.unit_normal(domain)
-    return forms.shell.surface_frame(domain, cellwise(domain, normal),
-                                     (cellwise(domain, tangent, 0), cellwise(domain, normal, 0)))
+        return forms.shell.surface_frame(domain, middle=None if axis is None else (axis, normal))
+    first = cellwise(domain, forms.shell.unit_tangent(domain), 0) if axis is None else axis
+    return forms.shell.surface_frame(domain, cellwise(domain, normal), (first, cellwise(domain, normal, 0)))
+
+
+def first_axis(mesh: NamedMesh, axis: Sequence[float] | Callable) -> fem.Function:
+    """Unit vectors of a direction along the middle of each cell.
+
+    Parameters
+    ----------
+    axis : see `Shell`
+
+    Raises
+    ------
+    ValueError
+        If it is along the normal of a cell, or no vector in space.
+    """
+    domain = mesh.domain
+    direction = axis(ufl.SpatialCoordinate(domain)) if callable(axis) else fem.Constant(domain, np.array(axis, float))
+    if direction.ufl_shape != (3,):
+        raise ValueError(f"Shell: axis has the shape {direction.ufl_shape}; give a vector with three components")
+    projected = cellwise(domain, forms.shell.along_surface(direction, forms.shell.unit_normal(domain)), 0)
+    values, given = projected.x.array.reshape(-1, 3), cellwise(domain, direction, 0).x.array.reshape(-1, 3)
+    sizes, whole = (np.linalg.norm(v, axis=1, keepdims=True) for v in (values, given))
+    wrong = np.flatnonzero(~(sizes > ALONG_NORMAL * whole))
+    if domain.comm.allreduce(len(wrong)):
+        raise ValueError("Shell: axis is along the normal of the surface, or zero, in "
+                         f"{domain.comm.allreduce(len(wrong))} cells; give a direction along the surface")
+    values /= sizes
+    return projected

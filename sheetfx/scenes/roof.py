@@ -5,6 +5,7 @@ A thickness of 12.7 snaps through, one of 6.35 snaps back as well.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated
 
 from typer import Option
@@ -13,11 +14,13 @@ from ..case import Case
 from ..continuation.control import ArcLength
 from ..model.loads import PointForce
 from ..model.plate import Plate
-from ..model.section import Elastic
 from ..model.shell import Shell
 from ..model.supports import Support, symmetry
 from ..path import Until
+from ..record import Record
+from ..show.plastic import plastic_zones
 from ._benchmark import Cells, FirstArc, Form, Published, Reading, benchmark, cylinder, members
+from ._plastic import Hardening, Yield, material, plastic_quantities, yield_events
 from .lee_frame import quantities
 
 RADIUS, LENGTH, HALF_ANGLE = 2540.0, 508.0, 0.1
@@ -52,12 +55,24 @@ def case(
     thickness: Annotated[float, Option(help="of the roof in mm; 12.7 and 6.35 are published")] = 12.7,
     to: Annotated[float, Option(help="deflection of the crown in mm at which the path ends")] = 30.0,
     step: FirstArc = 0.02,
+    yield_stress: Yield = None,
+    hardening: Hardening = 0.0,
 ) -> Case:
-    """Hinged roof: limit points of the force on the whole roof, of which a quarter is modelled."""
+    """Hinged roof: limit points of the force on the whole roof, of which a quarter is modelled.
+
+    With a yield stress also first yield and the share of the volume that has flowed at the limits.
+    """
     mesh = cylinder(form, (cells, cells), RADIUS, LENGTH / 2, HALF_ANGLE, {"crown": (0, 0)})
-    return benchmark(
-        Shell(mesh, Plate(thickness), Elastic(3102.75, 0.3), form=form),
+    case = benchmark(
+        Shell(mesh, Plate(thickness), material(3102.75, 0.3, yield_stress, hardening), form=form),
         [symmetry(mesh, "west", "x"), symmetry(mesh, "south", "y"), Support(mesh, "north", "x y z")],
         [PointForce(mesh, "crown", (0.0, 0.0, -0.25))], READINGS, ("deflection of the crown (mm)", "force (N)"),
-        symmetry_factor=4, control=ArcLength(step=step), until=Until(deflection=to), published=PUBLISHED.get(thickness),
-        quantities=quantities)
+        symmetry_factor=4, control=ArcLength(step=step, largest=2.0 if yield_stress else 8.0),
+        until=Until(deflection=to), published=None if yield_stress else PUBLISHED.get(thickness),
+        quantities=_quantities)
+    pictures = [*case.pictures, *([plastic_zones] if yield_stress else [])]
+    return replace(case, events=yield_events(case.scene), pictures=pictures)
+
+
+def _quantities(record: Record) -> dict[str, float]:
+    return quantities(record) | plastic_quantities(record)

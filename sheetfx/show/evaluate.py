@@ -10,9 +10,9 @@ import ufl
 from dolfinx import fem
 from mpi4py import MPI
 
-from ..compat import JIT
 from ..continuation.state import CriticalPoint, State
 from ..discrete.contact import ContactFields, ContactState
+from ..jit import compiled_expression
 from ..mesh.reader import NamedMesh
 from ..record import Record
 
@@ -80,7 +80,7 @@ class Curves:
             x = ufl.SpatialCoordinate(mesh.domain)
             u = displacements[mesh] if displacements else discretisation.kinematics(mesh).u
             both = [*x, *(x + u)]
-            self._parts.append((mesh, fem.Expression(ufl.as_vector(both), points, jit_options=JIT)))
+            self._parts.append((mesh, compiled_expression(ufl.as_vector(both), points)))
 
     def evaluate(self) -> tuple[np.ndarray, np.ndarray] | None:
         """Undeformed and current places, each (cells, points, 3), on process 0; None elsewhere."""

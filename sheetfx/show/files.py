@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path as Folder
 
 import numpy as np
@@ -9,19 +10,22 @@ import ufl
 from dolfinx import fem, la
 from dolfinx.io import VTKFile
 
-from ..compat import JIT, interpolation_points
+from ..compat import interpolation_points
 from ..discrete.kinematics import Kinematics
+from ..jit import compiled_expression
 from ..mesh.reader import NamedMesh
 from ..record import Record
 from .evaluate import last_state_kept
+from .plastic import largest_strain, mean_share, of_cells, plastic_parts
 
 
 def paraview(record: Record, folder: Folder) -> None:
     """Write path.pvd: displacement and, but for bars, rotation of all states, with the step as time.
 
     Both have three components: a planar rotation is an angle about z, a spatial one the rotation
-    vector (radians, below a full turn), averaged where cells disagree. A scene of several meshes gets
-    path.pvd, path1.pvd and so on.
+    vector (radians, below a full turn), averaged where cells disagree. Plastic parts add the largest equivalent
+    plastic strain of each cell, and the share of its volume that has flowed. A scene of several meshes gets path.pvd,
+    path1.pvd and so on.
     """
     with last_state_kept(record):
         for i, mesh in enumerate(record.case.scene.meshes):
@@ -36,10 +40,11 @@ def _write(record: Record, mesh: NamedMesh, file: Folder) -> None:
     if kinematics.rotation is not None:
         values["rotation"] = _rotation_vector(mesh, kinematics)
     points = interpolation_points(space)
-    expressions = [fem.Expression(v, points, jit_options=JIT) for v in values.values()]
+    expressions = [compiled_expression(v, points) for v in values.values()]
     share = fem.Function(space)
     _add(share, np.ones((*space.dofmap.list[mesh.group(None)].shape, 3)), mesh)
     functions = [fem.Function(space, name=name) for name in values]
+    plastic = _plastic_fields(record, mesh)
     with VTKFile(mesh.domain.comm, file, "w") as stream:
         for state in record.states:
             record.show(state)
@@ -47,7 +52,19 @@ def _write(record: Record, mesh: NamedMesh, file: Folder) -> None:
                 function.x.array[:] = 0
                 _add(function, expression.eval(mesh.domain, mesh.group(None)), mesh)
                 function.x.array[:] /= share.x.array
-            stream.write_function(functions, float(state.step))
+            for function, take in plastic.items():
+                function.x.array[mesh.group(None)] = of_cells(record, mesh, take)
+                function.x.scatter_forward()
+            stream.write_function([*functions, *plastic], float(state.step))
+
+
+def _plastic_fields(record: Record, mesh: NamedMesh) -> dict[fem.Function, Callable]:
+    """Functions with one value for each cell, and what they take from plastic parts; none where there are no such."""
+    if not plastic_parts(record, mesh):
+        return {}
+    space = fem.functionspace(mesh.domain, ("DG", 0))
+    takes = {"equivalent plastic strain": largest_strain, "share that has flowed": mean_share}
+    return {fem.Function(space, name=name): take for name, take in takes.items()}
 
 
 def _add(function: fem.Function, values: np.ndarray, mesh: NamedMesh) -> None:

@@ -88,7 +88,7 @@ def shapes(record: Record, folder: Folder, name: str = "shape.png") -> None:
 def _draw_surfaces(record: Record, file: Folder) -> None:
     views = []
     with last_state_kept(record):
-        for state, label, _, _ in _choose(record, MOST_VIEWS - 1):
+        for state, label, _, _ in states_to_draw(record, MOST_VIEWS - 1):
             record.show(state)
             lines = label.split("; ")
             views.append(view(record, "\n".join(lines if len(lines) > 1 else label.split(": ", 1))))
@@ -102,7 +102,7 @@ def _collect(record: Record) -> tuple[np.ndarray | None, list[Shape]]:
     obstacles = list(dict.fromkeys(c.obstacle for c in record.case.scene.contacts))
     undeformed, drawn = None, []
     with last_state_kept(record):
-        for state, label, colour, critical in _choose(record):
+        for state, label, colour, critical in states_to_draw(record):
             record.show(state)
             shifts = [(o, travel(record, o)) for o in obstacles]
             contacts, cells = points.evaluate(), curves.evaluate()
@@ -112,7 +112,7 @@ def _collect(record: Record) -> tuple[np.ndarray | None, list[Shape]]:
     return undeformed, drawn
 
 
-def _choose(record: Record, most: int = len(COLOURS)) -> list[tuple[State, str, str, bool]]:
+def states_to_draw(record: Record, most: int = len(COLOURS)) -> list[tuple[State, str, str, bool]]:
     """States to draw: label, colour and whether each belongs to a critical point."""
     length, force = (unit_of(a) for a in record.case.axes)
     still = stays(record.states)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 import ufl
-from dolfinx import fem
 
-from ..compat import JIT
+from ..jit import compiled_expression
 from ..mesh.reader import NamedMesh
 from ..model.shell import TRIANGLE
 from ..record import Record
@@ -27,20 +26,27 @@ class Surface:
     undeformed, current : (n, 3)
     faces : (m, 3), triangles by the numbers of their places
     borders : (c, p), places around each cell
+    values : (n,), what the surface is coloured by; None: the size of the displacement
     """
 
     undeformed: np.ndarray
     current: np.ndarray
     faces: np.ndarray
     borders: np.ndarray
+    values: np.ndarray | None = None
+
+    @property
+    def colours(self) -> np.ndarray:
+        """Numbers at the places that are drawn as colours."""
+        return np.linalg.norm(self.current - self.undeformed, axis=1) if self.values is None else self.values
 
     def mesh(self, places: np.ndarray):
-        """A pyvista mesh of places of this surface, common places of cells merged, with the displacement."""
+        """A pyvista mesh of places of this surface, common places of cells merged, with displacement and colours."""
         import pyvista
 
         triangles = np.column_stack([np.full(len(self.faces), 3), self.faces]).ravel()
         mesh = pyvista.PolyData(places, triangles)
-        mesh["displacement"] = self.current - self.undeformed
+        mesh["displacement"], mesh["colours"] = self.current - self.undeformed, self.colours
         return mesh.clean(tolerance=1e-7)
 
     def edges(self, places: np.ndarray):
@@ -51,25 +57,29 @@ class Surface:
         return pyvista.PolyData(places, lines=lines)
 
 
-def surfaces(record: Record, displacements: Mapping[NamedMesh, object] | None = None) -> list[Surface] | None:
+def surfaces(record: Record, displacements: Mapping[NamedMesh, object] | None = None,
+             values: Callable[[NamedMesh, np.ndarray], np.ndarray] | None = None) -> list[Surface] | None:
     """The surfaces of all meshes with the current fields, on process 0; None elsewhere.
 
     Parameters
     ----------
     displacements : for each mesh a displacement to use instead of the current one (Function or UFL vector)
+    values : function of a mesh and points of the reference cell, with what its cells are coloured by, (cells, points)
     """
     comm, found = communicator(record), []
     for mesh in _surface_models(record):
         u = displacements[mesh] if displacements else record.path.discretisation.kinematics(mesh).u
         points, faces, border = _lattice(mesh.domain.basix_cell() == TRIANGLE)
         x = ufl.SpatialCoordinate(mesh.domain)
-        expression = fem.Expression(ufl.as_vector([*x, *(x + u)]), points, jit_options=JIT)
+        expression = compiled_expression(ufl.as_vector([*x, *(x + u)]), points)
         gathered = comm.gather(expression.eval(mesh.domain, mesh.group(None)).reshape(-1, len(points), 2, 3))
+        colours = None if values is None else comm.gather(values(mesh, points))
         if gathered is not None:
             table = np.concatenate(gathered)
             first = len(points) * np.arange(len(table))[:, None]
             undeformed, current = table.reshape(-1, 2, 3).transpose(1, 0, 2)
-            found.append(Surface(undeformed, current, (first[:, :, None] + faces).reshape(-1, 3), first + border))
+            found.append(Surface(undeformed, current, (first[:, :, None] + faces).reshape(-1, 3), first + border,
+                                 None if colours is None else np.concatenate(colours).ravel()))
     return found if comm.rank == 0 else None
 
 

@@ -23,11 +23,12 @@ PREFERENCE, SHALLOW, RISE = 1.1, 0.12, 0.3
 
 @dataclass
 class View:
-    """A state to draw: its title, surfaces, and beams (cells, points, 3)."""
+    """A state to draw: its title, surfaces, and beams (cells, points, 3) with what colours them, if anything."""
 
     title: str
     surfaces: list[Surface]
     beams: np.ndarray | None
+    beam_values: np.ndarray | None = None
 
     @property
     def places(self) -> np.ndarray:
@@ -43,8 +44,8 @@ def view(record: Record, title: str) -> View | None:
     return None if found is None else View(title, found, None if curves is None else curves[1])
 
 
-def draw_views(record: Record, views: list[View], file: Folder) -> None:
-    """Draw states, surfaces coloured by the size of displacement; needs an X server."""
+def draw_views(record: Record, views: list[View], file: Folder, meaning: str = "") -> None:
+    """Draw states, surfaces coloured by the size of displacement or what `meaning` says; needs an X server."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
@@ -52,7 +53,7 @@ def draw_views(record: Record, views: list[View], file: Folder) -> None:
 
     camera = Camera(views)
     columns, rows = camera.fit(len(views))
-    norm = Normalize(0, max(np.linalg.norm(s.current - s.undeformed, axis=1).max() for v in views for s in v.surfaces))
+    norm = Normalize(0, max(s.colours.max() for v in views for s in v.surfaces) or 1.0)
     figure = Figure(figsize=SIZE / DPI, dpi=DPI)
     FigureCanvasAgg(figure)
     cell = np.array([SIZE[0] - BAR, SIZE[1] - BOTTOM]) // (columns, rows)
@@ -66,7 +67,7 @@ def draw_views(record: Record, views: list[View], file: Folder) -> None:
     bar_axes = figure.add_axes((1 - 0.7 * BAR / SIZE[0], 0.2, 0.015, 0.6))
     bar = figure.colorbar(ScalarMappable(norm, COLOUR_MAP), cax=bar_axes)
     unit = unit_of(record.case.axes[0])
-    bar.set_label(f"displacement ({unit})" if unit else "displacement", fontsize=13)
+    bar.set_label(meaning or (f"displacement ({unit})" if unit else "displacement"), fontsize=13)
     bar.ax.tick_params(labelsize=11)
     symmetry_factor = record.case.scene.symmetry_factor
     notes = [f"one of {symmetry_factor} equal parts" if symmetry_factor > 1 else "", "grey: edges before deformation",
@@ -154,14 +155,19 @@ def _render(shown: View, camera: Camera, norm) -> np.ndarray:
     for surface in shown.surfaces:
         outline = surface.mesh(camera.place(surface.undeformed)).extract_feature_edges(feature_angle=FOLD)
         plotter.add_mesh(outline, color=OUTLINE, line_width=1.2 * OVERSAMPLING, lighting=False)
-        plotter.add_mesh(surface.mesh(camera.place(surface.current)), scalars="displacement", cmap=COLOUR_MAP,
+        plotter.add_mesh(surface.mesh(camera.place(surface.current)), scalars="colours", cmap=COLOUR_MAP,
                          clim=(norm.vmin, norm.vmax), show_scalar_bar=False, smooth_shading=True,
                          split_sharp_edges=True, feature_angle=FOLD, ambient=0.35, specular=0.1)
         if len(surface.borders) <= MOST_CELLS_WITH_EDGES:
             plotter.add_mesh(surface.edges(camera.forward(surface.current)), color=LINE, opacity=0.5,
                              line_width=0.6 * OVERSAMPLING, lighting=False)
     if shown.beams is not None:
-        plotter.add_mesh(lines(camera.forward(shown.beams)), color=BEAM, line_width=4 * OVERSAMPLING, lighting=False)
+        mesh, colours = lines(camera.forward(shown.beams)), {"color": BEAM}
+        if shown.beam_values is not None:
+            mesh["colours"] = shown.beam_values.ravel()
+            colours = {"scalars": "colours", "cmap": COLOUR_MAP, "clim": (norm.vmin, norm.vmax),
+                       "show_scalar_bar": False}
+        plotter.add_mesh(mesh, line_width=4 * OVERSAMPLING, lighting=False, **colours)
     camera.aim(plotter)
     image = plotter.screenshot(return_img=True)
     plotter.close()

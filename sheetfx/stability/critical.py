@@ -18,13 +18,14 @@ from .crossings import EXACT, REACHES, Crossing, pass_zero, unresolved
 from .koiter import postbuckling
 from .turning import turning_loads
 
-SAME = 3e-7  # relative difference of loads of one multiple point
+SAME = 3e-6  # relative difference of loads of one multiple point, which rounding of a mesh can split by
 TOGETHER = 1e-3  # of a step, distance of the crossings of one multiple point
 CROWDED = 4  # bifurcations, more of which are too many for one step
 CLUSTER = 0.01  # relative difference of the loads of a step that may hold any number
 SHORTEST = 1 / 64  # of a step, piece that must be explained
 SINGULAR = 0.05  # eigenvalues of a bifurcation, over those nearest to zero at the ends of the step
 EXACTLY, ROUGHLY = 1e-12, 1e-6  # relative error of the load at a limit point, and where that may be a return
+AGREE = 0.01  # of the load that a step adds, difference between two interpolations of a bifurcation's load
 ONWARD = 0.1  # rate of a displacement at a limit point, over the larger one beside it
 STATIONARY = 1e-3  # load rate at a limit point, over those where it is looked for
 
@@ -68,19 +69,11 @@ def locate(tracer, earlier: State | None, before: State, after: State,
     crossings = _bifurcations(segment, [length for s, length, _ in limits if s is segment])
     crossings += [_return(segment, length) for length in returns]
     points += [_bifurcation(segment, cluster) for cluster in _clusters(crossings, TOGETHER * after.length)]
-    if segment.guarded and not limits and any(_is_off(point, before, after) for point in points):
-        raise Jump("a bifurcation is found at a load that the step does not pass")
     for other in others:
         points += other(segment)
     if tracer.state is not after:
         tracer.back_to(after)
     return tuple(sorted(points, key=lambda p: (p.step, p.length)))
-
-
-def _is_off(point: CriticalPoint, before: State, after: State) -> bool:
-    """Whether a point's load is farther from those of the states around it than these are from each other."""
-    rise = abs(after.load - before.load)
-    return not min(before.load, after.load) - rise <= point.load <= max(before.load, after.load) + rise
 
 
 def step_of(who: str, states: Sequence[State], point: CriticalPoint, size: int) -> tuple[State, State]:
@@ -224,7 +217,7 @@ def _stationary(segment: Segment, length: float, count: int) -> Crossing:
 
 def _limit(segment: Segment, length: float, rising: bool) -> CriticalPoint:
     state = segment.states[length]
-    return CriticalPoint("limit", state.load, state.deflection, state.step, float(length),
+    return CriticalPoint("limit", state.load, state.deflection, state.step, float(length or state.length),
                          name="maximum" if rising else "minimum")
 
 
@@ -293,6 +286,15 @@ def _clusters(crossings: list[Crossing], near: float) -> list[list[Crossing]]:
     return clusters
 
 
+def _agree(segment: Segment, state: State, crossing: Crossing) -> bool:
+    """Whether a crossing has the load of a state there: one comes from tangents of other states, one from states alone.
+
+    Where a path turns onto another one nearby, states that look like neighbours are not, and their tangents lead away.
+    """
+    rise = np.ptp([s.load for s in segment.states.values()])
+    return abs(state.load - crossing.load) <= AGREE * rise + EXACT * abs(state.load)
+
+
 def _bifurcation(segment: Segment, crossings: list[Crossing]) -> CriticalPoint:
     """A simple or multiple bifurcation, classified.
 
@@ -312,6 +314,8 @@ def _bifurcation(segment: Segment, crossings: list[Crossing]) -> CriticalPoint:
         if segment.guarded:
             raise Jump("the state of a bifurcation does not converge") from None
         return point
+    if segment.guarded and not _agree(segment, state, first):
+        raise Jump("the load at a bifurcation is not that of the path around it")
     values, modes = segment.spectrum(first.length, count)
     tracer.factorise_at(state)
     nearest = np.argsort(np.abs(values))[:count]

@@ -99,7 +99,9 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
 
 
 def _load_change(segment: Segment, near: float, change: float) -> float:
-    """Relative change of the load within a small length."""
+    """Relative change of the load within a small length; infinite where no root has been found."""
+    if np.isinf(change):
+        return np.inf
     size = max(abs(segment[near].factor), abs(segment.after.load_increment))
     return segment.load_change(segment[near], change) / size
 

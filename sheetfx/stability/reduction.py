@@ -7,7 +7,8 @@ With the m null vectors Phi of the tangent at the bifurcation, a direction c of 
 has one solution (x, factor, t) near the bifurcation (Lyapunov and Schmidt's reduction; Golubitsky and Schaeffer 1985,
 chapter VII). W holds the weights of the scaled inner product, Phi^ the vectors dual to Phi that are orthogonal to the
 path on which the bifurcation lies, so that this path has amplitude zero. Where the forces t vanish, the solution is an
-equilibrium.
+equilibrium. Where points have yielded they hold for the structure itself, not for its comparison solid: the load rises
+along a branch in proportion to the amplitude, so that nothing unloads at first (Shanley 1947; Hutchinson 1974).
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from ..continuation.state import State
 
 ITERATIONS = 12
 CONVERGED = 1e-7  # last correction over the amplitude; with Newton's method the next one is its square
-NEAR = 0.02  # change of load between bifurcation and solution, over the load
+NEAR, NEAR_YIELDED = 0.02, 0.2  # change of load between bifurcation and solution, over the load
 
 
 class NoSolution(ArithmeticError):
@@ -83,6 +84,7 @@ class Reduction:
         self.measures = self._measures(after.increment)
         self.size = max(abs(self.bifurcation.factor), abs(after.load_increment))
         self.springs = self._pivots()
+        self._yielded = self.system.history.moved
         self._residual, self._load = self.system.create_vector(), self.system.create_vector()
 
     def _measures(self, along: np.ndarray) -> list[PETSc.Vec]:
@@ -136,7 +138,7 @@ class Reduction:
         ------
         NoSolution
         """
-        with self.system.additive_increments():
+        with self.system.additive_increments(frozen=not self._yielded):
             return self._iterated(direction, amplitude, free)
 
     def _iterated(self, direction: np.ndarray, amplitude: float, free: bool) -> Solution:
@@ -159,7 +161,7 @@ class Reduction:
             system.load(self._load)
             self._residual.axpy(-1.0, self.combined(self.weighted, forces))
             if taken <= CONVERGED * amplitude:
-                if abs(load_increment) > NEAR * self.size:
+                if abs(load_increment) > (NEAR_YIELDED if self._yielded else NEAR) * self.size:
                     break
                 return Solution(x.array.copy(), load_increment, forces, iteration)
             missing = amplitudes - [measure.dot(x) for measure in measures]
@@ -171,7 +173,7 @@ class Reduction:
             taken = self.tracer.distance(0.0, step.array)
             if not taken <= allowed:
                 break
-            allowed = taken / 2
+            allowed = np.inf if self._yielded else taken / 2
         raise NoSolution
 
     def combined(self, vectors: Sequence[PETSc.Vec], factors) -> PETSc.Vec:

@@ -10,8 +10,8 @@ from scipy.integrate import solve_bvp
 from scipy.interpolate import CubicSpline
 from test_mode_references import loads, zeros
 
+from sheetfx.model.laminate import Laminate, Ply
 from sheetfx.studies.traps import TRAPS
-from sheetfx.studies.traps.plates import layers
 
 WAVES = range(1, 20)
 
@@ -31,7 +31,7 @@ def test_angle_ply():
 
     Without coupling the first load would be twice as large.
     """
-    stiffness = layers((45.0, -45.0), 1.0, 1.0)
+    stiffness = Laminate([Ply(0.5, angle, 10.0, 1.0, 0.25, 0.5) for angle in (45.0, -45.0)]).stiffness()
     a, b, d = (np.array(block) for block in (stiffness.membrane, stiffness.coupling, stiffness.bending))
     assert np.allclose(a[:2, 2], 0) and np.allclose(d[:2, 2], 0) and np.allclose(b[:2, :2], 0)
 
@@ -51,7 +51,7 @@ def test_angle_ply():
 
 def test_layers_of_one_material_are_a_plate():
     """E = 2, nu = 0.25 and G = E / 2 / (1 + nu) in two layers at any angles."""
-    one = layers((20.0, -70.0), 0.1, 2.0, ratio=1.0, shear=0.4)
+    one = Laminate([Ply(0.05, angle, 2.0, 2.0, 0.25, 0.8) for angle in (20.0, -70.0)]).stiffness()
     plane = 2 / (1 - 0.25**2) * np.array([[1, 0.25, 0], [0.25, 1, 0], [0, 0, 0.375]])
     assert np.allclose(one.membrane, 0.1 * plane) and np.allclose(one.bending, 0.1**3 / 12 * plane)
     assert np.allclose(one.coupling, 0.0, atol=1e-12)

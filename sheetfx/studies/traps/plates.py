@@ -7,17 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import partial
-from math import cos, pi, radians, sin
-
-import numpy as np
+from math import pi
 
 from ... import meshes
 from ...case import Case
 from ...continuation.control import LoadControl
 from ...mesh.reader import NamedMesh, read
 from ...model.joints import Uniform
+from ...model.laminate import Laminate, Ply
 from ...model.loads import EdgeForce
-from ...model.plate import GivenPlate, Plate, ShellStiffness
+from ...model.plate import Plate
 from ...model.scene import Monitor, Scene
 from ...model.section import Elastic
 from ...model.shell import Shell
@@ -51,36 +50,12 @@ def simply_supported(aspect: float, cells: tuple[int, int], to: float, loaded_ed
                       Monitor(mesh, "south-east", "x", -1.0)), LoadControl(step=step, target=to))
 
 
-def layers(angles: tuple[float, ...], thickness: float, modulus: float, ratio: float = 10.0, shear: float = 0.5,
-           poisson: float = 0.25) -> ShellStiffness:
-    """Stiffness of equal layers of a material with fibres, from the lowest, by classical lamination theory.
-
-    Parameters
-    ----------
-    angles : of the fibres, degrees
-    modulus : E2, across the fibres
-    ratio, shear, poisson : E1 / E2, G12 / E2 and nu12
-    """
-    scale = 1 / (1 - poisson**2 / ratio)
-    own = modulus * np.array([[ratio * scale, poisson * scale, 0.0], [poisson * scale, scale, 0.0], [0.0, 0.0, shear]])
-    membrane, coupling, bending = np.zeros((3, 3, 3))
-    heights = thickness * (np.arange(len(angles) + 1) / len(angles) - 0.5)
-    for angle, low, high in zip(angles, heights[:-1], heights[1:], strict=True):
-        c, s = cos(radians(angle)), sin(radians(angle))
-        strains = np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
-        turned = strains.T @ own @ strains
-        membrane += turned * (high - low)
-        coupling += turned * (high**2 - low**2) / 2
-        bending += turned * (high**3 - low**3) / 3
-    across = 5 / 6 * modulus * shear * thickness
-    blocks = (tuple(map(tuple, block.tolist())) for block in (membrane, coupling, bending))
-    return ShellStiffness(*blocks, ((across, 0.0), (0.0, across)), modulus * shear * thickness)
-
-
 def angle_ply(aspect: float, cells: tuple[int, int], to: float, step: float = 1.0) -> Case:
     """Plate of two layers at 45 and -45 degrees: stretching twists it, but edges that stay straight keep it flat."""
     mesh = surface(FORM, cells, lambda x, y: (aspect * x, y, 0.0), {})
-    shell = Shell(mesh, GivenPlate(THICKNESS, layers((45.0, -45.0), THICKNESS, THICKNESS**-3)), form=FORM)
+    across = THICKNESS**-3
+    plies = [Ply(THICKNESS / 2, angle, 10 * across, across, 0.25, across / 2) for angle in (45.0, -45.0)]
+    shell = Shell(mesh, Laminate(plies), form=FORM, axis=(1.0, 0.0, 0.0))
     supports = [Support(mesh, "west", "x z rx"), Support(mesh, "east", "z rx"), Support(mesh, "south", "y z ry"),
                 Support(mesh, "north", "z ry")]
     scene = Scene([shell], supports, [EdgeForce(mesh, "east", (-1.0, 0.0, 0.0))],

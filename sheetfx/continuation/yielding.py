@@ -1,0 +1,39 @@
+"""The event at which a structure yields first."""
+
+from __future__ import annotations
+
+from mpi4py import MPI
+
+from ..discrete.plastic import is_plastic
+from ..model.scene import Scene
+from .events import Event
+from .state import State
+
+NAME = "first yield"
+NEAR = 1e-6  # of the yield stress
+
+
+def first_yield(scene: Scene) -> Event:
+    """Event at which the first point of a plastic part yields, in layers and fibres at their own places.
+
+    Until then strains are elastic, so that stresses follow from them; they go on growing where it has yielded.
+
+    Raises
+    ------
+    ValueError
+        For a scene without plastic parts.
+    """
+    laws = {f"history of part {n} 0": part.section_law for n, part in enumerate(scene.parts) if is_plastic(part)}
+    if not laws:
+        raise ValueError("first_yield: no part of the scene is plastic; give one an fx.Plastic material")
+    comm = scene.parts[0].mesh.domain.comm
+
+    def excess(state: State) -> float:
+        largest = 0.0
+        for name, law in laws.items():
+            kept = state.fields[name]
+            strains = kept[..., :kept.shape[2] - law.remembered].reshape(-1, kept.shape[2] - law.remembered)
+            largest = max(largest, float(law.elastic_utilisation(strains).max(initial=0.0)))
+        return comm.allreduce(largest, op=MPI.MAX) - 1
+
+    return Event(NAME, excess, NEAR)

@@ -1,0 +1,77 @@
+"""The cache of compiled forms stays sound where a process is killed while it compiles."""
+
+import os
+import signal
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import ufl
+from dolfinx.mesh import create_interval
+from mpi4py import MPI
+
+from sheetfx import jit
+
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+sys.path.insert(0, {tests!r})
+import ffcx.codegeneration.jit as ffcx
+from test_jit import expression, jit
+ffcx._compile_objects = lambda *_, **__: os.kill(os.getpid(), signal.SIGKILL)
+jit.OPTIONS["cache_dir"] = Path({cache!r})
+expression()
+"""
+
+
+def expression():
+    """Of an interval, compiled."""
+    domain = create_interval(MPI.COMM_SELF, 1, (0.0, 1.0))
+    return jit.compiled_expression(ufl.SpatialCoordinate(domain)[0] ** 2, np.array([[0.5]]))
+
+
+@pytest.fixture
+def cache(tmp_path, monkeypatch):
+    monkeypatch.setitem(jit.OPTIONS, "cache_dir", tmp_path)
+    monkeypatch.setitem(jit.OPTIONS, "timeout", 5)
+    return tmp_path
+
+
+def unfinished(cache):
+    return [f for f in cache.glob("libffcx_*.c") if not f.with_suffix(".c.cached").exists()]
+
+
+@pytest.fixture
+def left(cache, request):
+    """The kernel that a process was killed in."""
+    script = KILLED.format(tests=str(request.path.parent), cache=str(cache))
+    result = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=100)
+    assert result.returncode == -signal.SIGKILL, result.stderr
+    return unfinished(cache)[0]
+
+
+def test_kernel_that_a_process_was_killed_in_is_compiled_again(cache, left):
+    assert expression().eval(create_interval(MPI.COMM_SELF, 1, (0.0, 1.0)), np.array([0]))[0, 0] == pytest.approx(0.25)
+    assert left.with_suffix(".c.cached").exists()
+    assert not list((cache / jit.ANNOUNCED).iterdir())
+
+
+def test_kernel_that_was_left_long_ago_is_compiled_again(cache, left):
+    """By a process that told nobody of itself."""
+    for file in (cache / jit.ANNOUNCED).iterdir():
+        file.unlink()
+    os.utime(left, (0, 0))
+    assert expression() and left.with_suffix(".c.cached").exists()
+
+
+def test_kernel_that_a_process_is_at_is_left_alone(cache, left):
+    """Begun after this process announced itself, it may be this one's; when this one is done, it is nobody's."""
+    with jit._announced():
+        assert not left.exists()
+        left.touch()
+        (cache / jit.ANNOUNCED / "dead").touch()
+        with jit._announced():
+            assert left.exists()
+    with jit._announced():
+        assert not left.exists()

@@ -1,0 +1,102 @@
+"""Where structures have flowed: first yield, shares, pictures, files, and the scenes with a yield stress."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from helpers import follow, hinged_column, straight
+from test_plastic_paths import hinged_beam, pulled
+
+import sheetfx as fx
+from sheetfx.scenes import arch, plastic_cylinder, roof
+from sheetfx.show.files import paraview
+from sheetfx.show.plastic import plastic_zones
+
+
+def test_first_yield_and_strain_of_a_bar():
+    """It yields at s_y A; then strains are (s - s_y) / H, and all of it has flowed."""
+    scene = pulled(material=fx.Plastic(1e6, 0.3, yield_stress=1.0, hardening=1e3))
+    record = follow(scene, fx.LoadControl(step=0.3, target=1.5), events=[fx.first_yield(scene)])
+    (point,) = record.critical_points
+    assert (point.kind, point.name) == ("event", "first yield")
+    assert point.load == pytest.approx(1.0, rel=1e-5)
+    before = [s for s in record.states if s.load < 1.0][-1]
+    for state, share, strain in ((before, 0.0, 0.0), (record.states[-1], 1.0, 0.5 / 1e3)):
+        record.show(state)
+        found = record.plastic(scene.parts[0])
+        assert record.plastic_share() == share
+        assert found.share == pytest.approx(np.full_like(found.share, share))
+        assert found.strain == pytest.approx(np.full_like(found.strain, strain), rel=1e-4)
+        assert found.measure.sum() == pytest.approx(1.0)
+
+
+def test_first_yield_of_a_bent_beam():
+    """A cantilever under a moment at its tip: M = s_y W at the outermost of ten of Gauss's fibres, at 0.974 d / 2."""
+    mesh = straight(4)
+    beam = fx.Beam(mesh, fx.Rectangle(0.1, 0.1, points=10), fx.Plastic(1e3, 0.3, yield_stress=0.01))
+    scene = fx.Scene([beam], [fx.clamp(mesh, "base")], [fx.Moment(mesh, "tip", 1e-6)], fx.Monitor(mesh, "tip", "y"))
+    record = follow(scene, fx.LoadControl(step=0.7, target=2.1), events=[fx.first_yield(scene)])
+    (point,) = record.critical_points
+    outermost = np.polynomial.legendre.leggauss(10)[0][-1]
+    assert point.load == pytest.approx(0.01 * 0.1**3 / 6 / outermost, rel=1e-5)
+    record.show(record.states[-1])
+    share = record.plastic(beam).share
+    assert share == pytest.approx(np.full_like(share, share[0, 0])) and 0.1 < share[0, 0] < 1
+
+
+def test_what_is_not_plastic_is_named():
+    scene = hinged_column()
+    with pytest.raises(ValueError, match=r"first_yield: no part of the scene is plastic; give one an fx.Plastic"):
+        fx.first_yield(scene)
+    with pytest.raises(ValueError, match=r"Beam: has no plastic law; give it an fx.Plastic material"):
+        follow(scene, fx.LoadControl(step=1.0)).plastic(scene.parts[0])
+
+
+def test_zones_are_drawn_and_written(tmp_path):
+    """Hinges at both ends of half a beam, nothing in the middle; the same in the file for ParaView."""
+    from pyvista import read
+    record = follow(hinged_beam(kinematic=0.01), fx.DisplacementControl(step=1e-4), deflection=4e-4)
+    share = record.plastic(record.case.scene.parts[0]).share.mean(axis=1)
+    assert share[0] > 0.5 and share[-1] > 0.5 and not share[10:-10].any()
+    plastic_zones(record, tmp_path)
+    assert (tmp_path / "plastic.png").stat().st_size > 1e4
+    paraview(record, tmp_path)
+    last = read(sorted((tmp_path / "paraview").glob("path*.vtu"))[-1])
+    assert np.count_nonzero(last["share that has flowed"]) == np.count_nonzero(share)
+    assert last["equivalent plastic strain"].max() == pytest.approx(
+        record.plastic(record.case.scene.parts[0]).strain.max(), rel=1e-6)
+
+
+def test_arch_with_a_yield_stress():
+    """Its limit lies below that of the elastic arch, 129.8 N; what has flowed grows from first yield to the limits."""
+    record = fx.trace(case := arch.case(no_punch=True, elements=24, yield_stress=40.0, to=30.0))
+    values = case.quantities(record)
+    assert 0 < values["first_yield_load"] < values["limit_load"] < 120 and values["lowest_load"] > 30
+    assert 0 < values["plastic_share_at_limit"] < values["plastic_share_at_lower_limit"] < values["plastic_share"] < 0.5
+    (event,) = [p for p in record.critical_points if p.kind == "event"]
+    assert event.load == values["first_yield_load"]
+
+
+@pytest.mark.parametrize(("case", "options", "message"), [
+    (arch.case, {"yield_stress": 0.0}, "Plastic: yield_stress is 0.0; it must be positive"),
+    (arch.case, {"hardening": 1.0}, "hardening is 1.0, but there is no yield stress; add --yield"),
+    (arch.case, {"yield_stress": 1.0, "hardening": -8e4}, "at or below minus the modulus"),
+    (roof.case, {"cells": 1, "yield_stress": 1.0, "hardening": -1.0}, "layers of a shell need 0 or more"),
+    (plastic_cylinder.case, {"cells": 1, "layers": 1}, "Plate: points is 1; bending needs at least 2"),
+])
+def test_wrong_options_are_named(case, options, message):
+    with pytest.raises(ValueError, match=message):
+        case(**options)
+
+
+@pytest.mark.slow
+def test_roof_with_a_yield_stress(tmp_path):
+    """Through both limits; below the elastic roof's 2221 and 506 N. First yield by the elastic roof's own stresses."""
+    record = fx.trace(case := roof.case(form="naghdi-q2", cells=8, yield_stress=10.0))
+    values = case.quantities(record)
+    assert values["first_yield_load"] < values["limit_load"] < 2221 and values["lower_limit_load"] < 506
+    assert values["limit_load"] == pytest.approx(1953.7, rel=2e-3)  # steps four times as short
+    assert values["lower_limit_load"] == pytest.approx(347.4, rel=1e-2)
+    assert 0 < values["plastic_share_at_limit"] < values["plastic_share_at_lower_limit"] < values["plastic_share"]
+    plastic_zones(record, tmp_path)
+    assert (tmp_path / "plastic.png").exists()
