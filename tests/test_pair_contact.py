@@ -7,8 +7,10 @@ import pytest
 from helpers import distance, move_at_random, tangents
 
 import sheetfx as fx
+from sheetfx.continuation.state import State
 from sheetfx.discrete.discretisation import Discretisation
 from sheetfx.discrete.pair_work import pairs_of
+from sheetfx.studies.traps import TRAPS
 
 SECTION = {"section": fx.Rectangle(0.1, 0.1), "material": fx.Elastic(1.2e6, 0.0)}
 
@@ -111,6 +113,54 @@ def test_slides_over_cells_without_a_jolt(arm, depth, step, wavers):
     assert np.ptp(forces) < wavers * forces.mean()
     assert np.abs(np.diff(forces)).max() < 0.12 * step * forces.mean()
     assert forces.mean() == pytest.approx(depth * spring, rel=5e-3)
+
+
+@pytest.mark.slow
+def test_strip_pressed_on_a_bar():
+    """Half of a strip that is pressed through a gap g onto a rigid bar by a load q: force and length of contact.
+
+    Where it touches it is straight; before that it is a beam without moments at its ends whose slope at
+    the contact is zero, so that its length a has a^4 = 24 EI g / q. Contact has the pressure q, and the force q a / 2
+    at its end. From forces of pairs the length is found by their moment about the middle. (The strip's shear makes
+    3e-6, the contact's stiffness 2e-4.)
+    """
+    half, free, gap, cells = 0.5, 0.25, 1e-3, 50
+    load = 24 * gap / free**4
+    strip = line(cells, (0.0, 0.1), (half, 0.1))
+    nodes = {f"n{i}": (half * i / 8, 0.0) for i in range(9)}
+    bar = fx.read(lambda: fx.meshes.frame(nodes, {f"m{i}": (f"n{i}", f"n{i + 1}", 1) for i in range(8)}), 2)
+    thin = fx.Beam(strip, fx.Rectangle(1.0, 0.01), fx.Elastic(12e6, 0.0), shear_rigidity=100.0)
+    contact = fx.PairContact(strip, "bar", (bar, None), reach=0.1, gap=gap, stiffness=1e8)
+    scene = fx.Scene(
+        [thin, fx.Beam(bar, fx.Rectangle(1.0, 1.0), fx.Elastic(1e5, 0.0))],
+        [fx.Support(strip, "start", "y"), fx.Support(strip, "end", "x rz"),
+         *(fx.Support(bar, n, "x y rz") for n in nodes)],
+        [fx.LineForce(thin, (0.0, -load))], fx.Monitor(strip, "end", "y", -1.0), joints=[contact])
+    pairs = fx.trace(fx.Case(scene, fx.LoadControl(0.25))).pairs(contact)
+    forces = pairs.weight * pairs.pressure
+    assert forces.sum() == pytest.approx(load * (half - free / 2), rel=2e-3)
+    moment = float(forces @ (half - pairs.position[:, 0]))
+    assert 2 * moment / (load * half) == pytest.approx(half - free, rel=2e-3)
+    touching = pairs.position[pairs.status != "open", 0]
+    assert touching.min() == pytest.approx(free, abs=2 * half / cells)
+
+
+def test_run_killed_as_it_slides_resumes_to_the_same_path(tmp_path):
+    case = TRAPS["contact-stick-slip"].case()
+    whole = fx.trace(case)
+    contact, middle = case.scene.joints[0], len(whole.states) // 2
+    whole.show(whole.states[middle])
+    assert whole.pairs(contact).status == "slip"
+    kept = []
+    for state in whole.states[: middle + 1]:
+        state.save(tmp_path / "state.npz")
+        kept.append(State.load_from(tmp_path / "state.npz"))
+    again = TRAPS["contact-stick-slip"].case()
+    rest = list(fx.Path(again.scene, again.control, again.until, start=kept))
+    assert [s.step for s in rest][-1] == whole.states[-1].step
+    for state in rest:
+        assert state.load == pytest.approx(whole.states[state.step].load, rel=1e-9)
+        assert state.deflection == pytest.approx(whole.states[state.step].deflection, rel=1e-9)
 
 
 @pytest.mark.parametrize("how, message", [

@@ -26,6 +26,7 @@ CLOSE = 0.02  # of the distance between its neighbours, by which a state misses 
 STATIONARY = 6  # interpolations of the load, after which a stationary one is looked for without them
 NOISY = 1e-9  # relative change of the load, below which rounding may keep a stationary one from being told better
 STRAY = 0.3  # of the distance between its neighbours, by which a state may miss their interpolation
+CORNERED = 0.6  # the same with contact: the path may bend by a right angle between them
 
 
 class Jump(ArithmeticError):
@@ -233,12 +234,14 @@ class Segment:
         distance, off = self.distance(left, right), state.load_increment - guess[0]
         if self.wavering:
             rates = [abs(self.states[s].load_rate) for s in (left, right)]
-            if abs(off) > STRAY * distance * max(rates):
+            if abs(off) > CORNERED * distance * max(rates):
                 return True
         elif not self.guarded:
             return False
         off = self._off(state, guess)
-        return off > STRAY * distance and (self.wavering or off > 10 * self.uncertainty(state))
+        if self.wavering:
+            return off > CORNERED * distance
+        return off > STRAY * distance and off > 10 * self.uncertainty(state)
 
     def _off(self, state: State, guess: tuple[float, np.ndarray]) -> float:
         """Distance of a state from where it was expected."""

@@ -75,7 +75,7 @@ def case(
                                       "(`butt`), or `both`")] = "both",
     weld: Annotated[float, Option(help="length of the welds from each corner of a panel along its edges, mm")] = 200.0,
     gap: Annotated[float, Option(help="initial gap, mm")] = 0.1,
-    friction: Annotated[float, Option(help="Coulomb's coefficient; with it steps may not converge")] = 0.0,
+    friction: Annotated[float, Option(help="Coulomb's coefficient of contact")] = 0.0,
     pairs: Annotated[int | None, Option(help="of points along each edge; default three in each piece of cells")] = None,
     stiffness: Annotated[float | None, Option(help="of a pair, N/mm, or without --pairs of contact, N/mm for each mm "
                                                    "of edge; default by the panels' own")] = None,

@@ -9,13 +9,15 @@ import numpy as np
 from ..continuation.segment import Segment
 from ..continuation.state import State
 
-SEARCHED, RESOLUTION = 6, 0.02  # states at which the load is searched, and part of a step that they are apart
+SEARCHED, RESOLUTION = 12, 0.02  # states at which the load is searched, and part of a step that they are apart
+SHARP = 1e-3  # change of load between two states by the lower one of their rates, over the load, at a corner
 
 
 def turning_loads(segment: Segment, earlier: State | None) -> list[tuple[Segment, float, bool]]:
     """The state of the highest (lowest) load where the load turns from one step to the next.
 
-    It is searched by parabolas through loads, which rates that waver do not disturb.
+    It is searched by parabolas through loads, which rates that waver do not disturb, then by halving the way between
+    states where the load rises and falls: where something sticks, slips or opens the path has a corner.
     """
     before, after = segment.before, segment.after
     if not before.load_increment * after.load_increment < 0:
@@ -30,13 +32,19 @@ def turning_loads(segment: Segment, earlier: State | None) -> list[tuple[Segment
         one, length = known[place]
         return sign * one.states[length].factor
 
+    def rate(place: float) -> float:
+        one, length = known[place]
+        return sign * one.states[length].load_rate
+
     for _ in range(SEARCHED):
         places = sorted(known)
         best = places.index(max(places[1:-1] or places, key=load))
         around = places[max(best - 1, 0): best + 2]
         place = _vertex(around, [load(s) for s in around])
         if place is None or min(abs(place - s) for s in known) < RESOLUTION * after.length:
-            break
+            place = _behind_corner(around, [load(s) for s in around], [rate(s) for s in around])
+            if place is None:
+                break
         one, start = next((one, start) for one, start in zip(segments, starts, strict=True)
                           if start <= place <= start + one.after.length)
         if not one.reach(place - start):
@@ -44,6 +52,14 @@ def turning_loads(segment: Segment, earlier: State | None) -> list[tuple[Segment
         known[place] = one, place - start
     one, length = known[max(known, key=load)]
     return [(one, length, sign > 0)]
+
+
+def _behind_corner(places: Sequence[float], loads: Sequence[float], rates: Sequence[float]) -> float | None:
+    """The middle between places where the load clearly rises and falls; None: there are none."""
+    for s, rise, t, fall in zip(places, rates, places[1:], rates[1:], strict=False):
+        if min(rise, -fall) * (t - s) > SHARP * abs(max(loads)):
+            return (s + t) / 2
+    return None
 
 
 def _vertex(places: Sequence[float], loads: Sequence[float]) -> float | None:

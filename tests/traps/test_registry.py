@@ -10,7 +10,8 @@ import sheetfx as fx
 from sheetfx.case import Case, trace
 from sheetfx.studies.traps import FAMILIES, TRAPS, Trap
 
-SMALL = [t.name for t in TRAPS.values() if not t.slow and t.points and not t.name.startswith(("punch", "slenderness"))]
+UNLESS_LONG = "punch", "slenderness", "contact"  # whose points lie too close together for long steps
+SMALL = [t.name for t in TRAPS.values() if not t.slow and t.points and not t.name.startswith(UNLESS_LONG)]
 
 
 def assert_points(trap: Trap, case: Case):

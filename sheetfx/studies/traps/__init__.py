@@ -6,6 +6,7 @@ A method is right on a trap if it finds all points of the list, in this order, a
 from __future__ import annotations
 
 from .classical import CLASSICAL
+from .contact import CONTACT
 from .following import FOLLOWING
 from .modes import MODES
 from .plates import PLATES
@@ -14,5 +15,5 @@ from .trap import Expected, Trap
 
 __all__ = ["FAMILIES", "TRAPS", "Expected", "Trap"]
 
-FAMILIES = CLASSICAL, MODES, FOLLOWING, PLATES, PRESSURE
+FAMILIES = CLASSICAL, MODES, FOLLOWING, PLATES, PRESSURE, CONTACT
 TRAPS = {trap.name: trap for family in FAMILIES for trap in family}
