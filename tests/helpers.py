@@ -236,10 +236,29 @@ def on_two_processes(script: str) -> list[str]:
     names = os.pathsep.join([str(Folder(__file__).parent), *filter(None, [os.environ.get("PYTHONPATH")])])
     quiet = "import os, sys\nfrom mpi4py import MPI\nif MPI.COMM_WORLD.rank: sys.stdout = open(os.devnull, 'w')\n"
     command = ["mpirun", "-n", "2", sys.executable, "-c", quiet + script]
-    settings = {"capture_output": True, "text": True, "timeout": 120, "env": os.environ | {"PYTHONPATH": names}}
+    environment = os.environ | {"PYTHONPATH": names}
     try:
-        result = subprocess.run(command, **settings)
+        result = finished(command, 120, env=environment)
     except subprocess.TimeoutExpired:  # OpenMPI 5 may hang where more processes run than there are cores
-        result = subprocess.run(command, **settings)
+        result = finished(command, 300, env=environment)
     assert result.returncode == 0, result.stdout + result.stderr
     return result.stdout.split("\n")[:-1]
+
+
+def finished(command: list[str], timeout: float, **options) -> subprocess.CompletedProcess[str]:
+    """Run a command with its output; where it takes too long, let it end the processes that it has started.
+
+    Killed at once, mpirun would leave them behind, waiting for each other on the cores that others need.
+    """
+    output = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    with subprocess.Popen(command, **output, **options) as process:
+        try:
+            texts = process.communicate(timeout=timeout)
+            return subprocess.CompletedProcess(command, process.returncode, *texts)
+        except subprocess.TimeoutExpired:
+            process.terminate()
+            try:
+                process.communicate(timeout=20)
+            except subprocess.TimeoutExpired:
+                process.kill()
+            raise
