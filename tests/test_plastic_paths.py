@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import pi
+from statistics import median
+from time import process_time
 
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ from test_shell_forms import surface
 import sheetfx as fx
 from sheetfx import meshes
 from sheetfx.case import Case, run, trace
+from sheetfx.discrete.plastic import plastic_share
 
 SMALL = 1e-5  # yield strain, for which geometry hardly changes before collapse
 
@@ -215,3 +218,26 @@ def test_circular_plates_collapse(clamped, cells, factor, tolerance, resultants)
     elastic = 62.5 * moment / 64 / (modulus * thickness**3 / 12 / 0.91)
     *_, last = fx.Path(scene, fx.DisplacementControl(step=elastic / 4), fx.Until(deflection=5 * elastic))
     assert last.factor == pytest.approx(factor, rel=tolerance)
+
+
+@pytest.mark.slow
+def test_a_plastic_path_costs_at_most_twice_its_elastic_one():
+    """CPU time of each factorisation, with all that belongs to it, of a plate that flows nearly everywhere."""
+    def seconds(material):
+        mesh = surface("naghdi-q2", (20, 20), lambda x: np.column_stack((x[:, 0], x[:, 1], 0 * x[:, 0])))
+        shell = fx.Shell(mesh, fx.Plate(0.01, points=5), material)
+        scene = fx.Scene([shell], [fx.Support(mesh, edge, "x y z") for edge in ("west", "east", "south", "north")],
+                         [fx.SurfaceForce(shell, (0.0, 0.0, -1e-3))], fx.Monitor(mesh, "south-west", "z", -1.0))
+        path, times = fx.Path(scene, fx.LoadControl(step=1.0, target=4.0, fixed=True)), []
+        start, count = process_time(), path.tracer.total_factorisations
+        for state in path:
+            now = process_time(), path.tracer.total_factorisations
+            times += [(now[0] - start) / (now[1] - count)] if state.step else []
+            start, count = now
+        return median(times), path
+
+    elastic, path = seconds(fx.Elastic(1e3, 0.3))
+    plastic, flowing = seconds(fx.Plastic(1e3, 0.3, yield_stress=0.5, hardening=50.0))
+    assert 9000 < path.unknowns == flowing.unknowns
+    assert plastic_share(flowing.discretisation) > 0.9
+    assert plastic < 2 * elastic

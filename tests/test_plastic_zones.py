@@ -100,3 +100,14 @@ def test_roof_with_a_yield_stress(tmp_path):
     assert 0 < values["plastic_share_at_limit"] < values["plastic_share_at_lower_limit"] < values["plastic_share"]
     plastic_zones(record, tmp_path)
     assert (tmp_path / "plastic.png").exists()
+
+
+@pytest.mark.slow
+def test_pinched_cylinder_flows_and_folds():
+    """The set-up of Brank, Peric and Damjanic (1997) on 16 x 16 cells, against own converged forces."""
+    record = fx.trace(case := plastic_cylinder.case(cells=16, to=110.0))
+    values = case.quantities(record)
+    assert values["force_at_50"] == pytest.approx(plastic_cylinder.REFERENCE["force_at_50"], rel=1e-2)
+    assert values["force_at_100"] == pytest.approx(plastic_cylinder.REFERENCE["force_at_100"], rel=4e-2)
+    record.show(record.states[-1])
+    assert 0.1 < record.plastic_share() < 0.9

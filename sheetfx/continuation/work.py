@@ -43,7 +43,8 @@ def _energy(segment: Segment) -> tuple[float, float]:
     """Change of the energy from the first to the last state under the load of the first, and motion along the load."""
     before, after, tracer = segment.before, segment.after, segment.tracer
     system, increment = tracer.system, after.increment
-    smooth, rough = ([c for c in system.contributions if c.smooth == wanted] for wanted in (True, False))
+    smooth, rough = ([c for c in system.contributions if (c.smooth or c.remembers) == wanted]
+                     for wanted in (True, False))
     out, place, ways = system.create_vector(), system.create_vector(), []
     tracer.back_to(before)
     stored = -sum(c.energy() for c in rough)

@@ -56,7 +56,8 @@ class Contribution:
     moved : whether it couples other unknowns than when `pattern` was last asked; the system then asks again
     gives_moments : whether it adds moments to `Forces.along_space`, which turn with the nodes
     stage : number of the load stage that its load belongs to; None: it has none
-    history_moved : whether a law remembers something, such as plastic strains, on any process
+    remembers, history_moved : whether it has laws with history, whose forces do work but have no energy; whether one
+        remembers something by now, such as plastic strains, on any process
     approaches : multiples of its regularisation through which a step's solution is approached
     steep : whether its forces change with motions that are far smaller than those of a step, but act on few unknowns at
         a time: each Newton iteration then finds them exactly, see `continuation.elimination`
@@ -65,7 +66,7 @@ class Contribution:
     smooth = conservative = True
     steep = False
     without_descent = ""
-    moved = gives_moments = history_moved = False
+    moved = gives_moments = remembers = history_moved = False
     stage: int | None = None
     approaches: Sequence[float] = (1.0,)
 

@@ -70,8 +70,9 @@ class System:
 
     @property
     def energies_known(self) -> bool:
-        """Whether there are contributions that are not smooth, and all of them tell their energy."""
-        return not self.smooth and all(c.smooth or c.energy() is not None for c in self.contributions)
+        """Whether there are contributions that are not smooth, laws with history aside, and all tell their energy."""
+        rough = [c for c in self.contributions if not (c.smooth or c.remembers)]
+        return bool(rough) and all(c.energy() is not None for c in rough)
 
     def _multipliers(self) -> np.ndarray:
         """Rows of free Lagrange multipliers in this process's part of a vector."""

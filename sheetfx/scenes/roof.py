@@ -60,14 +60,15 @@ def case(
 ) -> Case:
     """Hinged roof: limit points of the force on the whole roof, of which a quarter is modelled.
 
-    With a yield stress also first yield and the share of the volume that has flowed at the limits.
+    With a yield stress also first yield and the share of the volume that has flowed at the limits; steps, on which the
+    flow depends, are then halved and do not grow.
     """
     mesh = cylinder(form, (cells, cells), RADIUS, LENGTH / 2, HALF_ANGLE, {"crown": (0, 0)})
     case = benchmark(
         Shell(mesh, Plate(thickness), material(3102.75, 0.3, yield_stress, hardening), form=form),
         [symmetry(mesh, "west", "x"), symmetry(mesh, "south", "y"), Support(mesh, "north", "x y z")],
         [PointForce(mesh, "crown", (0.0, 0.0, -0.25))], READINGS, ("deflection of the crown (mm)", "force (N)"),
-        symmetry_factor=4, control=ArcLength(step=step, largest=2.0 if yield_stress else 8.0),
+        symmetry_factor=4, control=ArcLength(step=step / 2, largest=1.0) if yield_stress else ArcLength(step=step),
         until=Until(deflection=to), published=None if yield_stress else PUBLISHED.get(thickness),
         quantities=_quantities)
     pictures = [*case.pictures, *([plastic_zones] if yield_stress else [])]
