@@ -16,7 +16,8 @@ from sheetfx import compat
 TREE = Path(__file__).parents[1]
 PROJECT = tomllib.loads((TREE / "pyproject.toml").read_text())["project"]
 IN_WHEEL = {"dolfinx", "dolfinx_solver", "petsc4py", "slepc4py"}  # all come with one package
-PACKAGES = {"basix": "fenics-basix", "ufl": "fenics-ufl"} | dict.fromkeys(IN_WHEEL, "dolfinx-solver-real")
+PACKAGES = {"basix": "fenics-basix", "ufl": "fenics-ufl", "mpl_toolkits": "matplotlib"} | dict.fromkeys(
+    IN_WHEEL, "dolfinx-solver-real")
 CONDA = {"dolfinx-solver-real": {"fenics-dolfinx", "petsc4py", "slepc4py"}, "gmsh": {"python-gmsh"},
          "matplotlib": {"matplotlib-base"}}
 

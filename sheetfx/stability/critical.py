@@ -18,7 +18,7 @@ from .crossings import EXACT, REACHES, Crossing, pass_zero, unresolved
 from .koiter import postbuckling
 from .turning import turning_loads
 
-SAME = 3e-6  # relative difference of loads of one multiple point, which rounding of a mesh can split by
+SAME = 2e-6  # relative difference of loads of one multiple point, which rounding of a mesh can split by
 TOGETHER = 1e-3  # of a step, distance of the crossings of one multiple point
 CROWDED = 4  # bifurcations, more of which are too many for one step
 CLUSTER = 0.01  # relative difference of the loads of a step that may hold any number

@@ -170,5 +170,5 @@ CONTACT = (
          "closed form of the truss and its spring"),
     Trap("contact-peeling",
          "Pairs open one after the other as a strip is lifted: each makes the tangent jump, and none is critical.",
-         peeled, (), "the load over the lifted length of a heavy strip rises, Timoshenko 1956"),
+         peeled, (), "the load over the lifted length of a heavy strip rises, Timoshenko 1956", slow=True),
 )
