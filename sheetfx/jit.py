@@ -13,7 +13,7 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from tempfile import NamedTemporaryFile
+from tempfile import mkstemp
 from typing import IO
 
 import dolfinx.jit
@@ -43,13 +43,26 @@ def _announced() -> Iterator[None]:
     cache = Path(dolfinx.jit.get_options(OPTIONS)["cache_dir"])
     folder = cache / ANNOUNCED
     folder.mkdir(parents=True, exist_ok=True)
-    with NamedTemporaryFile(dir=folder) as mine:
-        fcntl.flock(mine, fcntl.LOCK_EX)
-        others = [file for file in folder.iterdir() if file != Path(mine.name)]
+    lock, mine = _locked_file(folder)
+    try:
+        others = [file for file in folder.iterdir() if file != mine]
         if others or cache not in _looked_after:
-            _remove_unfinished(cache, others, Path(mine.name).stat().st_mtime)
+            _remove_unfinished(cache, others, os.fstat(lock).st_mtime)
             _looked_after.add(cache)
         yield
+    finally:
+        mine.unlink(missing_ok=True)
+        os.close(lock)
+
+
+def _locked_file(folder: Path) -> tuple[int, Path]:
+    """A new file whose lock this process holds: until it does, another one may take it away as that of a dead one."""
+    while True:
+        lock, name = mkstemp(dir=folder)
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if Path(name).exists():
+            return lock, Path(name)
+        os.close(lock)
 
 
 def _remove_unfinished(cache: Path, others: list[Path], now: float) -> None:
