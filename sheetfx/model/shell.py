@@ -40,7 +40,9 @@ class ShellForm:
     low, full : quadrature rules; membrane, shear and drilling energies are integrated with (1 - share) of the low
         and `share` of the full rule, bending with the full rule (partial selective reduced integration, Arnold and
         Brezzi 1997; drilling with the full rule would lock thin curved cells)
-    facets : whether the low rule leaves flat cells too soft in their plane, so that these need the full rule there
+    facets : whether the low rule leaves flat cells too soft in their plane, so that these need the full rule there.
+        Such triangles are too soft in short waves as well: four along the edge of a square plate buckle in waves of
+        their size from twice the first load on, which finer ones do not (quadrilaterals never do)
     """
 
     cell: basix.CellType
