@@ -42,7 +42,7 @@ class ShellForm:
         Brezzi 1997; drilling with the full rule would lock thin curved cells)
     facets : whether the low rule leaves flat cells too soft in their plane, so that these need the full rule there.
         Such triangles are too soft in short waves as well: four along the edge of a square plate buckle in waves of
-        their size from twice the first load on, which finer ones do not (quadrilaterals never do)
+        their size from twice the first load on, which finer ones do not (quadrilaterals do not)
     """
 
     cell: basix.CellType
