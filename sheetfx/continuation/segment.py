@@ -101,11 +101,9 @@ class Segment:
         ------
         Jump, Missed
         """
-        nearest = sorted(self.states, key=lambda s: abs(s - length))[:SAMPLES]
-        if self.wavering or len(nearest) < FEWEST or length in self.states:
+        found, tracer = None if self.wavering or length in self.states else self._between(length), self.tracer
+        if found is None:
             return self[length]
-        table = [np.append(x, load) for load, x in map(self._increments, nearest)]
-        found, tracer = KroghInterpolator(nearest, table)(length), self.tracer
         tracer.back_to(self.before)
         state = tracer.adopt(found[:-1], float(found[-1]), IN_BALANCE)
         if state is None:
@@ -116,14 +114,22 @@ class Segment:
     def seen(self, length: float) -> tuple[float, float]:
         """Load and deflection at a length, by interpolation without equilibrium being sought.
 
-        The tracer ends at the start of the step.
+        Tangents, which a critical point nearby disturbs, serve where states are few. The tracer ends where the step
+        starts.
         """
-        load, x = self.course.at(length, self.states)
+        found = self._between(length)
+        load, x = self.course.at(length, self.states) if found is None else (float(found[-1]), found[:-1])
         tracer, system, increment = self.tracer, self.tracer.system, self.tracer.system.create_vector(x)
         system.configure(increment, self.before.factor + load)
         found = tracer.discretisation.total_load(), self.before.deflection + tracer.monitored(increment)
         tracer.back_to(self.before)
         return found
+
+    def _between(self, length: float) -> np.ndarray | None:
+        """Increments by the nearest states alone, that of the load factor last; None where these are too few."""
+        nearest = sorted(self.states, key=lambda s: abs(s - length))[:SAMPLES]
+        table = [np.append(x, load) for load, x in map(self._increments, nearest)]
+        return KroghInterpolator(nearest, table)(length) if len(nearest) >= FEWEST else None
 
     def neighbours(self, length: float) -> tuple[float, float]:
         """Lengths of the nearest states on both sides."""
