@@ -117,7 +117,7 @@ class Segment:
         Tangents, which a critical point nearby disturbs, serve where states are few. The tracer ends where the step
         starts.
         """
-        found = self._between(length)
+        found = self._between(length) if len(self.states) >= SAMPLES else None
         load, x = self.course.at(length, self.states) if found is None else (float(found[-1]), found[:-1])
         tracer, system, increment = self.tracer, self.tracer.system, self.tracer.system.create_vector(x)
         system.configure(increment, self.before.factor + load)
