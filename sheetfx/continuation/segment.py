@@ -101,11 +101,11 @@ class Segment:
         ------
         Jump, Missed
         """
-        found, tracer = None if self.wavering or length in self.states else self._between(length), self.tracer
-        if found is None:
+        if self.wavering or length in self.states or len(self.states) < FEWEST:
             return self[length]
-        tracer.back_to(self.before)
-        state = tracer.adopt(found[:-1], float(found[-1]), IN_BALANCE)
+        load, x = self._between(length)
+        self.tracer.back_to(self.before)
+        state = self.tracer.adopt(x, load, IN_BALANCE)
         if state is None:
             return self[length]
         self.states[length] = state
@@ -117,19 +117,22 @@ class Segment:
         Tangents, which a critical point nearby disturbs, serve where states are few. The tracer ends where the step
         starts.
         """
-        found = self._between(length) if len(self.states) >= SAMPLES else None
-        load, x = self.course.at(length, self.states) if found is None else (float(found[-1]), found[:-1])
+        if len(self.states) < SAMPLES:
+            factor, x = self.course.at(length, self.states)
+        else:
+            factor, x = self._between(length)
         tracer, system, increment = self.tracer, self.tracer.system, self.tracer.system.create_vector(x)
-        system.configure(increment, self.before.factor + load)
-        found = tracer.discretisation.total_load(), self.before.deflection + tracer.monitored(increment)
+        system.configure(increment, self.before.factor + factor)
+        load, deflection = tracer.discretisation.total_load(), self.before.deflection + tracer.monitored(increment)
         tracer.back_to(self.before)
-        return found
+        return load, deflection
 
-    def _between(self, length: float) -> np.ndarray | None:
-        """Increments by the nearest states alone, that of the load factor last; None where these are too few."""
+    def _between(self, length: float) -> tuple[float, np.ndarray]:
+        """Increments of load factor and unknowns by the nearest states alone."""
         nearest = sorted(self.states, key=lambda s: abs(s - length))[:SAMPLES]
         table = [np.append(x, load) for load, x in map(self._increments, nearest)]
-        return KroghInterpolator(nearest, table)(length) if len(nearest) >= FEWEST else None
+        found = KroghInterpolator(nearest, table)(length)
+        return float(found[-1]), found[:-1]
 
     def neighbours(self, length: float) -> tuple[float, float]:
         """Lengths of the nearest states on both sides."""

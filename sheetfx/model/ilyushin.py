@@ -45,11 +45,7 @@ class Ilyushin(PlasticLaw):
         if material.kinematic or material.hardening < 0:
             raise ValueError(f"Ilyushin: kinematic is {material.kinematic}, hardening {material.hardening}; this law "
                              "hardens isotropically, without softening; leave out law=, which takes layers")
-        stiffness = section.stiffness(material)
-        elastic = np.zeros((9, 9))
-        elastic[:3, :3], elastic[3:6, 3:6] = stiffness.membrane, stiffness.bending
-        elastic[6:8, 6:8], elastic[8, 8] = stiffness.shear, stiffness.drilling
-        self._elastic = elastic
+        self._elastic = section.stiffness(material).uncoupled
         self._constants = (section.thickness, material.modulus, material.poisson, material.yield_stress,
                            material.hardening)
 

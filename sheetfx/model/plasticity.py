@@ -99,10 +99,7 @@ class Layers(PlasticLaw):
             raise ValueError(f"Plastic: hardening is {material.hardening}; layers of a shell need 0 or more")
         self.places, self.weights, self.material = np.asarray(places, float), np.asarray(weights, float), material
         self.remembered = REMEMBERED * len(places)
-        elastic = np.zeros((9, 9))
-        elastic[:3, :3], elastic[3:6, 3:6] = stiffness.membrane, stiffness.bending
-        elastic[6:8, 6:8], elastic[8, 8] = stiffness.shear, stiffness.drilling
-        self._elastic = elastic
+        self._elastic = stiffness.uncoupled
         self._constants = (material.modulus, material.poisson, material.yield_stress, material.hardening,
                            material.kinematic)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from ..checks import require_positive
 from . import layers
@@ -29,6 +30,11 @@ class ShellStiffness:
     bending: tuple
     shear: tuple
     drilling: float
+
+    @property
+    def uncoupled(self) -> np.ndarray:
+        """Matrix (9, 9) of membrane, bending, shear and drilling in the order of `forms.section.linear_shell`."""
+        return block_diag(self.membrane, self.bending, self.shear, self.drilling)
 
     @property
     def isotropic(self) -> bool:

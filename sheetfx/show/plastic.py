@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path as Folder
 
 import numpy as np
@@ -94,17 +95,12 @@ def plastic_parts(record: Record, mesh: NamedMesh) -> list:
     return [part for part in record.case.scene.parts if part.mesh is mesh and is_plastic(part)]
 
 
-def of_cells(record: Record, mesh: NamedMesh, take) -> np.ndarray:
-    """One value for each cell of a mesh on this process, where parts are plastic; 0 elsewhere.
-
-    Parameters
-    ----------
-    take : function of the `PlasticState` of a part
-    """
-    every, values = mesh.group(None), {}
+def of_cells(record: Record, mesh: NamedMesh, take: Callable[[PlasticState], np.ndarray]) -> np.ndarray:
+    """One value for each cell of a mesh on this process, where parts are plastic; 0 elsewhere."""
+    values = np.zeros(len(mesh.group(None)))
     for part in plastic_parts(record, mesh):
-        values |= dict(zip(mesh.group(part.group).tolist(), take(record.plastic(part)), strict=True))
-    return np.array([values.get(cell, 0.0) for cell in every.tolist()])
+        values[mesh.group(part.group)] = take(record.plastic(part))
+    return values
 
 
 def mean_share(state: PlasticState) -> np.ndarray:
@@ -122,12 +118,11 @@ def on_cells(record: Record, mesh: NamedMesh, points: np.ndarray) -> np.ndarray:
 
     It is the bilinear function closest to that at the points of quadrature, between 0 and 1.
     """
-    rows = {cell: n for n, cell in enumerate(mesh.group(None).tolist())}
-    found = np.zeros((len(rows), len(points)))
+    found = np.zeros((len(mesh.group(None)), len(points)))
     for part in plastic_parts(record, mesh):
         taken = np.linalg.pinv(_linear(part.discrete.full.points))
         shares = record.plastic(part).share @ (_linear(points) @ taken).T
-        found[[rows[cell] for cell in mesh.group(part.group).tolist()]] = np.clip(shares, 0.0, 1.0)
+        found[mesh.group(part.group)] = np.clip(shares, 0.0, 1.0)
     return found
 
 
@@ -140,14 +135,12 @@ def _along_curves(record: Record) -> np.ndarray | None:
     """Share that has flowed at the points of `Curves`, (cells, points), on process 0."""
     places, tables = np.linspace(0, 1, POINTS_PER_CELL), [np.zeros((0, POINTS_PER_CELL))]
     for mesh in (m for m in record.case.scene.meshes if m.domain.topology.dim == 1):
-        rows = {cell: n for n, cell in enumerate(mesh.group(None).tolist())}
-        table = np.zeros((len(rows), POINTS_PER_CELL))
+        table = np.zeros((len(mesh.group(None)), POINTS_PER_CELL))
         for part in plastic_parts(record, mesh):
             share = record.plastic(part).share
             at = gauss(mesh.domain.basix_cell(), share.shape[1]).points[:, 0]
             order = np.argsort(at)
-            for cell, values in zip(mesh.group(part.group).tolist(), share, strict=True):
-                table[rows[cell]] = np.interp(places, at[order], values[order])
+            table[mesh.group(part.group)] = [np.interp(places, at[order], values) for values in share[:, order]]
         tables.append(table)
     gathered = communicator(record).gather(np.concatenate(tables))
     return None if gathered is None else np.concatenate(gathered)

@@ -287,9 +287,10 @@ def _clusters(crossings: list[Crossing], near: float) -> list[list[Crossing]]:
 
 
 def _agree(segment: Segment, state: State, crossing: Crossing) -> bool:
-    """Whether a crossing has the load of a state there: one comes from tangents of other states, one from states alone.
+    """Whether a crossing has the load of the state there, which comes from other samples or is sought in equilibrium.
 
-    Where a path turns onto another one nearby, states that look like neighbours are not, and their tangents lead away.
+    Where a path turns onto another one nearby, states that look like neighbours are not: their tangents lead away, and
+    what lies between them is no equilibrium.
     """
     rise = np.ptp([s.load for s in segment.states.values()])
     return abs(state.load - crossing.load) <= AGREE * rise + EXACT * abs(state.load)
