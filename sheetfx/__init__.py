@@ -25,6 +25,7 @@ _ROOMS = {
     "model.loads": "EdgeForce LineForce Load Moment "
                    "ObstacleForce PointForce PrescribedDisplacement PrescribedRotation SurfaceForce",
     "model.pair_contact": "PairContact",
+    "model.surface_contact": "SurfaceContact",
     "model.obstacles": "RigidCylinder RigidPlane",
     "model.following": "FollowerForce LinePressure Pressure",
     "model.scene": "Monitor Scene Stage",

@@ -14,6 +14,7 @@ from scipy.spatial import cKDTree
 from ..mesh.meeting import Side
 from ..mesh.projection import Cells, cells_at
 from ..mesh.reader import NamedMesh
+from ..mesh.samples import Samples
 from ..model.scene import Scene
 from .kinematics import Kinematics, kinematics_of
 from .load_factors import LoadFactors
@@ -23,6 +24,8 @@ from .pair_work import Pairs, PairWork
 from .partners import Partners
 from .points import PointLaw, PointWork, Trace
 from .sharing import Sharing, same_places
+from .surface_partners import SurfacePartners
+from .surface_work import SurfaceWork
 from .unknowns import Block, Unknowns
 
 QUANTITIES = "displacement", "rotation"
@@ -251,6 +254,21 @@ class Fields:
             partner = Partners(field, self.unknowns.fields.index(field), cells,
                                np.searchsorted(cells.cells, second.cells), second.reference)
         return PairWork(self.unknowns, traces, partner, Pairs(first.places, **how), owner, self._unique("contact"))
+
+    def surface_work(self, owner, samples: Samples, second: tuple, how: dict) -> SurfaceWork:
+        """Contact of points with surfaces.
+
+        Parameters
+        ----------
+        owner : SurfaceContact
+        second : cells of the surfaces, and which, where in them and on what side the closest points are at the start
+        how : attributes of `Pairs` but for the points
+        """
+        first = self.trace_in(owner.mesh, samples.cells, samples.reference)
+        field = self._field(owner.to[0], QUANTITIES[0])
+        partners = SurfacePartners(field, self.unknowns.fields.index(field), *second, owner.border(self))
+        return SurfaceWork(self.unknowns, [first], partners, Pairs(samples.places, **how), owner,
+                           self._unique("contact"))
 
 
 class NodalForces:

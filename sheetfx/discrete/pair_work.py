@@ -80,7 +80,7 @@ class PairWork(PointWork):
     ----------
     unknowns : Unknowns
     first : traces of the first part: displacement and, where it has one, rotation
-    second : trace of the second part's displacement, or Partners that follow the first part's points
+    second : trace of the second part's displacement, or partners that follow the first part's points
     pairs : Pairs
     contact : PairContact, which has the law
     name : of its history in snapshots
@@ -90,15 +90,24 @@ class PairWork(PointWork):
                  name: str):
         self.contact, self.approaches = contact, (APPROACH,) if pairs.parameters[2] > 0 else (1.0,)
         self._first, self.pairs, self._name, d = list(first), pairs, name, pairs.dimension
-        self._partners = second if isinstance(second, Partners) else None
+        self._partners = None if isinstance(second, Trace) else second
         traces = [*first, *(self._partners.traces() if self._partners else [second])]
-        self._arms = self._geometry()[0] if self._partners else pairs.arms
-        slips = d - 1 if pairs.rubs else 0
-        self._slips, self._history = slips, np.zeros((pairs.count, 2 * d - 1))
-        axes = pairs.axes.reshape(pairs.count, d * d)
-        geometry = self._geometry() if self._partners else [pairs.arms]
+        self._slips, self._history = d - 1 if pairs.rubs else 0, np.zeros((pairs.count, 2 * d - 1))
+        points = self._law_of([unknowns.fields[t.field].components for t in traces])
+        super().__init__(unknowns, traces, points, smooth=False, conservative=not self._slips)
+        self._committed = self._history.copy()
+        self._partners_committed = self._partners.history() if self._partners else None
+        self._pattern_nodes = None
+
+    def _law_of(self, sizes: Sequence[int]) -> PointLaw:
+        """Forces at the pairs, from so many components of each trace."""
+        pairs, law, slips, split = self.pairs, self.contact.law, self._slips, len(self._first)
+        moving = self._partners is not None
+        self._arms = self._geometry()[0] if moving else pairs.arms
+        axes = pairs.axes.reshape(pairs.count, -1)
+        geometry = self._geometry() if moving else [pairs.arms]
         data = [*geometry, axes, self._start(), self._history, pairs.table()]
-        moving, split = self._partners is not None, len(first)
+        self._data_of_start, self._data_of_history = len(data) - 3, len(data) - 2
 
         def strains(values, data, factor):
             self._parameters = data[-1]
@@ -110,15 +119,9 @@ class PairWork(PointWork):
             return forms.contact.strains_of(kinematics, data[-2], bool(slips))
 
         def resultants(strains):
-            return forms.contact.resultants_of(contact.law, strains, self._parameters, slips)
+            return forms.contact.resultants_of(law, strains, self._parameters, slips)
 
-        sizes = [unknowns.fields[t.field].components for t in traces]
-        points = PointLaw(strains, resultants, sizes, data, pairs.count, lambda: 0.0, pairs.weights)
-        super().__init__(unknowns, traces, points, smooth=False, conservative=not slips)
-        self._data_of_start, self._data_of_history = len(data) - 3, len(data) - 2
-        self._committed = self._history.copy()
-        self._partners_committed = self._partners.history() if self._partners else None
-        self._pattern_nodes = None
+        return PointLaw(strains, resultants, sizes, data, pairs.count, lambda: 0.0, pairs.weights)
 
     def _geometry(self) -> list[np.ndarray]:
         place, *derivatives = self._partners.geometry()
@@ -135,21 +138,26 @@ class PairWork(PointWork):
         """Bring partners to where they are opposite now."""
         if self._partners is None:
             return
-        values = super().values()
-        d, pairs = self.pairs.dimension, self.pairs
-        along = pairs.axes[:, 1]
+        if self._find(super().values()):
+            self._renew()
+
+    def _find(self, values: np.ndarray) -> bool:
+        """Find partners for values of the traces; whether any has changed."""
+        along = self.pairs.axes[:, 1]
         if len(self._first) > 1:
             along = _turned(values[:, self._parts[1]], along)
-        if self._partners.follow(pairs.points + values[:, :d], along):
-            self._renew()
+        return self._partners.follow(self.pairs.points + values[:, :self.pairs.dimension], along)
 
     def _renew(self) -> None:
         """Take rows and places of the partners as they are now."""
         self._traces[len(self._first):] = self._partners.traces()
+        self._give_places()
+        self._law.weigh(self.pairs.weights * self._partners.on)
+
+    def _give_places(self) -> None:
         for number, array in enumerate(self._geometry()):
             self._law.give(number, array)
         self._law.give(self._data_of_start, self._start())
-        self._law.weigh(self.pairs.weights * self._partners.on)
 
     def values(self) -> np.ndarray:
         self._follow()
@@ -193,6 +201,7 @@ class PairWork(PointWork):
         self._put_history(self._updated(self.pairs.augmented, slips=True))
         self._committed = self._history.copy()
         if self._partners:
+            self._partners.commit()
             self._partners_committed = self._partners.history()
 
     def snapshot(self) -> dict[str, np.ndarray]:

@@ -51,6 +51,9 @@ class Partners:
     def travelled(self) -> np.ndarray:
         return self._base + self._sense * self._track.lengths(self._which, self._reference)
 
+    def commit(self) -> None:
+        """The present state is accepted; what has been travelled goes on counting."""
+
     def history(self) -> np.ndarray:
         """All that is to be kept of them, shape (n, 4)."""
         return np.column_stack((self._which, self._reference, self._sense, self._base))

@@ -251,8 +251,11 @@ class PointLaw:
         """Forces and stiffness."""
         if not self._count:
             return np.zeros((0, self._size)), np.zeros((0, self._size, self._size))
-        return (self.forces(z),
-                self.holding(self.extrapolated(z, np.zeros_like(z)), z)[1])
+        return self.forces(z), self.stiffness(z)
+
+    def stiffness(self, z: np.ndarray) -> np.ndarray:
+        """Derivative of the forces."""
+        return self.holding(self.extrapolated(z, np.zeros_like(z)), z)[1]
 
     def extrapolated(self, z: np.ndarray, change: np.ndarray) -> np.ndarray:
         """Resultants at z, and their linear change by a change of z."""

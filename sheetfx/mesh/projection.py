@@ -64,9 +64,13 @@ class Cells:
         """Places of reference points in cells; `which` are numbers in `cells`."""
         return self._map(which, reference)[0]
 
+    def derivatives(self, which: np.ndarray, reference: np.ndarray) -> np.ndarray:
+        """Derivatives of the place by the reference coordinates, shape (n, dimension, reference dimension)."""
+        return self._map(which, reference)[1]
+
     def normals(self, which: np.ndarray, reference: np.ndarray) -> np.ndarray:
         """Unit normals of a surface."""
-        slopes = self._map(which, reference)[1]
+        slopes = self.derivatives(which, reference)
         normal = np.cross(slopes[:, :, 0], slopes[:, :, 1])
         return normal / np.linalg.norm(normal, axis=1, keepdims=True)
 

@@ -1,0 +1,105 @@
+"""Contact of points with surfaces as a contribution to the system."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .. import forms
+from .closest_point import SIZE, ClosestPoint
+from .pair_work import PairWork
+from .points import PointLaw
+from .surface_partners import SurfacePartners
+
+
+class SurfaceLaw(PointLaw):
+    """Law of contact in gap and slips, which are functions of z: the displacement of the points, and of the surface's
+    with its derivatives, at the partners.
+
+    Parameters
+    ----------
+    law : as `forms.contact.mohr_coulomb`
+    partners : SurfacePartners
+    points, distances : places in the reference configuration, and distances from the surface at which they touch
+    history, table : as `PairWork` gives them to the law
+    weights : of the points
+    rubs : whether there are tractions
+    """
+
+    def __init__(self, law, partners: SurfacePartners, points: np.ndarray, distances: np.ndarray, history: np.ndarray,
+                 table: np.ndarray, weights: np.ndarray, rubs: bool):
+        slips, held = 2 * rubs, []
+
+        def strains(values, data, factor):
+            held[:] = data
+            return forms.contact.strains_of([values[0][i] for i in range(3)], data[0], rubs)
+
+        def resultants(strains):
+            return forms.contact.resultants_of(law, strains, held[1], slips)
+
+        self._partners, self._points, self._distances, self._slips = partners, points, distances, slips
+        super().__init__(strains, resultants, [3], [history, table], len(points), lambda: 0.0, weights)
+
+    def _closest(self, z: np.ndarray) -> ClosestPoint:
+        rows = self._partners.undeformed()
+        values = rows[:6].transpose(1, 0, 2) + z[:, 3:].reshape(-1, 6, 3)
+        second = values[:, [[3, 4], [4, 5]]]
+        return ClosestPoint(self._points + z[:, :3] - values[:, 0], values[:, 1:3], second, self._partners.third())
+
+    def _kinematics(self, closest: ClosestPoint) -> np.ndarray:
+        """Gaps and slips; points without a partner are as far off as the edge of the surface."""
+        gap = self._partners.side * closest.distance - self._distances
+        return np.column_stack((np.where(self._partners.on, gap, closest.length), self._partners.travelled))
+
+    def _slopes(self, closest: ClosestPoint) -> np.ndarray:
+        gap = self._partners.side[:, None] * closest.of_distance()
+        return np.concatenate([gap[:, None], self._paces() @ closest.moves], axis=1)
+
+    def _paces(self) -> np.ndarray:
+        """Derivatives of the slips by the coordinates of the surface, shape (n, 2, 2)."""
+        return np.einsum("nid,and->nia", self._partners.axes, self._partners.undeformed(1)[1:])
+
+    def strains(self, z):
+        return super().strains(self._kinematics(self._closest(z)))
+
+    def resultants(self, z):
+        return super().resultants(self._kinematics(self._closest(z)))
+
+    def forces(self, z):
+        closest = self._closest(z)
+        return np.einsum("ni,niz->nz", super().forces(self._kinematics(closest)), self._slopes(closest))
+
+    def __call__(self, z):
+        closest = self._closest(z)
+        strains, slopes = self._kinematics(closest), self._slopes(closest)
+        forces, stiffness = super().forces(strains), super().stiffness(strains)
+        curved = (forces[:, 0] * self._partners.side)[:, None, None] * closest.second_of_distance()
+        if self._slips:
+            curvatures = self._partners.undeformed(2)[[[3, 4], [4, 5]]]
+            along = np.einsum("ni,nid->nd", forces[:, 1:], self._partners.axes)
+            weights = np.einsum("nd,and->na", along, self._partners.undeformed(1)[1:])
+            curved += closest.second_of_coordinates(weights)
+            moves = closest.moves
+            curved += moves.transpose(0, 2, 1) @ np.einsum("nd,abnd->nab", along, curvatures) @ moves
+        return (np.einsum("ni,niz->nz", forces, slopes),
+                slopes.transpose(0, 2, 1) @ stiffness @ slopes + curved)
+
+
+class SurfaceWork(PairWork):
+    """Virtual work of pressures and tractions between points and the surfaces that they slide along.
+
+    `Pairs.gap` are the distances at which they touch; arms and axes of pairs do not count. Slips are those of the
+    partners along the undeformed surface, on axes of their own.
+    """
+
+    _partners: SurfacePartners
+
+    def _law_of(self, sizes):
+        pairs, self._data_of_history = self.pairs, 0
+        return SurfaceLaw(self.contact.law, self._partners, pairs.points, pairs.gap, self._history, pairs.table(),
+                          pairs.weights, pairs.rubs)
+
+    def _find(self, values):
+        return self._partners.follow(self.pairs.points + values[:, :3])
+
+    def _give_places(self):
+        """The law asks the partners itself."""

@@ -1,0 +1,158 @@
+"""Contact of points of one part with the surface of another, along which they slide."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from .. import forms
+from ..checks import require_choice, require_finite, require_positive
+from ..mesh.lines import Stretch
+from ..mesh.projection import Cells, cells_at
+from ..mesh.reader import NamedMesh
+from ..mesh.samples import Samples, merged, samples_of
+from .interface import stiffness_over
+from .joints import Joint
+from .pair_contact import ELASTIC_SLIP, PARALLEL, PENETRATION, STIFF
+from .places import title_of
+from .shell import Shell
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceContact(Joint):
+    """Unilateral contact, with or without friction, of an edge, a face or a point of one part with a surface.
+
+    Points of the first part touch the closest point of the surface in its present shape. They slide along it, over
+    the borders of its cells, and off its edges, where they are free. The surface is that of a mid-surface, and so is
+    the slip: what friction turns about is half the thickness away, which is left out.
+
+    Attributes
+    ----------
+    mesh : of the first part: a shell, or a beam in space
+    at : where on it: a named edge of surfaces, group of cells or point, a Stretch, or several alike; None: everywhere
+    to : mesh of the second part, of shells, and the name of a group of cells of it; None: all
+    toward : direction from the first part to the second one, roughly, at the start; None: that of the closest points
+    distance : between mid-surfaces, or the axis of a beam and a mid-surface, where the parts touch; None: half of both
+        thicknesses (depths)
+    friction : Coulomb's coefficient
+    overhang : how far a surface goes on beyond its edges; None: half its thickness
+    samples : Gauss points on each piece of a line, and along each side of a cell
+    stiffness : pressure over penetration; None: ten times the stiffness of the softer part in its plane over a cell
+    tangential : stiffness against slip before the cone is reached; None: a hundredth of `stiffness`
+    enforcement : "penalty", or "uzawa": pressures are augmented until nothing penetrates by more than a millionth of
+        a cell
+    law : function like `forms.contact.mohr_coulomb`, whose pressures are forces per area, per length along lines, and
+        forces at points
+    name : what messages call it
+    """
+
+    mesh: NamedMesh
+    at: str | Stretch | None | Sequence[str | Stretch]
+    to: tuple[NamedMesh, str | None]
+    toward: Sequence[float] | None = None
+    distance: float | None = None
+    friction: float = 0.0
+    overhang: float | None = None
+    samples: int = 2
+    stiffness: float | None = None
+    tangential: float | None = None
+    enforcement: str = "penalty"
+    law: Callable = forms.contact.mohr_coulomb
+    name: str = field(default="SurfaceContact", kw_only=True)
+
+    smooth = False
+
+    def __post_init__(self):
+        require_choice(self, "enforcement", ("penalty", "uzawa"))
+        require_finite(self, "toward", "distance", "friction", "overhang", "stiffness", "tangential")
+        for name in ("distance", "friction", "overhang"):
+            value = getattr(self, name)
+            if value is not None and value < 0:
+                raise ValueError(f"{self._title}: {name} is {value}; it must not be negative")
+        require_positive(self, "stiffness", "tangential")
+        if self.samples < 1 or self.samples != int(self.samples):
+            raise ValueError(f"{self._title}: samples is {self.samples}; give a number of at least 1")
+        if self.to[0].domain.topology.dim != 2 or self.to[0].dimension != 3:
+            raise ValueError(f"{self._title}: the second part is no surface in space; give shells there, or use a "
+                             "PairContact with curves")
+        if self.mesh.dimension != 3:
+            raise ValueError(f"{self._title}: the first part is in a plane; read its mesh in 3 dimensions")
+        if self.mesh.domain.comm.size > 1:
+            raise ValueError(f"{self._title}: contact with surfaces on {self.mesh.domain.comm.size} processes is not "
+                             "possible yet; take one process")
+
+    @property
+    def _places(self) -> list[str | Stretch | None]:
+        return [self.at] if self.at is None or isinstance(self.at, (str, Stretch)) else list(self.at)
+
+    @property
+    def _title(self) -> str:
+        return self.name if self._places[0] is None else title_of(self.name, self._places[0])
+
+    @property
+    def points(self) -> Sequence[tuple[NamedMesh, str | None]]:
+        return [(self.mesh, None), (self.to[0], None)]
+
+    @cached_property
+    def _samples(self) -> Samples:
+        found = [samples_of(self.mesh, place, self.samples) for place in self._places]
+        if len({s.extent for s in found}) > 1:
+            raise ValueError(f"{self._title}: its places are of several kinds; make a contact for points, one for "
+                             "lines and one for surfaces")
+        return merged(found)
+
+    @property
+    def conservative(self) -> bool:  # type: ignore[override]
+        return self.friction == 0
+
+    def contributions(self, fields):
+        samples, cells = self._samples, Cells(self.to[0], cells_at(*self.to))
+        which, reference, _ = cells.closest(samples.places)
+        normals = cells.normals(which, reference)
+        arms = samples.places - cells.places(which, reference)
+        side, apart = self._sides(normals, arms), self._distance(fields)
+        along = side * (normals * arms).sum(axis=1)
+        size = float(min(cells.sizes.mean(), Cells(self.mesh, np.unique(samples.cells)).sizes.mean()))
+        beside = np.linalg.norm(arms - (side * along)[:, None] * normals, axis=1) > PENETRATION * size
+        if (gaps := np.where(beside, 0.0, along - apart)).min(initial=0.0) < -PENETRATION * size:
+            place = ", ".join(f"{x:.6g}" for x in samples.places[gaps.argmin()])
+            raise ValueError(f"{self._title}: the parts overlap by {-gaps.min():.6g} at ({place}); move one of them, "
+                             "or give a smaller distance")
+        stiffness = self.stiffness or self._default_stiffness(fields, size) * size ** (1 - samples.extent)
+        tangential = self.tangential or ELASTIC_SLIP * stiffness
+        yield fields.surface_work(self, samples, (cells, which, reference, side), {
+            "arms": arms, "axes": np.zeros((len(arms), 3, 3)), "gap": np.full(len(arms), apart),
+            "weights": samples.weights, "parameters": (stiffness, tangential, self.friction, 0.0, 0.0),
+            "augmented": self.enforcement == "uzawa", "tolerance": PENETRATION * size})
+
+    def _sides(self, normals: np.ndarray, arms: np.ndarray) -> np.ndarray:
+        """On which side of the surface the points are, seen along its normals: 1 or -1."""
+        along = (normals * (arms / self.mesh.size if self.toward is None else -np.asarray(self.toward))).sum(axis=1)
+        if np.abs(along).min(initial=1.0) <= PARALLEL:
+            raise ValueError(f"{self._title}: no direction leads from one part to the other at the start; say in "
+                             "`toward` on which side the second part is")
+        return np.sign(along)
+
+    def _distance(self, fields) -> float:
+        if self.distance is not None:
+            return self.distance
+        return sum(max(_half_thickness(p) for p in fields.scene.parts if p.mesh is mesh)
+                   for mesh in (self.mesh, self.to[0]))
+
+    def border(self, fields) -> float:
+        """How far the surface goes on beyond its edges."""
+        if self.overhang is not None:
+            return self.overhang
+        return max(_half_thickness(p) for p in fields.scene.parts if p.mesh is self.to[0])
+
+    def _default_stiffness(self, fields, size: float) -> float:
+        both = [max(stiffness_over(part, size)[0] for part in fields.scene.parts if part.mesh is mesh)
+                for mesh in (self.mesh, self.to[0])]
+        return STIFF * min(both)
+
+
+def _half_thickness(part) -> float:
+    return (part.section.thickness if isinstance(part, Shell) else part.section.depth) / 2
