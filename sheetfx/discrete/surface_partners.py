@@ -12,6 +12,7 @@ from .points import Trace
 ITERATIONS, FOUND = 60, 1e-13  # and step in reference coordinates at which a partner is found
 LONGEST = 0.5  # step in reference coordinates
 EXTENDED = 0.01  # of a cell, as which it goes on beyond its border before the next one takes over
+FURTHEST = 1.0  # of a cell, where the next one sends the partner back
 SECOND, THIRD = np.array([[3, 4], [4, 5]]), np.array([[[6, 7], [7, 8]], [[7, 8], [8, 9]]])  # rows of derivatives
 ROWS = 6  # with the value, the first and the second derivatives
 FLAT = 1e-6  # part of the metric below which the squared distance has no minimum
@@ -21,9 +22,9 @@ class SurfacePartners:
     """The closest point of a surface in its present shape to each of some points.
 
     Reference coordinates of the cells are the coordinates of the surface. A partner goes on in the next cell where it
-    leaves one, by a hundredth of the cell late: where the surface has a slight bend between cells, the outside of the
-    bend has points with a closest one in neither, and the inside points with one in both. Beyond the edge of a surface
-    there is no partner.
+    leaves one, by a hundredth of the cell late, and in the first where the next one sends it back: where the surface has
+    a slight bend between cells, the outside of the bend has points with a closest one in neither, and the inside points
+    with one in both. Beyond the edge of a surface there is no partner.
 
     Parameters
     ----------
@@ -98,6 +99,7 @@ class SurfacePartners:
     def follow(self, points: np.ndarray) -> bool:
         """Find the partners of points as they are now, from where these were last; return whether anything changed."""
         changed, before = False, self.on
+        self._left, self._kept = np.full(len(points), -1), np.zeros(len(points), dtype=bool)
         for _ in range(ITERATIONS):
             place, slopes, curvatures = self.shape()
             apart = points - place
@@ -114,7 +116,8 @@ class SurfacePartners:
         """Take a Newton step, on to the next cell at most and along edges of the surface; whether any has moved."""
         step = np.linalg.solve(matrix, pull[..., None])[..., 0]
         margins, edge = self._patch.margins(self._reference), self._patch.beyond[self._which] < 0
-        least = np.where(edge, -self._overhang * self._steepness(), -EXTENDED)
+        least = np.where(edge, -self._overhang * self._steepness(),
+                         np.where(self._kept, -FURTHEST, -EXTENDED)[:, None])
         held = edge & (margins <= least + FOUND) & (step @ self._patch.slopes.T < 0)
         self.on = ~held.any(axis=1)
         if held.any():
@@ -131,10 +134,12 @@ class SurfacePartners:
         share = np.minimum(shares.min(axis=1, initial=np.inf), 1.0)
         border = shares.argmin(axis=1)
         self._reference = self._reference + share[:, None] * step
-        leaves = np.flatnonzero((share < 1.0) & ~edge[np.arange(len(edge)), border])
+        leaves = np.flatnonzero((share < 1.0) & ~edge[np.arange(len(edge)), border] & ~self._kept)
         if len(leaves):
+            left = self._which[leaves]
             self._which[leaves], self._reference[leaves], flips = self._patch.pass_on(
-                self._which[leaves], border[leaves], self._reference[leaves])
+                left, border[leaves], self._reference[leaves])
+            self._kept[leaves], self._left[leaves] = self._which[leaves] == self._left[leaves], left
             self.side[leaves] *= flips
         return bool(len(leaves)) or np.abs(share[:, None] * step).max(initial=0.0) > FOUND
 
