@@ -39,6 +39,7 @@ _ROOMS = {
     "discrete.points": "PointWork Trace",
     "continuation.control": "ArcLength DisplacementControl LoadControl",
     "continuation.events": "Event",
+    "continuation.sliding": "first_touch slide_off",
     "continuation.yielding": "first_yield",
     "stability.branches": "Branch branches",
     "stability.buckling": "BucklingLoad buckling",

@@ -14,7 +14,7 @@ LONGEST = 0.5  # step in reference coordinates
 EXTENDED = 0.01  # of a cell, as which it goes on beyond its border before the next one takes over
 FURTHEST = 1.0  # of a cell, where the next one sends the partner back
 SECOND, THIRD = np.array([[3, 4], [4, 5]]), np.array([[[6, 7], [7, 8]], [[7, 8], [8, 9]]])  # rows of derivatives
-ROWS = 6  # with the value, the first and the second derivatives
+MARGIN = 5  # column of the history
 FLAT = 1e-6  # part of the metric below which the squared distance has no minimum
 
 

@@ -1,0 +1,133 @@
+"""Two plates that slide on each other (thesis, section 4.5.1).
+
+Each plate is 80 x 20 x 0.7 mm and clamped at one end; a force at the middle of the free end of plate 1 presses it onto
+plate 2. The thesis has E = 1.92e5 MPa, Poisson's ratio 0.3, a yield stress of 195 MPa without hardening, and friction of
+0.2 between the plates. It does not say how the plates lie (its figure 4.3 is missing), and has no numbers of the path,
+but describes it: at A plate 1 touches and stiffens sharply, at B it softens as it slides, then stiffens again, until at
+C it slides off. Of plausible layouts this one shows all that: plate 1 is clamped at x = 0, `gap` above plate 2, which is
+clamped at x = 160 - overlap and reaches back towards plate 1. Half of it is modelled, by symmetry about the long axis.
+
+The edge of plate 1 is what touches. Its face does only where it lies flat on plate 2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cached_property
+from typing import Annotated
+
+import numpy as np
+from typer import Option
+
+from .. import meshes
+from ..case import Case
+from ..checks import require_positive_number
+from ..continuation.control import ArcLength
+from ..continuation.events import Event
+from ..continuation.sliding import first_touch, slide_off
+from ..continuation.state import State
+from ..mesh.reader import read
+from ..model.loads import EdgeForce, PointForce
+from ..model.plasticity import Plastic
+from ..model.plate import Plate
+from ..model.scene import Monitor, Scene
+from ..model.section import Elastic
+from ..model.shell import Shell
+from ..model.supports import clamp, symmetry
+from ..model.surface_contact import SurfaceContact
+from ..path import Path, Until
+from ..record import Record
+from ..show.curves import path_curve
+from ..show.evaluate import last_state_kept
+from ..show.files import paraview
+from ..show.pairs import pair_history
+from ..show.pictures import shapes
+from ._plastic import plastic_quantities, yield_events
+
+LENGTH, WIDTH, THICKNESS, MODULUS, POISSON, YIELD = 80.0, 20.0, 0.7, 1.92e5, 0.3, 195.0
+FORM, LOADED = "naghdi-q2", "south-east"
+A, B, C = "A first touch", "B softens", "C slide-off"
+
+
+def case(
+    friction: Annotated[float, Option(help="Coulomb's coefficient")] = 0.2,
+    elastic: Annotated[bool, Option("--elastic", help="no yielding")] = False,
+    gap: Annotated[float, Option(help="between the plates in mm")] = 20.0,
+    overlap: Annotated[float, Option(help="of the plates in mm")] = 40.0,
+    cells: Annotated[int, Option(min=4, help="cells along each plate")] = 32,
+    line_load: Annotated[bool, Option("--line-load", help="spread the force along the free end")] = False,
+    step: Annotated[float, Option(help="first arc length")] = 0.01,
+) -> Case:
+    """Double plate: stages A, B and C of its path, contact force and slip."""
+    require_positive_number("double-plate", gap=gap, step=step)
+    if not 0 < overlap < LENGTH:
+        raise ValueError(f"double-plate: overlap is {overlap}; it must be between 0 and {LENGTH:g}")
+    material = Elastic(MODULUS, POISSON) if elastic else Plastic(MODULUS, POISSON, yield_stress=YIELD)
+    return plates(material, friction, gap, overlap, cells, line_load, step)
+
+
+def plates(material: Elastic, friction: float, gap: float, overlap: float, cells: int, line_load: bool, step: float,
+           distance: float = THICKNESS) -> Case:
+    """The case for a material.
+
+    Parameters
+    ----------
+    distance : of the mid-surfaces where the plates touch
+    """
+    one, two = (_mesh(cells, (x, 0.0, z)) for x, z in ((0.0, gap + distance), (LENGTH - overlap, 0.0)))
+    shells = [Shell(m, Plate(THICKNESS), material, form=FORM) for m in (one, two)]
+    touch = SurfaceContact(one, "east", (two, None), distance=distance, friction=friction, enforcement="uzawa")
+    load = (EdgeForce(one, "east", (0.0, 0.0, -1 / WIDTH)) if line_load
+            else PointForce(one, LOADED, (0.0, 0.0, -0.5)))
+    scene = Scene(
+        shells, [clamp(one, "west"), clamp(two, "east"), symmetry(one, "south", "y"), symmetry(two, "south", "y")],
+        [load], Monitor(one, LOADED, "z", -1.0), symmetry_factor=2, joints=[touch])
+    off = replace(slide_off(scene, touch), name=C)
+    control = ArcLength(step=step, largest=4.0)
+    alone = _Alone(shells[0], [clamp(one, "west"), symmetry(one, "south", "y")], load, gap)
+    events = [replace(first_touch(), name=A), Event(B, alone.stiffening), *yield_events(scene)]
+    return Case(scene, control, Until(event=off), quantities, [path_curve, shapes, pair_history, paraview],
+                ("deflection of the free end of plate 1 (mm)", "force (N)"), events=events)
+
+
+def _mesh(cells: int, origin):
+    across = max(1, round(cells * WIDTH / 2 / LENGTH))
+    return read(lambda: meshes.rectangle((cells, across), (LENGTH, WIDTH / 2), name="plate"), 3, 1,
+                lambda x: x + np.array(origin))
+
+
+class _Alone:
+    """Plate 1 without plate 2, as stiff as it is where it would touch."""
+
+    def __init__(self, shell, supports, load, gap):
+        self._scene = Scene([shell], supports, [load], Monitor(shell.mesh, LOADED, "z", -1.0), symmetry_factor=2)
+        self._gap = gap
+
+    @cached_property
+    def _stiffness(self) -> float:
+        """Current stiffness parameter at first touch."""
+        *_, last = Path(self._scene, ArcLength(step=0.05), Until(deflection=self._gap))
+        return last.current_stiffness
+
+    def stiffening(self, state: State) -> float:
+        """By how much plate 1 is stiffer than before it touched; positive until then."""
+        return state.current_stiffness / self._stiffness - 1 if state.contact_points else 1.0
+
+
+def quantities(record: Record) -> dict[str, float]:
+    """Load and deflection at the stages, contact force, slip and angle of the tip."""
+    contact, found = record.case.scene.joints[0], {}
+    for point in record.critical_points:
+        if point.kind == "event" and point.name in (A, B, C):
+            found |= {f"{point.name[0]}_load": point.load, f"{point.name[0]}_deflection": point.deflection}
+    forces = []
+    with last_state_kept(record):
+        for state in record.states:
+            record.show(state)
+            pairs = record.pairs(contact)
+            forces.append(2 * float(pairs.weight @ pairs.pressure))
+        slip = float(np.abs(pairs.slip).max(initial=0.0))
+    largest = int(np.argmax(forces))
+    found |= {"largest_contact_force": forces[largest], "its_load": record.states[largest].load,
+              "its_deflection": record.states[largest].deflection, "last_contact_force": forces[-1], "last_slip": slip}
+    return found | plastic_quantities(record)
