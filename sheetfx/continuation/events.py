@@ -23,11 +23,13 @@ class Event:
     name : what the path calls it
     test : function of a `State` whose value passes zero where it happens, or that turns from False to True (or back)
     near : how near to zero the value must come; 0: as near as the load can be told
+    way : 1 or -1: only where the value rises or falls through zero; 0: both
     """
 
     name: str
     test: Callable[[State], float | bool]
     near: float = 0.0
+    way: int = 0
 
     def value(self, state: State) -> float:
         found = self.test(state)
@@ -50,7 +52,7 @@ def occurrences(tracer, before: State, after: State, events: Sequence[Event]) ->
     found = []
     for event in events:
         left, right = event.value(before), event.value(after)
-        if left * right < 0 or (left and not right):
+        if (left * right < 0 or (left and not right)) and event.way * (right - left) >= 0:
             found.append(_occurrence(tracer, before, after, event))
     if found:
         tracer.back_to(after)

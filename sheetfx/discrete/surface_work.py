@@ -84,11 +84,18 @@ class SurfaceLaw(PointLaw):
                 slopes.transpose(0, 2, 1) @ stiffness @ slopes + curved)
 
 
+STIFFER, STEPS = 10.0, 3  # from one augmentation to the next, and how often at least
+
+
 class SurfaceWork(PairWork):
     """Virtual work of pressures and tractions between points and the surfaces that they slide along.
 
     `Pairs.gap` are the distances at which they touch; arms and axes of pairs do not count. Slips are those of the
     partners along the undeformed surface, on axes of their own.
+
+    Where pressures are augmented each step begins with a low stiffness, with which points that touch go on touching
+    while Newton's iteration moves them, and ends with a high one, so that few augmentations are needed and the tangent
+    has no flexibility of its own.
     """
 
     _partners: SurfacePartners
@@ -103,3 +110,35 @@ class SurfaceWork(PairWork):
 
     def _give_places(self):
         """The law asks the partners itself."""
+
+    def augment(self) -> bool:
+        if not self.pairs.augmented:
+            return True
+        held = super().augment()
+        if self._augmentations >= STEPS:
+            return held
+        if held:
+            self._put_history(self._updated(True, slips=False))
+        self._stiffen(self._augmentations + 1)
+        return False
+
+    def commit(self) -> None:
+        super().commit()
+        self._stiffen(0)
+
+    def rewind(self) -> None:
+        super().rewind()
+        self._stiffen(0)
+
+    def regularise(self, times: float) -> None:
+        if not self._augmentations:
+            super().regularise(times)
+
+    _augmentations = 0
+
+    def _stiffen(self, augmentations: int) -> None:
+        """Give the stiffness after so many augmentations to the law."""
+        self._augmentations = augmentations
+        table = self.pairs.table()
+        table[:, :2] *= STIFFER ** augmentations
+        self._law.give(self._data_of_history + 1, table)

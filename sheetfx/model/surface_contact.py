@@ -40,10 +40,11 @@ class SurfaceContact(Joint):
     friction : Coulomb's coefficient
     overhang : how far a surface goes on beyond its edges; None: half its thickness
     samples : Gauss points on each piece of a line, and along each side of a cell
-    stiffness : pressure over penetration; None: ten times the stiffness of the softer part in its plane over a cell
+    stiffness : pressure over penetration; None: ten times the bending stiffness of the softer part over the size of
+        what may touch, with which Newton's steps are long and pressures take a few augmentations
     tangential : stiffness against slip before the cone is reached; None: a hundredth of `stiffness`
-    enforcement : "penalty", or "uzawa": pressures are augmented until nothing penetrates by more than a millionth of
-        a cell
+    enforcement : "uzawa": pressures are augmented until nothing penetrates by more than a millionth of a cell; or
+        "penalty", which needs a higher stiffness
     law : function like `forms.contact.mohr_coulomb`, whose pressures are forces per area, per length along lines, and
         forces at points
     name : what messages call it
@@ -59,7 +60,7 @@ class SurfaceContact(Joint):
     samples: int = 2
     stiffness: float | None = None
     tangential: float | None = None
-    enforcement: str = "penalty"
+    enforcement: str = "uzawa"
     law: Callable = forms.contact.mohr_coulomb
     name: str = field(default="SurfaceContact", kw_only=True)
 
@@ -121,7 +122,7 @@ class SurfaceContact(Joint):
             place = ", ".join(f"{x:.6g}" for x in samples.places[gaps.argmin()])
             raise ValueError(f"{self._title}: the parts overlap by {-gaps.min():.6g} at ({place}); move one of them, "
                              "or give a smaller distance")
-        stiffness = self.stiffness or self._default_stiffness(fields, size) * size ** (1 - samples.extent)
+        stiffness = self.stiffness or self._default_stiffness(fields, size)
         tangential = self.tangential or ELASTIC_SLIP * stiffness
         yield fields.surface_work(self, samples, (cells, which, reference, side), {
             "arms": arms, "axes": np.zeros((len(arms), 3, 3)), "gap": np.full(len(arms), apart),
@@ -149,9 +150,11 @@ class SurfaceContact(Joint):
         return max(_half_thickness(p) for p in fields.scene.parts if p.mesh is self.to[0])
 
     def _default_stiffness(self, fields, size: float) -> float:
-        both = [max(stiffness_over(part, size)[0] for part in fields.scene.parts if part.mesh is mesh)
+        extent = self._samples.extent
+        size = max(size, float(self._samples.weights.sum()) ** (1 / extent) if extent else 0.0)
+        both = [max(stiffness_over(part, size)[1] for part in fields.scene.parts if part.mesh is mesh)
                 for mesh in (self.mesh, self.to[0])]
-        return STIFF * min(both)
+        return STIFF * min(both) / size ** (1 + extent)
 
 
 def _half_thickness(part) -> float:

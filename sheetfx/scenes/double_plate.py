@@ -46,7 +46,7 @@ from ._plastic import plastic_quantities, yield_events
 
 LENGTH, WIDTH, THICKNESS, MODULUS, POISSON, YIELD = 80.0, 20.0, 0.7, 1.92e5, 0.3, 195.0
 FORM, LOADED = "naghdi-q2", "south-east"
-A, B, C = "A first touch", "B softens", "C slide-off"
+A, B, AGAIN, C = "A first touch", "B softens", "stiffens again", "C slide-off"
 
 
 def case(
@@ -76,7 +76,7 @@ def plates(material: Elastic, friction: float, gap: float, overlap: float, cells
     """
     one, two = (_mesh(cells, (x, 0.0, z)) for x, z in ((0.0, gap + distance), (LENGTH - overlap, 0.0)))
     shells = [Shell(m, Plate(THICKNESS), material, form=FORM) for m in (one, two)]
-    touch = SurfaceContact(one, "east", (two, None), distance=distance, friction=friction, enforcement="uzawa")
+    touch = SurfaceContact(one, "east", (two, None), distance=distance, friction=friction)
     load = (EdgeForce(one, "east", (0.0, 0.0, -1 / WIDTH)) if line_load
             else PointForce(one, LOADED, (0.0, 0.0, -0.5)))
     scene = Scene(
@@ -85,7 +85,8 @@ def plates(material: Elastic, friction: float, gap: float, overlap: float, cells
     off = replace(slide_off(scene, touch), name=C)
     control = ArcLength(step=step, largest=4.0)
     alone = _Alone(shells[0], [clamp(one, "west"), symmetry(one, "south", "y")], load, gap)
-    events = [replace(first_touch(), name=A), Event(B, alone.stiffening), *yield_events(scene)]
+    events = [replace(first_touch(), name=A), Event(B, alone.stiffening, way=-1), Event(AGAIN, alone.stiffening, way=1),
+              *yield_events(scene)]
     return Case(scene, control, Until(event=off), quantities, [path_curve, shapes, pair_history, paraview],
                 ("deflection of the free end of plate 1 (mm)", "force (N)"), events=events)
 
