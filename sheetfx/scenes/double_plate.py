@@ -83,7 +83,7 @@ def plates(material: Elastic, friction: float, gap: float, overlap: float, cells
         shells, [clamp(one, "west"), clamp(two, "east"), symmetry(one, "south", "y"), symmetry(two, "south", "y")],
         [load], Monitor(one, LOADED, "z", -1.0), symmetry_factor=2, joints=[touch])
     off = replace(slide_off(scene, touch), name=C)
-    control = ArcLength(step=step, largest=4.0)
+    control = ArcLength(step=step, largest=2.5)
     alone = _Alone(shells[0], [clamp(one, "west"), symmetry(one, "south", "y")], load, gap)
     events = [replace(first_touch(), name=A), Event(B, alone.stiffening, way=-1), Event(AGAIN, alone.stiffening, way=1),
               *yield_events(scene)]
