@@ -121,14 +121,17 @@ def quantities(record: Record) -> dict[str, float]:
     for point in record.critical_points:
         if point.kind == "event" and point.name in (A, B, C):
             found |= {f"{point.name[0]}_load": point.load, f"{point.name[0]}_deflection": point.deflection}
-    forces = []
+    forces, slips = [], []
     with last_state_kept(record):
         for state in record.states:
             record.show(state)
             pairs = record.pairs(contact)
             forces.append(2 * float(pairs.weight @ pairs.pressure))
-        slip = float(np.abs(pairs.slip).max(initial=0.0))
+            slips.append(np.linalg.norm(pairs.slip, axis=1).max() if state.contact_points else np.nan)
+        turned = record.rotation(LOADED, contact.mesh)
     largest = int(np.argmax(forces))
     found |= {"largest_contact_force": forces[largest], "its_load": record.states[largest].load,
-              "its_deflection": record.states[largest].deflection, "last_contact_force": forces[-1], "last_slip": slip}
+              "its_deflection": record.states[largest].deflection, "last_contact_force": forces[-1],
+              "slip": float(np.nanmax(slips) - np.nanmin(slips)) if np.isfinite(slips).any() else 0.0,
+              "tip_angle": float(np.degrees(2 * np.arcsin(abs(turned[2]))))}
     return found | plastic_quantities(record)

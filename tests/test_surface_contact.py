@@ -1,0 +1,268 @@
+"""Contact with surfaces: closest points, tangents, momentum, sliding over cells and off edges, the double plate."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from helpers import distance, move_at_random, tangents
+from two_elasticas import TwoElasticas
+
+import sheetfx as fx
+from sheetfx import meshes
+from sheetfx.continuation.state import State
+from sheetfx.discrete.closest_point import SIZE, ClosestPoint
+from sheetfx.discrete.discretisation import Discretisation
+from sheetfx.discrete.pair_work import pairs_of
+from sheetfx.mesh.patch import Patch
+from sheetfx.mesh.projection import Cells
+from sheetfx.scenes import double_plate
+
+POWERS = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3)]
+FACTORS = [1, 1, 1, 0.5, 1, 0.5, 1 / 6, 0.5, 0.5, 1 / 6]
+
+
+def plate(cells, lengths, at=(0.0, 0.0, 0.0), triangles=False):
+    return fx.read(lambda: meshes.rectangle(cells, lengths, triangles), 3, 1, lambda x: x + np.array(at))
+
+
+def work_of(discretisation):
+    work, = pairs_of(discretisation.system.contributions)
+    return work
+
+
+def table(s, order=(0, 0)):
+    """Derivative of the monomials of a surface's Taylor series, s^i t^j / i! j!."""
+    values = []
+    for (i, j), factor in zip(POWERS, FACTORS, strict=True):
+        slope = [np.prod(np.arange(p, p - o, -1)) * x ** max(p - o, 0) for p, o, x in zip((i, j), order, s,
+                                                                                         strict=True)]
+        values.append(factor * np.prod(slope))
+    return np.array(values)
+
+
+def closest(point, rows):
+    """Distance along the normal and coordinates of the closest point of a cubic surface, by Newton's iteration."""
+    s = np.zeros(2)
+    for _ in range(30):
+        apart = point - table(s) @ rows
+        slopes = np.array([table(s, o) @ rows for o in ((1, 0), (0, 1))])
+        curvatures = np.array([[table(s, o) @ rows for o in line] for line in (((2, 0), (1, 1)), ((1, 1), (0, 2)))])
+        step = np.linalg.solve(slopes @ slopes.T - curvatures @ apart, slopes @ apart)
+        s = s + step
+        if np.abs(step).max() < 1e-15:
+            break
+    normal = np.cross(*slopes)
+    return normal @ apart / np.linalg.norm(normal), s
+
+
+def test_derivatives_of_closest_points():
+    """Against differences of the solution itself, at a point 0.4 off a surface with radii of about 2."""
+    generator = np.random.default_rng(4)
+    rows = generator.uniform(-0.3, 0.3, (10, 3)) + [[0, 0, 0], [1, 0.2, 0], [0.1, 0.9, 0], *[[0, 0, 0]] * 7]
+    slopes = rows[1:3]
+    normal = np.cross(*slopes) / np.linalg.norm(np.cross(*slopes))
+    point = rows[0] + 0.4 * normal
+    found = ClosestPoint((point - rows[0])[None], slopes[None], rows[[[3, 4], [4, 5]]][None],
+                         rows[[[[6, 7], [7, 8]], [[7, 8], [8, 9]]]][None])
+
+    def at(z):
+        moved = rows.copy()
+        moved[:6] += z[3:].reshape(6, 3)
+        gap, s = closest(point + z[:3], moved)
+        return np.array([gap, *s])
+
+    def along(direction, step=1e-5):
+        return (at(step * direction) - at(-step * direction)) / (2 * step)
+
+    weights = np.array([[0.7, -1.3]])
+    seconds = found.second_of_distance()[0], found.second_of_coordinates(weights)[0]
+    for one, two in generator.uniform(-1, 1, (6, 2, SIZE)):
+        first = along(one)
+        assert [found.of_distance()[0] @ one, *(found.moves[0] @ one)] == pytest.approx(first, abs=1e-8)
+        second = np.zeros(3)
+        for first_sign, second_sign in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
+            second += first_sign * second_sign * at(1e-4 * (first_sign * one + second_sign * two)) / 4e-8
+        assert [one @ m @ two for m in seconds] == pytest.approx([second[0], weights[0] @ second[1:]], abs=2e-5)
+    assert all(np.abs(m - m.T).max() < 1e-12 for m in seconds)
+
+
+@pytest.mark.parametrize("triangles", [False, True])
+def test_cells_know_what_is_beyond_their_borders(triangles):
+    """Across each border inside there is the cell whose points are at the same places, with the same normal."""
+    patch = Patch(Cells(mesh := plate((3, 2), (1.5, 1.0), triangles=triangles), mesh.group(None)))
+    inside = 0
+    for cell in range(len(patch.beyond)):
+        for border in range(patch.beyond.shape[1]):
+            ends = patch._ends[border]
+            reference = (0.3 * ends[0] + 0.7 * ends[1])[None]
+            assert patch.margins(reference)[0, border] == pytest.approx(0.0, abs=1e-15)
+            if patch.beyond[cell, border] < 0:
+                continue
+            inside += 1
+            which = np.array([cell])
+            other, entered, flips = patch.pass_on(which, np.array([border]), reference)
+            assert patch.cells.places(other, entered) == pytest.approx(patch.cells.places(which, reference))
+            assert (flips[:, None] * patch.cells.normals(other, entered)
+                    == pytest.approx(patch.cells.normals(which, reference)))
+    assert inside == (26 if triangles else 14)
+
+
+def two_plates(at="south", friction=0.0, **how):
+    upper, lower = plate((1, 1), (1.0, 0.8), (0.13, 0.11, 0.3)), plate((2, 1), (1.3, 1.0))
+    shells = [fx.Shell(m, fx.Plate(0.05), fx.Elastic(1e2, 0.3)) for m in (upper, lower)]
+    how = {"distance": 0.3, "stiffness": 1e3, "tangential": 1e3, "enforcement": "penalty"} | how
+    contact = fx.SurfaceContact(upper, at, (lower, None), friction=friction, **how)
+    return fx.Scene(shells, [fx.clamp(upper, "north"), fx.clamp(lower, "west")],
+                    [fx.PointForce(upper, "south-west", (0.0, 0.0, -1.0))],
+                    fx.Monitor(upper, "south-west", "z", -1.0), joints=[contact])
+
+
+@pytest.mark.parametrize("at, friction", [
+    (None, 0.5), pytest.param("south", 0.0, marks=pytest.mark.slow), pytest.param(None, 0.0, marks=pytest.mark.slow)])
+def test_tangent_is_the_derivative_and_forces_balance(at, friction):
+    """Far from equilibrium, partners in other cells than at first; contact forces have no resultant and no moment."""
+    discretisation = Discretisation(two_plates(at, friction), mixed_points=False)
+    system, work = discretisation.system, work_of(discretisation)
+    x = move_at_random(discretisation, size=0.05)
+    assert {"open", "slip"} <= set(work.evaluate().status)
+    out = system.create_vector()
+    forces = system._forces()
+    work.residual(forces)
+    totals = np.zeros(6)
+    for number, field in enumerate(discretisation.unknowns.fields):
+        if (force := forces.given(number)) is not None:
+            space = field.value.function_space
+            places = space.tabulate_dof_coordinates() + field.table
+            totals += np.concatenate([force.sum(axis=0), np.cross(places, force).sum(axis=0)])
+    largest = np.abs(np.concatenate([f for n in (0, 2) if (f := forces.given(n)) is not None])).max()
+    assert np.abs(totals).max() < 1e-12 * largest * 20
+    with system.additive_increments():
+        system.residual(out)
+        assembled, differences = tangents(system, x, 1e-5)
+    assert distance(assembled, differences) < 7e-8
+    if friction:
+        assert distance(assembled.T, differences) > 1e-4
+
+
+def sliding(depth, apart, travel=1.0, start=1.05, step=0.02, friction=0.0, **how):
+    """A rod pressed into a strip on an elastic foundation slides along it, ten cells for a travel of 1."""
+    strip = plate((30, 1), (3.0, 0.1))
+    nodes = {"start": (start, 0.05, 0.3 + apart), "end": (start, 0.05, apart)}
+    rod = fx.read(lambda: meshes.frame(nodes, {"rod": ("start", "end", 1)}), 3)
+    shell = fx.Shell(strip, fx.Plate(0.1), fx.Elastic(1.2e6, 0.0))
+    beam = fx.Beam(rod, fx.Rectangle(0.1, 0.1), fx.Elastic(1.2e6, 0.0), up=(1.0, 0.0, 0.0))
+    contact = fx.SurfaceContact(rod, "end", (strip, None), distance=apart, toward=(0.0, 0.0, -1.0), friction=friction,
+                                **how)
+    supports = [fx.Support(strip, "west", "x"), *(fx.Support(strip, f"south-{end}", "y") for end in ("west", "east")),
+                fx.Support(rod, "start", "y rx ry rz")]
+    scene = fx.Scene(
+        [shell, beam], supports, [fx.PrescribedDisplacement(rod, "start", "x", travel)], fx.Monitor(rod, "start", "x"),
+        joints=[contact, fx.Foundation(shell, (0.0, 0.0, 5e4))],
+        stages=[fx.Stage([fx.PrescribedDisplacement(rod, "start", "z", -depth)],
+                         control=fx.LoadControl(step=1.0, fixed=True))])
+    record = fx.trace(fx.Case(scene, fx.LoadControl(step=step, fixed=True)))
+    states = []
+    for state in record.states[-round(1 / step):]:
+        record.show(state)
+        states.append(record.pairs(contact))
+    return record, states
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("apart", [0.0, 0.1])
+def test_slides_over_cells_without_a_jolt(apart):
+    """Of ten cells; the force under a given travel is that of an infinite beam (see test_pair_contact.py).
+
+    A contact without thickness and one off the mid-surface by a cell; between steps of a fifth of a cell the force
+    changes by 0.22 %, over each cell, whose nodes are stiffer than its middle, by 0.58 %.
+    """
+    _, states = sliding(0.01, apart)
+    forces = np.array([s.pressure[0] for s in states])
+    beta = (5e3 / 4 / 10.0) ** 0.25
+    spring = 1 / (beta / 2 / 5e3 + 0.3 / 1.2e4)
+    assert np.abs(np.diff(forces)).max() < 5e-3 * forces.mean()
+    assert np.ptp(forces) < 8e-3 * forces.mean()
+    assert forces.mean() == pytest.approx(0.01 * spring, rel=1e-2)
+
+
+@pytest.mark.slow
+def test_friction_over_cells():
+    """Slip is what has been travelled, on whichever cell; the traction is that of the cone once it slips."""
+    _, states = sliding(0.01, 0.1, friction=0.3)
+    slips, forces = (np.array([getattr(s, name)[0] for s in states]) for name in ("slip", "traction"))
+    pressures = np.array([s.pressure[0] for s in states])
+    assert [s.status[0] for s in states[5:]] == ["slip"] * (len(states) - 5)
+    assert np.linalg.norm(forces[5:], axis=1) == pytest.approx(0.3 * pressures[5:], rel=1e-9)
+    travelled = np.diff(slips[5:], axis=0)
+    assert np.linalg.norm(travelled, axis=1) == pytest.approx(0.02, rel=2e-2)
+
+
+@pytest.mark.slow
+def test_slides_off_the_edge():
+    """Beyond the edge there is no partner and no force; the strip springs back, and nothing fails."""
+    record, states = sliding(0.01, 0.1, travel=0.3, start=2.85, step=0.05)
+    forces = np.array([s.pressure[0] for s in states])
+    places = np.array([s.position[0, 0] for s in states])
+    assert (forces[places < 2.99] > 0).all() and (forces[places > 3.06] == 0).all()
+    record.show(record.states[-1])
+    assert np.abs(record.displacement("north-east")).max() < 1e-9
+
+
+@pytest.mark.parametrize("how, message", [
+    ({"friction": -0.2}, "friction is -0.2; it must not be negative"),
+    ({"stiffness": 0.0}, "stiffness is 0.0; it must be positive"),
+    ({"samples": 0}, "samples is 0; give a number of at least 1"),
+    ({"enforcement": "exact"}, "enforcement is 'exact'"),
+])
+def test_wrong_input_is_named(how, message):
+    with pytest.raises(ValueError, match=message):
+        two_plates(**how)
+
+
+def test_overlap_and_curves_are_named():
+    with pytest.raises(ValueError, match="overlap by 0.05 at .*smaller distance"):
+        Discretisation(two_plates(distance=0.35))
+    mesh = plate((1, 1), (1.0, 1.0))
+    line = fx.read(lambda: meshes.frame({"a": (0, 0, 0), "b": (1, 0, 0)}, {"line": ("a", "b", 1)}), 3)
+    with pytest.raises(ValueError, match="no surface in space; give shells there, or use a PairContact"):
+        fx.SurfaceContact(mesh, "west", (line, None))
+    with pytest.raises(ValueError, match="does not have the contact"):
+        fx.slide_off(two_plates(), fx.SurfaceContact(mesh, "west", (mesh, None)))
+
+
+@pytest.mark.slow
+def test_two_strips_against_two_elasticas():
+    """Stages and states of the whole path; a strip without lateral contraction is given the modulus of a plate."""
+    modulus = double_plate.MODULUS / (1 - double_plate.POISSON**2)
+    case = double_plate.plates(fx.Elastic(modulus, 0.0), 0.0, 20.0, 40.0, 16, True, 0.01, 0.0)
+    record = fx.trace(case)
+    theory = TwoElasticas(80.0, modulus * 20.0 * 0.7**3 / 12, 20.0, 40.0)
+    found = case.quantities(record)
+    assert found["A_load"] == pytest.approx(theory.first_touch(), rel=5e-4)
+    touching = [s for s in record.states if s.contact_points]
+    path = theory.path([s.load for s in touching[:-1]])
+    assert [s.deflection for s in touching[:-1]] == pytest.approx(path[:, 0], rel=1e-3)
+    assert found["largest_contact_force"] == pytest.approx(path[:, 1].max(), rel=1e-3)
+    last = theory.slides_off(81.0)
+    assert [found["C_load"], found["C_deflection"], found["last_contact_force"]] == pytest.approx(last, rel=1e-3)
+    assert found["B_deflection"] == pytest.approx(33.06, rel=5e-3)
+
+
+@pytest.mark.slow
+def test_resumes_in_the_middle_of_plastic_sliding(tmp_path):
+    def case():
+        made = double_plate.case(cells=8)
+        return fx.Case(made.scene, made.control, fx.Until(deflection=26.0))
+
+    whole = fx.trace(case())
+    middle = next(i for i, s in enumerate(whole.states) if s.contact_points) + 3
+    kept = []
+    for state in whole.states[: middle + 1]:
+        state.save(tmp_path / "state.npz")
+        kept.append(State.load_from(tmp_path / "state.npz"))
+    again = case()
+    rest = list(fx.Path(again.scene, again.control, again.until, start=kept))
+    assert rest[-1].step == whole.states[-1].step
+    for state in rest:
+        assert state.load == pytest.approx(whole.states[state.step].load, rel=1e-8)
+        assert state.deflection == pytest.approx(whole.states[state.step].deflection, rel=1e-8)
