@@ -22,9 +22,9 @@ class SurfacePartners:
     """The closest point of a surface in its present shape to each of some points.
 
     Reference coordinates of the cells are the coordinates of the surface. A partner goes on in the next cell where it
-    leaves one, by a hundredth of the cell late, and in the first where the next one sends it back: where the surface has
-    a slight bend between cells, the outside of the bend has points with a closest one in neither, and the inside points
-    with one in both. Beyond the edge of a surface there is no partner.
+    leaves one, by a hundredth of the cell late, and in the first where the next one sends it back: where the surface
+    has a slight bend between cells, the outside of the bend has points with a closest one in neither, and the inside
+    points with one in both. Beyond the edge of a surface there is no partner.
 
     Parameters
     ----------
@@ -50,11 +50,9 @@ class SurfacePartners:
         self._nodes = space.dofmap.list[cells.cells].astype(np.int64)
         self._which, self._reference, self._overhang = which.copy(), reference.copy(), overhang
         self.side, self.on = side.astype(float), np.ones(len(which), dtype=bool)
-        self._passed = np.zeros((len(which), 2))
-        self._axes = np.zeros((len(which), 2, 3))
-        first = cells.derivatives(which, reference)[:, :, 0]
-        self._axes[:, 0] = first / np.linalg.norm(first, axis=1, keepdims=True)
-        self.commit()
+        self._left, self._kept = np.full(len(which), -1), np.zeros(len(which), dtype=bool)
+        self._passed, self._origin = np.zeros((len(which), 2)), cells.places(which, reference)
+        self._axes = self._axes_along(cells.derivatives(which, reference)[:, :, 0])
 
     @property
     def nodes(self) -> np.ndarray:
@@ -78,12 +76,16 @@ class SurfacePartners:
 
     def commit(self) -> None:
         """Count travel from here on, along axes that are carried along the surface."""
-        self._passed = self.travelled if hasattr(self, "_origin") else self._passed
+        self._passed = self.travelled
         self._origin = self._cells.places(self._which, self._reference)
+        self._axes = self._axes_along(self._axes[:, 0])
+
+    def _axes_along(self, first: np.ndarray) -> np.ndarray:
+        """Axes along the undeformed surface of which the first is as close as possible to given directions."""
         normal = self._cells.normals(self._which, self._reference) * self.side[:, None]
-        first = self._axes[:, 0] - np.einsum("nd,nd->n", self._axes[:, 0], normal)[:, None] * normal
+        first = first - np.einsum("nd,nd->n", first, normal)[:, None] * normal
         first /= np.linalg.norm(first, axis=1, keepdims=True)
-        self._axes = np.stack([first, np.cross(normal, first)], axis=1)
+        return np.stack([first, np.cross(normal, first)], axis=1)
 
     def history(self) -> np.ndarray:
         """All that is to be kept of them."""
@@ -99,7 +101,7 @@ class SurfacePartners:
     def follow(self, points: np.ndarray) -> bool:
         """Find the partners of points as they are now, from where these were last; return whether anything changed."""
         changed, before = False, self.on
-        self._left, self._kept = np.full(len(points), -1), np.zeros(len(points), dtype=bool)
+        self._left[:], self._kept[:] = -1, False
         for _ in range(ITERATIONS):
             place, slopes, curvatures = self.shape()
             apart = points - place

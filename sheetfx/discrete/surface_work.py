@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .. import forms
-from .closest_point import SIZE, ClosestPoint
+from .closest_point import ClosestPoint
 from .pair_work import PairWork
 from .points import PointLaw
 from .surface_partners import SurfacePartners

@@ -51,7 +51,7 @@ class SurfaceContact(Joint):
     """
 
     mesh: NamedMesh
-    at: str | Stretch | None | Sequence[str | Stretch]
+    at: str | Stretch | Sequence[str | Stretch] | None
     to: tuple[NamedMesh, str | None]
     toward: Sequence[float] | None = None
     distance: float | None = None
