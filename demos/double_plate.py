@@ -76,8 +76,8 @@ def report(record):
 # %% [markdown]
 # ## Against two elasticas
 # As strips that do not contract laterally, and that touch with their middle lines, elastic plates without friction are
-# two inextensible elasticas, for which an independent solution by shooting is known: they touch at 15.115 N, the contact
-# force is 39.39 N at most, and the upper one slides off at 81.62 N and a deflection of 55.66 mm.
+# two inextensible elasticas, for which an independent solution by shooting is known: they touch at 15.115 N, the
+# contact force is 39.39 N at most, and the upper one slides off at 81.62 N and a deflection of 55.66 mm.
 
 # %%
 strips = fx.trace(case(fx.Elastic(MODULUS / (1 - POISSON**2), 0.0), distance=0.0))
@@ -92,10 +92,10 @@ figure = draw_stages(strips)
 
 # %% [markdown]
 # ## Friction and yielding
-# Friction resists the slide, so that A is followed by a higher load everywhere. Yielding begins at 4.3 N, before the plates
-# touch, and makes B a limit point: past it the load falls while the upper plate is pushed along, until it slides off at
-# about a sixth of the elastic load. The falling path is what the thesis's plastic plates have beyond B; that
-# they stiffen again needs an elastic range that 195 MPa does not leave them.
+# Friction resists the slide: from A on the load is higher. Yielding begins at 4.3 N, before the plates touch, and makes
+# B a limit point: past it the load falls while the upper plate is bent further about its clamp, and rises hardly again
+# before C. All stages that the thesis describes are on the elastic path; of the plastic one the last stiffening is
+# missing.
 
 # %%
 if not QUICK:

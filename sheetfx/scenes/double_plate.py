@@ -88,7 +88,7 @@ def plates(material: Elastic, friction: float, gap: float, overlap: float, cells
         [load], Monitor(one, LOADED, "z", -1.0), symmetry_factor=2, joints=[touch])
     off = replace(slide_off(scene, touch), name=C)
     control = ArcLength(step=step, largest=2.5)
-    alone = _Alone(shells[0], [clamp(one, "west"), symmetry(one, "south", "y")], load, gap)
+    alone = _Alone(shells[0], [clamp(one, "west"), symmetry(one, "south", "y")], load, gap, control)
     zones = [plastic_zones] if isinstance(material, Plastic) else []
     events = [replace(first_touch(), name=A), Event(B, alone.stiffening, way=-1), Event(AGAIN, alone.stiffening, way=1),
               *yield_events(scene)]
@@ -106,14 +106,14 @@ def _mesh(cells: int, origin):
 class _Alone:
     """Plate 1 without plate 2, as stiff as it is where it would touch."""
 
-    def __init__(self, shell, supports, load, gap):
+    def __init__(self, shell, supports, load, gap, control):
         self._scene = Scene([shell], supports, [load], Monitor(shell.mesh, LOADED, "z", -1.0), symmetry_factor=2)
-        self._gap = gap
+        self._gap, self._control = gap, control
 
     @cached_property
     def _stiffness(self) -> float:
         """Current stiffness parameter at first touch."""
-        *_, last = Path(self._scene, ArcLength(step=0.05), Until(deflection=self._gap))
+        *_, last = Path(self._scene, self._control, Until(deflection=self._gap))
         return last.current_stiffness
 
     def stiffening(self, state: State) -> float:
