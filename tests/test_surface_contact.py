@@ -287,3 +287,45 @@ def test_resumes_in_the_middle_of_plastic_sliding(tmp_path):
     for state in rest:
         assert state.load == pytest.approx(whole.states[state.step].load, rel=1e-8)
         assert state.deflection == pytest.approx(whole.states[state.step].deflection, rel=1e-8)
+
+
+@pytest.mark.slow
+def test_constant_pressure_passes_under_large_sliding():
+    """A soft plate that is loaded evenly slides over a stiff one, by more than a cell of both."""
+    upper, lower = plate((3, 2), (0.6, 0.4), (0.1, 0.13, 0.03)), plate((5, 3), (2.0, 0.7))
+    soft, stiff = fx.Shell(upper, fx.Plate(0.02), fx.Elastic(1e4, 0.3)), fx.Shell(lower, fx.Plate(0.04),
+                                                                                 fx.Elastic(1e13, 0.3))
+    contact = fx.SurfaceContact(upper, None, (lower, None))
+    edges = [fx.clamp(lower, edge) for edge in ("west", "east", "south", "north")]
+    scene = fx.Scene(
+        [soft, stiff], [*edges, fx.Support(upper, "west", "y")], [fx.PrescribedDisplacement(upper, "west", "x", 1.1)],
+        fx.Monitor(upper, "south-west", "x"), joints=[contact],
+        stages=[fx.Stage([fx.SurfaceForce(soft, (0.0, 0.0, -2.0))], control=fx.LoadControl(step=1.0, turn=4.0))])
+    record = fx.trace(fx.Case(scene, fx.LoadControl(step=0.1, fixed=True)))
+    for state in record.states[1:]:
+        record.show(state)
+        assert np.abs(record.pairs(contact).pressure - 2.0).max() < 1e-6
+    assert state.deflection == pytest.approx(1.1)
+
+
+@pytest.mark.slow
+def test_friction_takes_the_energy_that_is_missing():
+    """Work of the load, stored energy and friction as the plates slide, by splines through the states.
+
+    Within a cell; where the contact leaves it for the next, the energy of these coarse ones changes by 5e-5.
+    """
+    made = double_plate.plates(fx.Elastic(double_plate.MODULUS, 0.3), 0.3, 20.0, 40.0, 6, False, 0.01)
+    record = fx.trace(fx.Case(made.scene, fx.ArcLength(step=0.01, largest=1.25), fx.Until(deflection=33.0)))
+    contact, found = made.scene.joints[0], []
+    touching = [s for s in record.states if s.contact_points][3:]
+    for state in touching:
+        record.show(state)
+        pairs = record.pairs(contact)
+        found.append((2 * sum(record.energies()), pairs.weight[:, None] * pairs.traction, pairs.slip))
+    stored, forces, slips = (np.array(values) for values in zip(*found, strict=True))
+    deflections = np.array([s.deflection for s in touching])
+    work = CubicSpline(deflections, [s.load for s in touching]).integrate(*deflections[[0, -1]])
+    force, pace = CubicSpline(deflections, forces), CubicSpline(deflections, slips).derivative()
+    rubbed = quad(lambda w: 2 * (force(w) * pace(w)).sum(), *deflections[[0, -1]], limit=200)[0]
+    assert rubbed > 0.05 * work
+    assert stored[-1] - stored[0] + rubbed == pytest.approx(work, rel=1e-6)

@@ -86,6 +86,8 @@ class PairWork(PointWork):
     name : of its history in snapshots
     """
 
+    _slack = 0.0  # part of the bound of friction by which tractions may be off where they slip
+
     def __init__(self, unknowns: Unknowns, first: Sequence[Trace], second: Trace | Partners, pairs: Pairs, contact,
                  name: str):
         self.contact, self.approaches = contact, (APPROACH,) if pairs.parameters[2] > 0 else (1.0,)
@@ -270,7 +272,8 @@ class PairWork(PointWork):
             traction = resultants[:, 1:1 + n] * self._here[:, None]
             slip = strains[:, 1:1 + n] + self._history[:, 1 + n:]
         _, _, friction, cohesion, _ = self.pairs.parameters
-        status = status_of(pressure, np.linalg.norm(traction, axis=1), friction * pressure + cohesion)
+        bound = (friction * pressure + cohesion) * (1 - self._slack)
+        status = status_of(pressure, np.linalg.norm(traction, axis=1), bound)
         return PairState(self.pairs.points + z[:, :d], strains[:, 0], pressure, traction,
                          self.pairs.weights * self._here, status, slip)
 

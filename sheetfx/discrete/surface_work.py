@@ -99,6 +99,8 @@ class SurfaceWork(PairWork):
     """
 
     _partners: SurfacePartners
+    _slack = 1e-5
+    _augmentations = 0
 
     def _law_of(self, sizes):
         pairs, self._data_of_history = self.pairs, 0
@@ -133,8 +135,6 @@ class SurfaceWork(PairWork):
     def regularise(self, times: float) -> None:
         if not self._augmentations:
             super().regularise(times)
-
-    _augmentations = 0
 
     def _stiffen(self, augmentations: int) -> None:
         """Give the stiffness after so many augmentations to the law."""

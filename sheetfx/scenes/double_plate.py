@@ -58,7 +58,7 @@ def case(
     elastic: Annotated[bool, Option("--elastic", help="no yielding")] = False,
     gap: Annotated[float, Option(help="between the plates in mm")] = 20.0,
     overlap: Annotated[float, Option(help="of the plates in mm")] = 40.0,
-    cells: Annotated[int, Option(min=4, help="cells along each plate")] = 32,
+    cells: Annotated[int, Option(min=4, help="cells along each plate")] = 16,
     line_load: Annotated[bool, Option("--line-load", help="spread the force along the free end")] = False,
     step: Annotated[float, Option(help="first arc length")] = 0.01,
 ) -> Case:
