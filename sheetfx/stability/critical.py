@@ -10,6 +10,7 @@ from scipy.interpolate import KroghInterpolator
 from scipy.optimize import brentq
 
 from ..continuation.defect import interpolates
+from ..continuation.explained import explained
 from ..continuation.segment import SAMPLES, Jump, Missed, Segment
 from ..continuation.state import CriticalPoint, State
 from ..continuation.tracer import tracer_of
@@ -138,7 +139,7 @@ def _check(segment: Segment) -> None:
     pieces = segment.pairs()
     while pieces:
         left, right = pieces.pop()
-        if not (segment.explained(left, right) and interpolates(segment, left, right)):
+        if not (explained(segment, left, right) and interpolates(segment, left, right)):
             if right - left < SHORTEST * segment.after.length:
                 raise Jump("tangents within the step do not explain its load")
             middle = (left + right) / 2
