@@ -105,15 +105,11 @@ class Segment:
         return state
 
     def seen(self, length: float) -> tuple[float, float]:
-        """Load and deflection at a length, by interpolation without equilibrium being sought.
+        """Load and deflection where states and their tangents lead, without equilibrium being sought.
 
-        Tangents, which a critical point nearby disturbs, serve where states are few. The tracer ends where the step
-        starts.
+        The tracer ends where the step starts.
         """
-        if len(self.states) < SAMPLES:
-            factor, x = self.course.at(length, self.states)
-        else:
-            factor, x = self._between(length)
+        factor, x = self.course.at(length, self.states)
         tracer, system, increment = self.tracer, self.tracer.system, self.tracer.system.create_vector(x)
         system.configure(increment, self.before.factor + factor)
         load, deflection = tracer.discretisation.total_load(), self.before.deflection + tracer.monitored(increment)

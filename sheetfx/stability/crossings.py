@@ -28,6 +28,7 @@ EXACT, ROUGH = 1e-8, 1e-5  # relative error of the load at which to stop, and wh
 SAMPLES = 6  # states that are interpolated between
 CLOSEST = 1e-4  # of a step, piece that is not divided any more
 APART = 0.1  # of a piece of path, distance of crossings that are looked for one by one
+EVEN = 0.5  # smaller rate of the load factor over the larger one at the outer samples, where it tells them apart
 FOLD = 0.9  # of the length of a piece of path, motion along the mode where a limit point is
 NOISE = 1e-6  # of the length of a piece of path, motion along a mode that does not count
 ROUNDED = 1e-10  # of the structure's size, imperfection along a mode that rounding may cause, as in a mesh
@@ -95,7 +96,24 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
         return _halves(segment, left, right)
     if segment.guarded:
         _compare_sides(segment, roots, samples, border)
-    return [Crossing(float(s), *segment.seen(s)) for s in roots]
+    return _at_loads(segment, roots, samples, border)
+
+
+def _at_loads(segment: Segment, roots: np.ndarray, samples: Sequence[float], border: _Border) -> list[Crossing]:
+    """Crossings at lengths, at the loads that the samples' eigenvalues give as functions of the load factor.
+
+    Rounding moves states along the mode, the more the nearer they are, which changes the length of the path up to them
+    and the tangents there, but hardly their loads. Where the factor does not change evenly, loads are those of the
+    lengths.
+    """
+    states = [segment[s] for s in sorted(samples)]
+    rises, rates = np.diff([state.factor for state in states]), [states[0].load_rate, states[-1].load_rate]
+    if abs(np.sign(rises).sum()) < len(rises) or min(rates) * max(rates) <= EVEN * max(np.square(rates)):
+        return [Crossing(float(s), *segment.seen(s)) for s in roots]
+    factors = [segment[s].factor for s in samples]
+    values = KroghInterpolator(factors, [(segment[s].load, segment[s].deflection) for s in samples])
+    found = border.roots(samples, factors)[::int(np.sign(rises[0]))]
+    return [Crossing(float(s), *map(float, values(factor))) for s, factor in zip(roots, found, strict=True)]
 
 
 def _load_change(segment: Segment, near: float, change: float) -> float:
@@ -230,19 +248,24 @@ class _Border:
         """Signs of the eigenvalues that pass zero."""
         return list(self._eigenvalues(self.at(length))[self.numbers] < 0)
 
-    def roots(self, samples: Sequence[float]) -> np.ndarray:
+    def roots(self, samples: Sequence[float], places: Sequence[float] | None = None) -> np.ndarray:
         """Lengths at which eigenvalues pass zero, in ascending order, by an interpolation between states.
 
         Infinite if these are not on both sides.
+
+        Parameters
+        ----------
+        places : of the samples, in another measure that grows or falls along the path
         """
+        place = dict(zip(samples, samples if places is None else places, strict=True))
         before = [s for s in samples if self._signs(s) == self._left]
         behind = [s for s in samples if self._signs(s) == self._right]
         if not before or not behind:
             return np.full(len(self.numbers), np.inf)
-        border = KroghInterpolator(samples, np.array([self.at(s) for s in samples]))
-        ends = max(before), min(behind)
+        border = KroghInterpolator(list(place.values()), np.array([self.at(s) for s in samples]))
+        ends = place[max(before)], place[min(behind)]
         return np.sort([brentq(lambda s, number=number: self._eigenvalues(border(s))[number], *ends,
-                               xtol=1e-14 * self._segment.after.length, rtol=1e-15) for number in self.numbers])
+                               xtol=1e-14 * abs(ends[1] - ends[0]), rtol=1e-15) for number in self.numbers])
 
     def null_vectors(self, nearest: float) -> list[np.ndarray]:
         """About the null vectors of the tangent at crossings, from the solutions at a near state, the nearest first."""
