@@ -15,6 +15,7 @@ from .partners import Partners
 from .points import PointLaw, PointWork, Trace
 from .unknowns import Unknowns
 
+SPARE = 0.1  # of all pairs, those with the smallest gaps that the pattern of the tangent has beside those that act
 APPROACH = 2.0  # of states with friction: any multiple of the regularisation stands for given bounds of friction
 
 
@@ -118,7 +119,7 @@ class PairWork(PointWork):
         self._data_of_start, self._data_of_history = len(data) - 3, len(data) - 2
         self._committed = self._history.copy()
         self._partners_committed = self._partners.history() if self._partners else None
-        self._pattern_nodes = None
+        self._pattern_nodes = self._followed = None
 
     def _geometry(self) -> list[np.ndarray]:
         place, *derivatives = self._partners.geometry()
@@ -135,6 +136,10 @@ class PairWork(PointWork):
         """Bring partners to where they are opposite now."""
         if self._partners is None:
             return
+        tables = [f.table for f in self._fields[:len(self._first) + 1]]
+        if self._followed is not None and all(map(np.array_equal, tables, self._followed)):
+            return
+        self._followed = [table.copy() for table in tables]
         values = super().values()
         d, pairs = self.pairs.dimension, self.pairs
         along = pairs.axes[:, 1]
@@ -159,15 +164,30 @@ class PairWork(PointWork):
         """Pressures have no linear change to be extrapolated by."""
 
     def pattern(self, layout: Layout):
+        z = self.values()
+        acting, gap = self._acting(z), self._law.strains(z)[:, 0]
+        near = np.argsort(np.where(acting, -np.inf, gap), kind="stable")
+        self._stiff = np.sort(near[:acting.sum() + int(SPARE * len(near)) + 1])
         self._pattern_nodes = [t.nodes for t in self._traces]
         return super().pattern(layout)
 
     @property
     def moved(self) -> bool:
-        if self._partners is None or self._pattern_nodes is None:
+        """Whether pairs act that the pattern does not have, or has with other partners."""
+        if self._pattern_nodes is None:
             return False
-        self._follow()
-        return any((t.nodes != nodes).any() for t, nodes in zip(self._traces, self._pattern_nodes, strict=True))
+        acting = self._acting(self.values())
+        kept = np.zeros(len(acting), dtype=bool)
+        kept[self._stiff] = True
+        return bool(np.any(acting & ~kept)) or any((t.nodes[acting] != nodes[acting]).any() for t, nodes in zip(
+            self._traces, self._pattern_nodes, strict=True))
+
+    def _acting(self, z: np.ndarray) -> np.ndarray:
+        """Pairs that have forces."""
+        return self._forces(z).any(axis=1)
+
+    def _linearised(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return self._forces(z), self._law.stiffness(z, self._stiff)
 
     def _put_history(self, history: np.ndarray) -> None:
         self._history = history
@@ -212,6 +232,7 @@ class PairWork(PointWork):
         if self._partners:
             self._partners.restore(self._partners_committed)
             self._renew()
+            self._followed = None
 
     def regularise(self, times: float) -> None:
         """On the approach, `times` above 1, friction is bounded by the pressures that there are now.
