@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import itemgetter
 
 import numpy as np
 from petsc4py import PETSc
@@ -29,6 +30,7 @@ SAMPLES = 6  # states that are interpolated between
 CLOSEST = 1e-4  # of a step, piece that is not divided any more
 APART = 0.1  # of a piece of path, distance of crossings that are looked for one by one
 EVEN = 0.5  # smaller rate of the load factor over the larger one at the outer samples, where it tells them apart
+DOUBT = 10  # of the last correction of a load, difference from another value of it that shows which one is noise
 FOLD = 0.9  # of the length of a piece of path, motion along the mode where a limit point is
 NOISE = 1e-6  # of the length of a piece of path, motion along a mode that does not count
 ROUNDED = 1e-10  # of the structure's size, imperfection along a mode that rounding may cause, as in a mesh
@@ -66,8 +68,8 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
         raise Jump(f"{count} eigenvalues pass zero in the step, of which {len(border.numbers)} are found")
     if len(border.numbers) != count:
         return _halves(segment, left, right)
-    roots = border.roots(lengths)
-    error = between = np.inf
+    roots, samples, between = border.roots(lengths), lengths, np.inf
+    best = np.inf, roots, samples  # in the end rounding takes over, so that nearer samples are worse
     for reach, sides in (*ALTERNATELY, *((reach, (-1, 1)) for reach in REACHES)):
         gaps = np.diff(roots)
         if len(gaps) and gaps.max() > APART * (right - left):
@@ -76,10 +78,10 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
                 return _pieces(segment, left, right)
         try:
             lengths = _sampled(segment, lengths, roots, reach * (right - left), sides)
-        except Jump:  # so near that rounding moves states along the mode: those that are further off must do
+        except Jump:  # off the path for rounding: the samples that there are must do
             if len(lengths) == 2:
                 raise
-            error = between
+            best = min(best, (between, roots, samples), key=itemgetter(0))
             break
         samples = _nearest(lengths, roots)
         coarser, finer = border.roots(samples[:-1]), border.roots(samples)
@@ -88,8 +90,10 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
         between, drift = (_load_change(segment, samples[0], float(np.abs(finer - other).max()))
                           for other in (coarser, roots))
         roots, error = finer, between if between <= EXACT else max(between, drift)
+        best = min(best, (error, roots, samples), key=itemgetter(0))
         if error <= EXACT:
             break
+    error, roots, samples = best
     if not error <= ROUGH:
         if segment.guarded:
             raise Jump("eigenvalues pass zero in the step, but not smoothly")
@@ -100,20 +104,24 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
 
 
 def _at_loads(segment: Segment, roots: np.ndarray, samples: Sequence[float], border: _Border) -> list[Crossing]:
-    """Crossings at lengths, at the loads that the samples' eigenvalues give as functions of the load factor.
+    """Crossings at lengths, with their loads.
 
     Rounding moves states along the mode, the more the nearer they are, which changes the length of the path up to them
-    and the tangents there, but hardly their loads. Where the factor does not change evenly, loads are those of the
-    lengths.
+    and the tangents there, but hardly their loads. The samples' eigenvalues as functions of the load factor, where this
+    changes evenly, give loads that do not feel it. They are taken where the others are far beyond their own error.
     """
+    found = [Crossing(float(s), *segment.seen(s)) for s in roots]
     states = [segment[s] for s in sorted(samples)]
     rises, rates = np.diff([state.factor for state in states]), [states[0].load_rate, states[-1].load_rate]
     if abs(np.sign(rises).sum()) < len(rises) or min(rates) * max(rates) <= EVEN * max(np.square(rates)):
-        return [Crossing(float(s), *segment.seen(s)) for s in roots]
+        return found
     factors = [segment[s].factor for s in samples]
     values = KroghInterpolator(factors, [(segment[s].load, segment[s].deflection) for s in samples])
-    found = border.roots(samples, factors)[::int(np.sign(rises[0]))]
-    return [Crossing(float(s), *map(float, values(factor))) for s, factor in zip(roots, found, strict=True)]
+    coarser, finer = (values(border.roots(samples[:n], factors[:n])[::int(np.sign(rises[0]))])
+                      for n in (len(samples) - 1, len(samples)))
+    return [crossing if abs(crossing.load - load) <= DOUBT * max(abs(load - other), EXACT * abs(load)) else
+            Crossing(crossing.length, float(load), float(deflection))
+            for crossing, (other, _), (load, deflection) in zip(found, coarser, finer, strict=True)]
 
 
 def _load_change(segment: Segment, near: float, change: float) -> float:
