@@ -35,7 +35,8 @@ def tips_of_rod(rise: float, moving: bool) -> np.ndarray:
     ends = {"top": (0.0, rise + 0.3), "tip": (0.0, rise)}
     rod = fx.read(lambda: fx.meshes.frame(ends, {"rod": ("top", "tip", 1)}), 2)
     beams = [fx.Beam(mesh, fx.Rectangle(0.05, 0.05), fx.Elastic(2.1e7, 0.3)) for mesh in (bar, rod)]
-    contact = fx.PairContact(rod, "tip", (bar, None), toward=(0.0, -1.0), moving=moving, stiffness=STIFFNESS, reach=1e-2)
+    contact = fx.PairContact(rod, "tip", (bar, None), toward=(0.0, -1.0), moving=moving, stiffness=STIFFNESS,
+                             reach=1e-2)
     scene = fx.Scene(
         beams, [fx.clamp(bar, "p0"), fx.clamp(bar, f"p{len(PLACES) - 1}"), fx.Support(rod, "top", "rz")],
         [fx.PrescribedDisplacement(rod, "top", "x", 1.0)], fx.Monitor(rod, "top", "x"), joints=[contact],
