@@ -164,8 +164,7 @@ class PairWork(PointWork):
         """Pressures have no linear change to be extrapolated by."""
 
     def pattern(self, layout: Layout):
-        z = self.values()
-        acting, gap = self._acting(z), self._law.strains(z)[:, 0]
+        acting, gap = self._acting()
         near = np.argsort(np.where(acting, -np.inf, gap), kind="stable")
         self._stiff = np.sort(near[:acting.sum() + int(SPARE * len(near)) + 1])
         self._pattern_nodes = [t.nodes for t in self._traces]
@@ -176,15 +175,17 @@ class PairWork(PointWork):
         """Whether pairs act that the pattern does not have, or has with other partners."""
         if self._pattern_nodes is None:
             return False
-        acting = self._acting(self.values())
+        acting, _ = self._acting()
         kept = np.zeros(len(acting), dtype=bool)
         kept[self._stiff] = True
         return bool(np.any(acting & ~kept)) or any((t.nodes[acting] != nodes[acting]).any() for t, nodes in zip(
             self._traces, self._pattern_nodes, strict=True))
 
-    def _acting(self, z: np.ndarray) -> np.ndarray:
-        """Pairs that have forces."""
-        return self._forces(z).any(axis=1)
+    def _acting(self) -> tuple[np.ndarray, np.ndarray]:
+        """Whether pairs touch or have forces, and their gaps."""
+        z = self.values()
+        gap = self._law.strains(z)[:, 0]
+        return (gap <= 0) | self._forces(z).any(axis=1), gap
 
     def _linearised(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         return self._forces(z), self._law.stiffness(z, self._stiff)
