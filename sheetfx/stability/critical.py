@@ -64,10 +64,10 @@ def locate(tracer, earlier: State | None, before: State, after: State,
         raise Jump("a limit point lies in a step that prescribes the load")
     points = [_limit(*found) for found in limits]
     crossings = _bifurcations(segment, [length for s, length, _ in limits if s is segment])
-    if segment.guarded and turns(segment) > len(limits) + len(returns):
-        raise Jump("the load turns beside a bifurcation that the step passes")
     crossings += [returning(segment, length) for length in returns]
     points += [_bifurcation(segment, cluster) for cluster in _clusters(crossings, TOGETHER * after.length)]
+    if segment.guarded and turns(segment) > len(limits) + len(returns):
+        raise Jump("the load turns beside a bifurcation that the step passes")
     for other in others:
         points += other(segment)
     if tracer.state is not after:
@@ -209,14 +209,14 @@ def _clusters(crossings: list[Crossing], near: float) -> list[list[Crossing]]:
     return clusters
 
 
-def _agree(segment: Segment, state: State, crossing: Crossing) -> bool:
-    """Whether a crossing has the load of the state there, which comes from other samples or is sought in equilibrium.
+def _agree(segment: Segment, *loads: float) -> bool:
+    """Whether loads of a bifurcation agree: that of its state, and where eigenvalues and where tangents have it.
 
     Where a path turns onto another one nearby, states that look like neighbours are not: their tangents lead away, and
     what lies between them is no equilibrium.
     """
     rise = np.ptp([s.load for s in segment.states.values()])
-    return abs(state.load - crossing.load) <= AGREE * rise + EXACT * abs(state.load)
+    return np.ptp(loads) <= AGREE * rise + EXACT * max(map(abs, loads))
 
 
 def _bifurcation(segment: Segment, crossings: list[Crossing]) -> CriticalPoint:
@@ -232,13 +232,14 @@ def _bifurcation(segment: Segment, crossings: list[Crossing]) -> CriticalPoint:
     if not tracer.system.smooth or not tracer.system.conservative or first.spread:
         tracer.back_to(segment.states[min(s for s in segment.states if s >= first.length)])
         return replace(point, name="comparison solid") if tracer.system.history.moved else point
+    led, _ = segment.seen(first.length)
     try:
         state = segment.on_path(first.length)
     except Missed:
         if segment.guarded:
             raise Jump("the state of a bifurcation does not converge") from None
         return point
-    if segment.guarded and not _agree(segment, state, first):
+    if segment.guarded and not _agree(segment, state.load, first.load, led):
         raise Jump("the load at a bifurcation is not that of the path around it")
     values, modes = segment.spectrum(first.length, count)
     tracer.factorise_at(state)
