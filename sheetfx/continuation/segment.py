@@ -2,24 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from itertools import pairwise
 from math import inf
 
 import numpy as np
-from mpi4py import MPI
-from petsc4py import PETSc
 from scipy.interpolate import CubicHermiteSpline, KroghInterpolator
 from scipy.optimize import brentq
 
 from .course import Course
 from .state import State
 
-TURNING = 0.4  # radians between chord and tangents of a piece of path, from which its middle is looked at
-UNEXPLAINED = 0.25  # of the load or the reactions by the steeper tangent, likewise
-MINOR = 1e-6  # of the forces that an increment adds, reactions that matter little: those of ties that are not pulled
-STEEPEST = 2.5  # rate of the load over that of the chord, likewise
-NOISE = 1e-12  # of reactions, over what the stiffest unknown would take: structures that move without strain
 SAMPLES, FEWEST = 6, 4  # states that are interpolated between, at most and at least
 IN_BALANCE = 1e-6  # residual over the load of an interpolated state
 CLOSE = 0.02  # of the distance between its neighbours, by which a state misses an interpolation that is good enough
@@ -112,15 +105,11 @@ class Segment:
         return state
 
     def seen(self, length: float) -> tuple[float, float]:
-        """Load and deflection at a length, by interpolation without equilibrium being sought.
+        """Load and deflection where states and their tangents lead, without equilibrium being sought.
 
-        Tangents, which a critical point nearby disturbs, serve where states are few. The tracer ends where the step
-        starts.
+        The tracer ends where the step starts.
         """
-        if len(self.states) < SAMPLES:
-            factor, x = self.course.at(length, self.states)
-        else:
-            factor, x = self._between(length)
+        factor, x = self.course.at(length, self.states)
         tracer, system, increment = self.tracer, self.tracer.system, self.tracer.system.create_vector(x)
         system.configure(increment, self.before.factor + factor)
         load, deflection = tracer.discretisation.total_load(), self.before.deflection + tracer.monitored(increment)
@@ -154,7 +143,7 @@ class Segment:
         Where tangents waver, on the chord.
         """
         if self.wavering:
-            (load, x), part = self._chord(left, right), (length - left) / (right - left)
+            (load, x), part = self.chord(left, right), (length - left) / (right - left)
             start_load, start_x = self._increments(left)
             return start_load + part * load, start_x + part * x
         found = self.curve(left, right)(length)
@@ -168,9 +157,10 @@ class Segment:
         return CubicHermiteSpline((left, right), values, rate * np.array(slopes))
 
     def distance(self, left: float, right: float) -> float:
-        return self.tracer.distance(*self._chord(left, right))
+        return self.tracer.distance(*self.chord(left, right))
 
-    def _chord(self, left: float, right: float) -> tuple[float, np.ndarray]:
+    def chord(self, left: float, right: float) -> tuple[float, np.ndarray]:
+        """Increments of load factor and unknowns between two lengths."""
         (a, x), (b, y) = self._increments(left), self._increments(right)
         return b - a, y - x
 
@@ -180,7 +170,7 @@ class Segment:
             return self.tracer.inner((0.0, mode), (0.0, increment))
 
         rates = [component(self.states[s].tangent[1]) for s in (left, right)]
-        return component(self._chord(left, right)[1]), self.distance(left, right) * sum(rates) / 2
+        return component(self.chord(left, right)[1]), self.distance(left, right) * sum(rates) / 2
 
     def uncertainty(self, state: State) -> float:
         """Distance by which the residual that a state has converged to, and rounding, may have it off the path."""
@@ -194,46 +184,6 @@ class Segment:
             return distance
         (value, *_), (mode, *_) = tracer.spectrum(1)
         return distance + tracer.stepper.rounding * mode.norm() / abs(value)
-
-    def explained(self, left: float, right: float) -> bool:
-        """Whether the tangents at the ends of a piece lead along it, and their mean gives its load and reactions."""
-        chord, tangents = self._chord(left, right), [self.states[s].tangent for s in (left, right)]
-        distance = self.distance(left, right)
-        return (all(self.tracer.angle(chord, t) <= TURNING for t in tangents)
-                and self._follows(chord[0], [t[0] for t in tangents], distance)
-                and not self._bulges(chord[0], [t[0] for t in tangents], distance)
-                and self._follows(self._reactions(chord[1]), [self._reactions(t[1]) for t in tangents], distance,
-                                  self._reaction_noise(*chord)))
-
-    def _reactions(self, increment: np.ndarray) -> np.ndarray:
-        """Multipliers of prescribed motions, which the inner product does not weigh, on all processes."""
-        system = self.tracer.system
-        return np.concatenate(system.comm.allgather(increment[system.multiplier_rows]))
-
-    def _reaction_noise(self, load_increment: float, increment: np.ndarray) -> float:
-        """Rounding of reactions along an increment, and what matters little beside the forces that are added in it."""
-        system = self.tracer.system
-        added = self.tracer.load_vector()
-        added.array[system.multiplier_rows] = 0.0
-        small = MINOR * abs(load_increment) * added.norm()
-        moves = np.abs(np.delete(increment, system.multiplier_rows)).max(initial=0.0)
-        return small + NOISE * system.comm.allreduce(float(moves), op=MPI.MAX) * system.matrix.getDiagonal().norm(
-            PETSc.NormType.INFINITY)
-
-    @staticmethod
-    def _follows(change, rates: Sequence, distance: float, noise: float = 0.0) -> bool:
-        """Whether a change along a piece is what the mean of its rates at both ends makes of it, but for noise."""
-        error = np.linalg.norm(change - distance * (rates[0] + rates[1]) / 2)
-        return error <= UNEXPLAINED * distance * max(map(np.linalg.norm, rates)) + noise
-
-    @staticmethod
-    def _bulges(change: float, rates: Sequence[float], distance: float) -> bool:
-        """Whether a value that changes to one side at both ends may turn twice between (Fritsch and Carlson 1980).
-
-        A cubic with a rate beyond three times that of the chord can; a parabola has twice that rate at one end.
-        """
-        steepest = max(rates, key=abs)
-        return rates[0] * rates[1] > 0 and abs(steepest) * distance > STEEPEST * change * np.sign(steepest)
 
     def _strays(self, state: State, guess, left: float, right: float) -> bool:
         """Whether a state is further from the interpolation between its neighbours than they explain, and rounding.

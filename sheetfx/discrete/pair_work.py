@@ -3,74 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from .. import forms
-from .contact import OPEN, ContactState, status_of
+from .contact import OPEN, status_of
 from .contribution import Contribution
 from .layout import Layout
+from .pairs import Pairs, PairState
 from .partners import Partners
 from .points import PointLaw, PointWork, Trace
 from .unknowns import Unknowns
 
+SPARE = 0.1  # of all pairs, those with the smallest gaps that the pattern of the tangent has beside those that act
 APPROACH = 2.0  # of states with friction: any multiple of the regularisation stands for given bounds of friction
-
-
-@dataclass(frozen=True)
-class PairState(ContactState):
-    """State of the pairs of a contact on this process, one row for each.
-
-    Attributes
-    ----------
-    traction : (n, d - 1), force per length against the slip
-    slip : (n, d - 1), of the second part past the first since the beginning, along the line and across
-    """
-
-    slip: np.ndarray
-
-
-@dataclass
-class Pairs:
-    """Pairs of points as they are in the beginning, and how they touch.
-
-    Attributes
-    ----------
-    points : (n, d), places of the first part's points
-    arms : (n, d), from these to the second part's points
-    axes : (n, d, d), directions in the rows: out of the first part's face, along the line, across
-    gap : (n,), initial
-    weights : (n,), length that each stands for
-    parameters : normal and tangential stiffness (pressure per length), friction coefficient, cohesion, tensile strength
-    augmented : whether pressures are augmented until no pair penetrates by more than `tolerance`
-    """
-
-    points: np.ndarray
-    arms: np.ndarray
-    axes: np.ndarray
-    gap: np.ndarray
-    weights: np.ndarray
-    parameters: Sequence[float]
-    augmented: bool
-    tolerance: float
-
-    @property
-    def count(self) -> int:
-        return len(self.points)
-
-    @property
-    def dimension(self) -> int:
-        return self.points.shape[1]
-
-    @property
-    def rubs(self) -> bool:
-        """Whether there are tractions."""
-        return self.parameters[2] > 0 or self.parameters[3] > 0
-
-    def table(self) -> np.ndarray:
-        """The parameters at each pair."""
-        return np.tile(np.array(self.parameters, dtype=float), (self.count, 1))
 
 
 class PairWork(PointWork):
@@ -99,7 +45,7 @@ class PairWork(PointWork):
         super().__init__(unknowns, traces, points, smooth=False, conservative=not self._slips)
         self._committed = self._history.copy()
         self._partners_committed = self._partners.history() if self._partners else None
-        self._pattern_nodes = None
+        self._pattern_nodes = self._followed = None
 
     def _law_of(self, sizes: Sequence[int]) -> PointLaw:
         """Forces at the pairs, from so many components of each trace."""
@@ -140,6 +86,10 @@ class PairWork(PointWork):
         """Bring partners to where they are opposite now."""
         if self._partners is None:
             return
+        tables = [f.table for f in self._fields[:len(self._first) + 1]]
+        if self._followed is not None and all(map(np.array_equal, tables, self._followed)):
+            return
+        self._followed = [table.copy() for table in tables]
         if self._find(super().values()):
             self._renew()
 
@@ -169,15 +119,31 @@ class PairWork(PointWork):
         """Pressures have no linear change to be extrapolated by."""
 
     def pattern(self, layout: Layout):
+        acting, gap = self._acting()
+        near = np.argsort(np.where(acting, -np.inf, gap), kind="stable")
+        self._stiff = np.sort(near[:acting.sum() + int(SPARE * len(near)) + 1])
         self._pattern_nodes = [t.nodes for t in self._traces]
         return super().pattern(layout)
 
     @property
     def moved(self) -> bool:
-        if self._partners is None or self._pattern_nodes is None:
+        """Whether pairs act that the pattern does not have, or has with other partners."""
+        if self._pattern_nodes is None:
             return False
-        self._follow()
-        return any((t.nodes != nodes).any() for t, nodes in zip(self._traces, self._pattern_nodes, strict=True))
+        acting, _ = self._acting()
+        kept = np.zeros(len(acting), dtype=bool)
+        kept[self._stiff] = True
+        return bool(np.any(acting & ~kept)) or any((t.nodes[acting] != nodes[acting]).any() for t, nodes in zip(
+            self._traces, self._pattern_nodes, strict=True))
+
+    def _acting(self) -> tuple[np.ndarray, np.ndarray]:
+        """Whether pairs touch or have forces, and their gaps."""
+        z = self.values()
+        gap = self._law.strains(z)[:, 0]
+        return (gap <= 0) | self._forces(z).any(axis=1), gap
+
+    def _linearised(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return self._forces(z), self._law.stiffness(z, self._stiff)
 
     def _put_history(self, history: np.ndarray) -> None:
         self._history = history
@@ -223,6 +189,7 @@ class PairWork(PointWork):
         if self._partners:
             self._partners.restore(self._partners_committed)
             self._renew()
+            self._followed = None
 
     def regularise(self, times: float) -> None:
         """On the approach, `times` above 1, friction is bounded by the pressures that there are now.

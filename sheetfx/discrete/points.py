@@ -15,6 +15,7 @@ import ufl
 from dolfinx import fem
 from dolfinx.mesh import create_interval
 from mpi4py import MPI
+from scipy.sparse import csr_matrix
 
 from ..jit import compiled_expression
 from ..mesh.numbers import lift_numbers
@@ -24,6 +25,7 @@ from .nodal_field import AdditiveField
 from .unknowns import Unknowns
 
 NOTHING = 1e-14  # values of shape functions that are rounding
+EVERY = slice(None)
 
 
 @dataclass(frozen=True)
@@ -78,6 +80,7 @@ class PointWork(Contribution):
         self._traces, self._law, self._load = list(traces), law, load
         self._fields: list[AdditiveField] = [unknowns.fields[t.field] for t in traces]
         self._unknowns, self._held = unknowns, None
+        self._stiff: np.ndarray | slice = EVERY
         self.smooth, self.conservative, self.stage = smooth, conservative, stage
         ends = np.cumsum([f.components for f in self._fields])
         self._parts = [slice(end - f.components, end) for end, f in zip(ends, self._fields, strict=True)]
@@ -119,7 +122,7 @@ class PointWork(Contribution):
         return groups
 
     def pattern(self, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
-        chosen = [layout.free_numbers[field][nodes] for field, nodes, _ in self._groups()]
+        chosen = [layout.free_numbers[field][nodes[self._stiff]] for field, nodes, _ in self._groups()]
         numbers = np.concatenate([n.reshape(len(n), n.shape[1] * n.shape[2]) for n in chosen], axis=1)
         own, self._same = np.unique(numbers, axis=0, return_inverse=True)
         self._same = self._same.ravel()
@@ -134,24 +137,27 @@ class PointWork(Contribution):
             self._held = self._law.extrapolated(self.values(), self._interpolated(changes))
 
     def tangent(self, held: Forces) -> Sequence[np.ndarray]:
-        forces, stiffness = self._law(self.values()) if self._held is None else self._law.holding(
-            self._held, self.values())
+        forces, stiffness = self._linearised(self.values())
         self._add(held, forces, curved_only=True)
-        matrix = self._derivatives()
+        matrix = self._derivatives(self._stiff)
         blocks = matrix.transpose(0, 2, 1) @ (stiffness @ matrix)
-        values = np.zeros((self._same.max(initial=-1) + 1, *blocks.shape[1:]))
-        np.add.at(values, self._same, blocks)
-        return [values.ravel()]
+        count, wanted = len(blocks), self._same.max(initial=-1) + 1
+        sums = csr_matrix((np.ones(count), (self._same, np.arange(count))), shape=(wanted, count))
+        return [(sums @ blocks.reshape(count, matrix.shape[2] ** 2)).ravel()]
 
-    def _derivatives(self) -> np.ndarray:
+    def _linearised(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Forces at all points, and stiffness at those that the tangent counts."""
+        return self._law(z) if self._held is None else self._law.holding(self._held, z)
+
+    def _derivatives(self, points: np.ndarray | slice = EVERY) -> np.ndarray:
         """Derivative of z by increments of the nodes, in the order of `pattern`, shape (points, m, increments)."""
         columns = []
         for field, nodes, members in self._groups():
-            f = self._unknowns.fields[field]
+            f, nodes = self._unknowns.fields[field], nodes[points]
             variations = np.broadcast_to(f.variations(), (len(f.table), f.components, f.width))[nodes]
             rows = np.zeros((len(nodes), self._parts[-1].stop, nodes.shape[1] * f.width))
             for number in members:
-                varied = self._traces[number].weights[:, :, None, None] * variations
+                varied = self._traces[number].weights[points, :, None, None] * variations
                 rows[:, self._parts[number]] = varied.transpose(0, 2, 1, 3).reshape(rows[:, self._parts[number]].shape)
             columns.append(rows)
         return np.concatenate(columns, axis=2)
@@ -233,15 +239,18 @@ class PointLaw:
             expression = fem.Constant(self._mesh, 1.0) * expression
         return compiled_expression(lift_numbers(expression, self._mesh), np.array([[0.5]]))
 
-    def _evaluate(self, expression: fem.Expression | None, z: np.ndarray, *shape: int) -> np.ndarray:
+    def _evaluate(self, expression: fem.Expression | None, z: np.ndarray, *shape: int,
+                  points: np.ndarray | slice = EVERY) -> np.ndarray:
         if not self._count or expression is None:
-            return np.zeros((self._count, *shape))
+            return np.zeros((len(np.arange(self._count)[points]), *shape))
         self._put(self._z, z)
         self._constant.value = self._factor()
-        return expression.eval(self._mesh, self._cells).reshape(-1, *shape)
+        return expression.eval(self._mesh, self._cells[points]).reshape(-1, *shape)
 
-    def _weighted(self, expression: fem.Expression | None, z: np.ndarray, *shape: int) -> np.ndarray:
-        return self._evaluate(expression, z, *shape) * self._weights.reshape(-1, *(1,) * len(shape))
+    def _weighted(self, expression: fem.Expression | None, z: np.ndarray, *shape: int,
+                  points: np.ndarray | slice = EVERY) -> np.ndarray:
+        return self._evaluate(expression, z, *shape, points=points) * self._weights[points].reshape(
+            -1, *(1,) * len(shape))
 
     def forces(self, z: np.ndarray) -> np.ndarray:
         """Forces alone."""
@@ -249,13 +258,14 @@ class PointLaw:
 
     def __call__(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Forces and stiffness."""
-        if not self._count:
-            return np.zeros((0, self._size)), np.zeros((0, self._size, self._size))
         return self.forces(z), self.stiffness(z)
 
-    def stiffness(self, z: np.ndarray) -> np.ndarray:
-        """Derivative of the forces."""
-        return self.holding(self.extrapolated(z, np.zeros_like(z)), z)[1]
+    def stiffness(self, z: np.ndarray, points: np.ndarray | slice = EVERY) -> np.ndarray:
+        """Stiffness at some of the points."""
+        if not self._count:
+            return np.zeros((0, self._size, self._size))
+        self._put(self._held, self.extrapolated(z, np.zeros_like(z)))
+        return self._weighted(self._stiffness, z, self._size, self._size, points=points)
 
     def extrapolated(self, z: np.ndarray, change: np.ndarray) -> np.ndarray:
         """Resultants at z, and their linear change by a change of z."""

@@ -7,8 +7,8 @@ import numpy as np
 from .. import forms
 from .closest_point import ClosestPoint
 from .pair_work import PairWork
-from .points import PointLaw
-from .surface_partners import SurfacePartners
+from .points import EVERY, PointLaw
+from .surface_partners import SECOND, SurfacePartners
 
 
 class SurfaceLaw(PointLaw):
@@ -39,24 +39,21 @@ class SurfaceLaw(PointLaw):
         self._partners, self._points, self._distances, self._slips = partners, points, distances, slips
         super().__init__(strains, resultants, [3], [history, table], len(points), lambda: 0.0, weights)
 
-    def _closest(self, z: np.ndarray) -> ClosestPoint:
-        rows = self._partners.undeformed()
-        values = rows[:6].transpose(1, 0, 2) + z[:, 3:].reshape(-1, 6, 3)
-        second = values[:, [[3, 4], [4, 5]]]
-        return ClosestPoint(self._points + z[:, :3] - values[:, 0], values[:, 1:3], second, self._partners.third())
+    def _closest(self, z: np.ndarray, points: np.ndarray | slice = EVERY) -> ClosestPoint:
+        """Points and their partners, of all or of some."""
+        rows = self._partners.undeformed(2).transpose(1, 0, 2) + z[:, 3:].reshape(-1, 6, 3)
+        apart, curvatures = self._points + z[:, :3] - rows[:, 0], rows[:, SECOND]
+        return ClosestPoint(apart[points], rows[points, 1:3], curvatures[points], self._partners.third()[points])
 
     def _kinematics(self, closest: ClosestPoint) -> np.ndarray:
         """Gaps and slips; points without a partner are as far off as the edge of the surface."""
         gap = self._partners.side * closest.distance - self._distances
         return np.column_stack((np.where(self._partners.on, gap, closest.length), self._partners.travelled))
 
-    def _slopes(self, closest: ClosestPoint) -> np.ndarray:
-        gap = self._partners.side[:, None] * closest.of_distance()
-        return np.concatenate([gap[:, None], self._paces() @ closest.moves], axis=1)
-
-    def _paces(self) -> np.ndarray:
-        """Derivatives of the slips by the coordinates of the surface, shape (n, 2, 2)."""
-        return np.einsum("nid,and->nia", self._partners.axes, self._partners.undeformed(1)[1:])
+    def _slopes(self, closest: ClosestPoint, points: np.ndarray | slice = EVERY) -> np.ndarray:
+        gap = self._partners.side[points, None] * closest.of_distance()
+        slips = np.einsum("nid,and->nia", self._partners.axes[points], self._partners.undeformed(1)[1:, points])
+        return np.concatenate([gap[:, None], slips @ closest.moves], axis=1)
 
     def strains(self, z):
         return super().strains(self._kinematics(self._closest(z)))
@@ -68,20 +65,18 @@ class SurfaceLaw(PointLaw):
         closest = self._closest(z)
         return np.einsum("ni,niz->nz", super().forces(self._kinematics(closest)), self._slopes(closest))
 
-    def __call__(self, z):
-        closest = self._closest(z)
-        strains, slopes = self._kinematics(closest), self._slopes(closest)
-        forces, stiffness = super().forces(strains), super().stiffness(strains)
-        curved = (forces[:, 0] * self._partners.side)[:, None, None] * closest.second_of_distance()
+    def stiffness(self, z, points=EVERY):
+        strains, closest = self._kinematics(self._closest(z)), self._closest(z, points)
+        forces, slopes = super().forces(strains)[points], self._slopes(closest, points)
+        found = slopes.transpose(0, 2, 1) @ super().stiffness(strains, points) @ slopes
+        found += (forces[:, 0] * self._partners.side[points])[:, None, None] * closest.second_of_distance()
         if self._slips:
-            curvatures = self._partners.undeformed(2)[[[3, 4], [4, 5]]]
-            along = np.einsum("ni,nid->nd", forces[:, 1:], self._partners.axes)
-            weights = np.einsum("nd,and->na", along, self._partners.undeformed(1)[1:])
-            curved += closest.second_of_coordinates(weights)
-            moves = closest.moves
-            curved += moves.transpose(0, 2, 1) @ np.einsum("nd,abnd->nab", along, curvatures) @ moves
-        return (np.einsum("ni,niz->nz", forces, slopes),
-                slopes.transpose(0, 2, 1) @ stiffness @ slopes + curved)
+            rows = self._partners.undeformed(2)[:, points]
+            along = np.einsum("ni,nid->nd", forces[:, 1:], self._partners.axes[points])
+            found += closest.second_of_coordinates(np.einsum("nd,and->na", along, rows[1:3]))
+            bent = np.einsum("nd,abnd->nab", along, rows[SECOND])
+            found += closest.moves.transpose(0, 2, 1) @ bent @ closest.moves
+        return found
 
 
 STIFFER, STEPS = 10.0, 3  # from one augmentation to the next, and how often at least

@@ -9,12 +9,13 @@ import numpy as np
 from .. import meshes
 from ..mesh.lines import Stretch
 from ..mesh.mixed import MixedMesh, read_mixed
-from ..model.interface import weld
+from ..model.interface import bolt, hinge, weld
 from ..model.joints import Joint
 from ..model.pair_contact import FACES, PairContact
 from ..model.shell import TRIANGLE, ShellForm
 
 FACES_OF_PANELS = (*FACES, "both")
+TIES = {"weld": weld, "bolt": bolt, "hinge": hinge}  # with all rotations, all but that in the panel's plane, none
 INWARD = (0.0, 0.0, -1.0)  # roughly from the panels to the bars under them
 
 
@@ -23,12 +24,13 @@ def separate_panels(table: meshes.Table, divisions: int, form: ShellForm) -> Mix
     return read_mixed(partial(meshes.structure, table, divisions, form.cell == TRIANGLE, separate=True), ["bars"])
 
 
-def joints(mesh: MixedMesh, table: meshes.Table, faces: str, length: float, **contact) -> list[Joint]:
+def joints(mesh: MixedMesh, table: meshes.Table, faces: str, length: float, tie: str, **contact) -> list[Joint]:
     """Welds of a length from each corner of a panel along both its edges, and contact along the edges.
 
     Parameters
     ----------
     faces : "seat", "butt", or "both"
+    tie : of rotations in the welds, a key of `TIES`
     contact : further attributes of `PairContact`
     """
     edges = meshes.edges_of(table, separate=True)
@@ -38,6 +40,6 @@ def joints(mesh: MixedMesh, table: meshes.Table, faces: str, length: float, **co
         raise ValueError(f"dome: weld is {length}; give a length between 0 and half of the shortest bar, "
                          f"{shortest / 2:.4g}")
     chosen = FACES if faces == "both" else (faces,)
-    return [weld(mesh.surfaces, ends, (mesh.curves, None)),
+    return [TIES[tie](mesh.surfaces, ends, (mesh.curves, None)),
             *(PairContact(mesh.surfaces, list(edges), (mesh.curves, None), face, toward=INWARD, name="contact",
                           **contact) for face in chosen)]

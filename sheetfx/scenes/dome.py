@@ -39,7 +39,7 @@ from ..show.files import paraview
 from ..show.pairs import pair_history
 from ..show.pictures import shapes
 from ._benchmark import Form
-from ._dome_contact import FACES_OF_PANELS, joints, separate_panels
+from ._dome_contact import FACES_OF_PANELS, TIES, joints, separate_panels
 
 BAR, PANEL = Tube(40.0, 2.0), Plate(10.0)
 STEEL = Elastic(2.1e5, 0.3, density=7.85e-9)
@@ -74,6 +74,8 @@ def case(
     faces: Annotated[str, Option(help="that touch: panels lie on bars (`seat`), their edges push against bars "
                                       "(`butt`), or `both`")] = "both",
     weld: Annotated[float, Option(help="length of the welds from each corner of a panel along its edges, mm")] = 200.0,
+    tie: Annotated[str, Option(help="of rotations in the welds: all (`weld`), all but that in the panel's plane "
+                                    "(`bolt`), or none (`hinge`)")] = "weld",
     gap: Annotated[float, Option(help="initial gap, mm")] = 0.1,
     friction: Annotated[float, Option(help="Coulomb's coefficient of contact")] = 0.0,
     pairs: Annotated[int | None, Option(help="of points along each edge; default three in each piece of cells")] = None,
@@ -88,6 +90,8 @@ def case(
         raise ValueError(f"dome: model is {model!r}; it must be one of {', '.join(MODELS)}")
     if faces not in FACES_OF_PANELS:
         raise ValueError(f"dome: faces is {faces!r}; it must be one of {', '.join(FACES_OF_PANELS)}")
+    if tie not in TIES:
+        raise ValueError(f"dome: tie is {tie!r}; it must be one of {', '.join(TIES)}")
     require_positive_number("dome", to=to)
     table = meshes.dome(geometry)
     for name in ("apex", "corners"):
@@ -96,8 +100,8 @@ def case(
     if model == "coupled":
         dome = coupled(table, divisions, form, offset)
     elif model == "contact":
-        dome = touching(table, divisions, form, offset, faces, weld, pairs, stiffness, gap=gap, friction=friction,
-                        enforcement=enforcement)
+        dome = touching(table, divisions, form, offset, faces, weld, pairs, stiffness, tie=tie, gap=gap,
+                        friction=friction, enforcement=enforcement)
     else:
         dome = skeleton(table, divisions, offset if model == "flange" else None)
     bars = dome.bars
@@ -119,7 +123,7 @@ def coupled(table: meshes.Table, divisions: int, form: str, offset: float = 0.0)
 
 
 def touching(table: meshes.Table, divisions: int, form: str, offset: float, faces: str, weld: float,
-             pairs: int | None, stiffness: float | None, **contact) -> Dome:
+             pairs: int | None, stiffness: float | None, **joined) -> Dome:
     """Panels that are welded to the bars near their corners, and touch them elsewhere."""
     discrete = named_form(form)
     mesh = separate_panels(table, divisions, discrete)
@@ -128,7 +132,7 @@ def touching(table: meshes.Table, divisions: int, form: str, offset: float, face
         stiffness *= pairs / float(np.mean(lengths))
     beams = Beam(mesh.curves, BAR, STEEL, degree=discrete.displacement[1])
     return Dome(mesh.curves, [beams, Shell(mesh.surfaces, PANEL, STEEL, form=form, offset=offset)],
-                joints(mesh, table, faces, weld, pairs=pairs, stiffness=stiffness, **contact))
+                joints(mesh, table, faces, weld, pairs=pairs, stiffness=stiffness, **joined))
 
 
 def skeleton(table: meshes.Table, divisions: int, offset: float | None) -> Dome:

@@ -6,16 +6,16 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.interpolate import KroghInterpolator
-from scipy.optimize import brentq
 
 from ..continuation.defect import interpolates
-from ..continuation.segment import SAMPLES, Jump, Missed, Segment
+from ..continuation.explained import explained
+from ..continuation.segment import Jump, Missed, Segment
 from ..continuation.state import CriticalPoint, State
 from ..continuation.tracer import tracer_of
 from ..continuation.work import work_matches
-from .crossings import EXACT, REACHES, Crossing, pass_zero, unresolved
+from .crossings import EXACT, Crossing, pass_zero, unresolved
 from .koiter import postbuckling
+from .stationary import returning, stationary_loads, surround, turns
 from .turning import turning_loads
 
 SAME = 2e-6  # relative difference of loads of one multiple point, which rounding of a mesh can split by
@@ -24,10 +24,7 @@ CROWDED = 4  # bifurcations, more of which are too many for one step
 CLUSTER = 0.01  # relative difference of the loads of a step that may hold any number
 SHORTEST = 1 / 64  # of a step, piece that must be explained
 SINGULAR = 0.05  # eigenvalues of a bifurcation, over those nearest to zero at the ends of the step
-EXACTLY, ROUGHLY = 1e-12, 1e-6  # relative error of the load at a limit point, and where that may be a return
 AGREE = 0.01  # of the load that a step adds, difference between two interpolations of a bifurcation's load
-ONWARD = 0.1  # rate of a displacement at a limit point, over the larger one beside it
-STATIONARY = 1e-3  # load rate at a limit point, over those where it is looked for
 
 
 def locate(tracer, earlier: State | None, before: State, after: State,
@@ -62,13 +59,15 @@ def locate(tracer, earlier: State | None, before: State, after: State,
     else:
         if segment.guarded:
             _check(segment)
-        limits, returns = _stationary_loads(segment)
+        limits, returns = stationary_loads(segment)
     if limits + returns and segment.guarded and not tracer.control.passes_limits:
         raise Jump("a limit point lies in a step that prescribes the load")
     points = [_limit(*found) for found in limits]
     crossings = _bifurcations(segment, [length for s, length, _ in limits if s is segment])
-    crossings += [_return(segment, length) for length in returns]
+    crossings += [returning(segment, length) for length in returns]
     points += [_bifurcation(segment, cluster) for cluster in _clusters(crossings, TOGETHER * after.length)]
+    if segment.guarded and turns(segment) > len(limits) + len(returns):
+        raise Jump("the load turns beside a bifurcation that the step passes")
     for other in others:
         points += other(segment)
     if tracer.state is not after:
@@ -116,7 +115,7 @@ def state_at(path, before: State, after: State, point: CriticalPoint) -> State:
         if segment.guarded:
             _check(segment)
         if point.kind == "bifurcation":
-            _surround(segment, point.length)
+            surround(segment, point.length)
         state = segment.on_path(point.length)
     except (Jump, Missed):
         raise ArithmeticError(f"the {point.kind} at load {point.load:.6g} in step {point.step} does not converge "
@@ -125,94 +124,18 @@ def state_at(path, before: State, after: State, point: CriticalPoint) -> State:
     return state
 
 
-def _surround(segment: Segment, length: float, reaches: Sequence[float] = REACHES[:2]) -> None:
-    """Have states on both sides of a bifurcation, from which its own is interpolated."""
-    for reach in reaches:
-        for wanted in (length - reach * segment.after.length, length + reach * segment.after.length):
-            if 0 < wanted < segment.after.length:
-                segment.reach(wanted)
-
-
 def _check(segment: Segment) -> None:
     """Look into the middle of pieces that turn, or that the tangents at their ends do not explain or interpolate."""
     pieces = segment.pairs()
     while pieces:
         left, right = pieces.pop()
-        if not (segment.explained(left, right) and interpolates(segment, left, right)):
+        if not (explained(segment, left, right) and interpolates(segment, left, right)):
             if right - left < SHORTEST * segment.after.length:
                 raise Jump("tangents within the step do not explain its load")
             middle = (left + right) / 2
             if not segment.reach(middle):
                 raise Jump("the middle of the step does not converge")
             pieces += [(left, middle), (middle, right)]
-
-
-def _stationary_loads(segment: Segment) -> tuple[list[tuple[Segment, float, bool]], list[float]]:
-    """Where the load rate is zero: limit points, with whether the load rises before, and lengths of returns."""
-    limits, returns = [], []
-    for left, right in segment.pairs():
-        if not segment[left].load_rate * segment[right].load_rate < 0:
-            continue
-        length = segment.stationary(left, right, ROUGHLY)
-        if _returns(segment, length):
-            returns.append(length)
-            continue
-        length = segment.stationary(left, right, EXACTLY)
-        steepest = max(abs(segment[s].load_rate) for s in (left, right))
-        if segment.guarded and abs(segment[length].load_rate) > STATIONARY * steepest:
-            raise Jump("the load turns between two states without being stationary")
-        limits.append((segment, length, segment[left].load_rate > 0))
-    return limits, returns
-
-
-def _returns(segment: Segment, length: float) -> bool:
-    """Whether the path comes back here to the one that it branched off, and the load turns at that bifurcation.
-
-    A branch that is symmetric about the bifurcation leads through it to its mirror image: load and the displacement
-    that it works on turn together. At a limit point the load alone turns, and the current stiffness passes zero. The
-    states on both sides that say so stay, those nearer are dropped.
-    """
-    def sides(reach: float) -> list[State]:
-        wanted = (length - reach, length + reach)
-        near = (max((s for s in segment.states if s <= wanted[0]), default=0.0),
-                min((s for s in segment.states if s >= wanted[1]), default=segment.after.length))
-        return [segment[s] for s in near]
-
-    def stiff(reach: float) -> bool:
-        one, other = sides(reach)
-        return one.current_stiffness * other.current_stiffness > 0
-
-    if not (segment.guarded and segment.tracer.system.conservative):
-        return False
-    reach = REACHES[1] * segment.after.length
-    rate, *beside = (abs(s.load_rate / s.current_stiffness) for s in (segment[length], *sides(reach)))
-    if not stiff(reach) or rate > ONWARD * max(beside):
-        return False
-    _surround(segment, length, REACHES[:3])
-    one, other = sides(reach / 2)
-    if one.unstable_modes != other.unstable_modes or not stiff(reach / 2):
-        return False
-    segment.forget(length, REACHES[2] * segment.after.length / 2)
-    return True
-
-
-def _return(segment: Segment, length: float) -> Crossing:
-    """The bifurcation that the path returns to, interpolated between states on both sides."""
-    coarser, finer = (_stationary(segment, length, count) for count in (SAMPLES - 2, SAMPLES))
-    if abs(finer.load - coarser.load) > EXACT * abs(finer.load):
-        _surround(segment, length, REACHES[-1:])
-        finer = _stationary(segment, length, SAMPLES)
-    return finer
-
-
-def _stationary(segment: Segment, length: float, count: int) -> Crossing:
-    """Where the load rate is zero by an interpolation between the nearest states."""
-    samples = sorted(segment.states, key=lambda s: abs(s - length))[:count]
-    table = KroghInterpolator(samples, [(segment[s].load_rate, segment[s].load, segment[s].deflection)
-                                        for s in samples])
-    left, right = max(s for s in samples if s < length), min(s for s in samples if s > length)
-    found = brentq(lambda s: table(s)[0], left, right, xtol=1e-14 * segment.after.length)
-    return Crossing(float(found), *map(float, table(found)[1:]))
 
 
 def _limit(segment: Segment, length: float, rising: bool) -> CriticalPoint:
@@ -286,14 +209,14 @@ def _clusters(crossings: list[Crossing], near: float) -> list[list[Crossing]]:
     return clusters
 
 
-def _agree(segment: Segment, state: State, crossing: Crossing) -> bool:
-    """Whether a crossing has the load of the state there, which comes from other samples or is sought in equilibrium.
+def _agree(segment: Segment, *loads: float) -> bool:
+    """Whether loads of a bifurcation agree: that of its state, and where eigenvalues and where tangents have it.
 
     Where a path turns onto another one nearby, states that look like neighbours are not: their tangents lead away, and
     what lies between them is no equilibrium.
     """
     rise = np.ptp([s.load for s in segment.states.values()])
-    return abs(state.load - crossing.load) <= AGREE * rise + EXACT * abs(state.load)
+    return np.ptp(loads) <= AGREE * rise + EXACT * max(map(abs, loads))
 
 
 def _bifurcation(segment: Segment, crossings: list[Crossing]) -> CriticalPoint:
@@ -309,13 +232,14 @@ def _bifurcation(segment: Segment, crossings: list[Crossing]) -> CriticalPoint:
     if not tracer.system.smooth or not tracer.system.conservative or first.spread:
         tracer.back_to(segment.states[min(s for s in segment.states if s >= first.length)])
         return replace(point, name="comparison solid") if tracer.system.history.moved else point
+    led, _ = segment.seen(first.length)
     try:
         state = segment.on_path(first.length)
     except Missed:
         if segment.guarded:
             raise Jump("the state of a bifurcation does not converge") from None
         return point
-    if segment.guarded and not _agree(segment, state, first):
+    if segment.guarded and not _agree(segment, state.load, first.load, led):
         raise Jump("the load at a bifurcation is not that of the path around it")
     values, modes = segment.spectrum(first.length, count)
     tracer.factorise_at(state)

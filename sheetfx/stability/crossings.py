@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import itemgetter
 
 import numpy as np
 from petsc4py import PETSc
@@ -28,6 +29,8 @@ EXACT, ROUGH = 1e-8, 1e-5  # relative error of the load at which to stop, and wh
 SAMPLES = 6  # states that are interpolated between
 CLOSEST = 1e-4  # of a step, piece that is not divided any more
 APART = 0.1  # of a piece of path, distance of crossings that are looked for one by one
+EVEN = 0.5  # smaller rate of the load factor over the larger one at the outer samples, where it tells them apart
+DOUBT = 10  # of the last correction of a load, difference from another value of it that shows which one is noise
 FOLD = 0.9  # of the length of a piece of path, motion along the mode where a limit point is
 NOISE = 1e-6  # of the length of a piece of path, motion along a mode that does not count
 ROUNDED = 1e-10  # of the structure's size, imperfection along a mode that rounding may cause, as in a mesh
@@ -65,8 +68,8 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
         raise Jump(f"{count} eigenvalues pass zero in the step, of which {len(border.numbers)} are found")
     if len(border.numbers) != count:
         return _halves(segment, left, right)
-    roots = border.roots(lengths)
-    error = between = np.inf
+    roots, samples, between = border.roots(lengths), lengths, np.inf
+    best = np.inf, roots, samples  # in the end rounding takes over, so that nearer samples are worse
     for reach, sides in (*ALTERNATELY, *((reach, (-1, 1)) for reach in REACHES)):
         gaps = np.diff(roots)
         if len(gaps) and gaps.max() > APART * (right - left):
@@ -75,10 +78,10 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
                 return _pieces(segment, left, right)
         try:
             lengths = _sampled(segment, lengths, roots, reach * (right - left), sides)
-        except Jump:  # so near that rounding moves states along the mode: those that are further off must do
+        except Jump:  # off the path for rounding: the samples that there are must do
             if len(lengths) == 2:
                 raise
-            error = between
+            best = min(best, (between, roots, samples), key=itemgetter(0))
             break
         samples = _nearest(lengths, roots)
         coarser, finer = border.roots(samples[:-1]), border.roots(samples)
@@ -87,15 +90,38 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
         between, drift = (_load_change(segment, samples[0], float(np.abs(finer - other).max()))
                           for other in (coarser, roots))
         roots, error = finer, between if between <= EXACT else max(between, drift)
+        best = min(best, (error, roots, samples), key=itemgetter(0))
         if error <= EXACT:
             break
+    error, roots, samples = best
     if not error <= ROUGH:
         if segment.guarded:
             raise Jump("eigenvalues pass zero in the step, but not smoothly")
         return _halves(segment, left, right)
     if segment.guarded:
         _compare_sides(segment, roots, samples, border)
-    return [Crossing(float(s), *segment.seen(s)) for s in roots]
+    return _at_loads(segment, roots, samples, border)
+
+
+def _at_loads(segment: Segment, roots: np.ndarray, samples: Sequence[float], border: _Border) -> list[Crossing]:
+    """Crossings at lengths, with their loads.
+
+    Rounding moves states along the mode, the more the nearer they are, which changes the length of the path up to them
+    and the tangents there, but hardly their loads. The samples' eigenvalues as functions of the load factor, where this
+    changes evenly, give loads that do not feel it. They are taken where the others are far beyond their own error.
+    """
+    found = [Crossing(float(s), *segment.seen(s)) for s in roots]
+    states = [segment[s] for s in sorted(samples)]
+    rises, rates = np.diff([state.factor for state in states]), [states[0].load_rate, states[-1].load_rate]
+    if abs(np.sign(rises).sum()) < len(rises) or min(rates) * max(rates) <= EVEN * max(np.square(rates)):
+        return found
+    factors = [segment[s].factor for s in samples]
+    values = KroghInterpolator(factors, [(segment[s].load, segment[s].deflection) for s in samples])
+    coarser, finer = (values(border.roots(samples[:n], factors[:n])[::int(np.sign(rises[0]))])
+                      for n in (len(samples) - 1, len(samples)))
+    return [crossing if abs(crossing.load - load) <= DOUBT * max(abs(load - other), EXACT * abs(load)) else
+            Crossing(crossing.length, float(load), float(deflection))
+            for crossing, (other, _), (load, deflection) in zip(found, coarser, finer, strict=True)]
 
 
 def _load_change(segment: Segment, near: float, change: float) -> float:
@@ -230,19 +256,24 @@ class _Border:
         """Signs of the eigenvalues that pass zero."""
         return list(self._eigenvalues(self.at(length))[self.numbers] < 0)
 
-    def roots(self, samples: Sequence[float]) -> np.ndarray:
+    def roots(self, samples: Sequence[float], places: Sequence[float] | None = None) -> np.ndarray:
         """Lengths at which eigenvalues pass zero, in ascending order, by an interpolation between states.
 
         Infinite if these are not on both sides.
+
+        Parameters
+        ----------
+        places : of the samples, in another measure that grows or falls along the path
         """
+        place = dict(zip(samples, samples if places is None else places, strict=True))
         before = [s for s in samples if self._signs(s) == self._left]
         behind = [s for s in samples if self._signs(s) == self._right]
         if not before or not behind:
             return np.full(len(self.numbers), np.inf)
-        border = KroghInterpolator(samples, np.array([self.at(s) for s in samples]))
-        ends = max(before), min(behind)
+        border = KroghInterpolator(list(place.values()), np.array([self.at(s) for s in samples]))
+        ends = place[max(before)], place[min(behind)]
         return np.sort([brentq(lambda s, number=number: self._eigenvalues(border(s))[number], *ends,
-                               xtol=1e-14 * self._segment.after.length, rtol=1e-15) for number in self.numbers])
+                               xtol=1e-14 * abs(ends[1] - ends[0]), rtol=1e-15) for number in self.numbers])
 
     def null_vectors(self, nearest: float) -> list[np.ndarray]:
         """About the null vectors of the tangent at crossings, from the solutions at a near state, the nearest first."""

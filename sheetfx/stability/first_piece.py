@@ -13,6 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..continuation.explained import explained
 from ..continuation.segment import Segment
 from ..continuation.state import CriticalPoint, State
 from .reduction import NoSolution, Reduction
@@ -116,7 +117,7 @@ class FirstPiece:
         pieces = segment.pairs()
         while pieces:
             left, right = pieces.pop()
-            if segment.explained(left, right):
+            if explained(segment, left, right):
                 continue
             if right - left < SHORTEST:
                 return "the tangents of the branch do not explain its load on the way to the start"

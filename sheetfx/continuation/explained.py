@@ -1,0 +1,60 @@
+"""Whether the tangents at the ends of a piece of path lead along it, and give its load and reactions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from .segment import Segment
+
+TURNING = 0.4  # radians between chord and tangents of a piece of path, from which its middle is looked at
+UNEXPLAINED = 0.25  # of the load or the reactions by the steeper tangent, likewise
+STEEPEST = 2.5  # rate of the load over that of the chord, likewise
+MINOR = 1e-6  # of the forces that an increment adds, reactions that matter little: those of ties that are not pulled
+NOISE = 1e-12  # of reactions, over what the stiffest unknown would take: structures that move without strain
+
+
+def explained(segment: Segment, left: float, right: float) -> bool:
+    """Whether the tangents at the ends of a piece lead along it, and their mean gives its load and reactions."""
+    tracer, distance = segment.tracer, segment.distance(left, right)
+    load, x = segment.chord(left, right)
+    rates, motions = zip(*(segment.states[s].tangent for s in (left, right)), strict=True)
+    return (all(tracer.angle((load, x), tangent) <= TURNING for tangent in zip(rates, motions, strict=True))
+            and _follows(load, rates, distance)
+            and not _bulges(load, rates, distance)
+            and _follows(_reactions(tracer, x), [_reactions(tracer, motion) for motion in motions], distance,
+                         _reaction_noise(tracer, load, x)))
+
+
+def _reactions(tracer, increment: np.ndarray) -> np.ndarray:
+    """Multipliers of prescribed motions, which the inner product does not weigh, on all processes."""
+    system = tracer.system
+    return np.concatenate(system.comm.allgather(increment[system.multiplier_rows]))
+
+
+def _reaction_noise(tracer, load_increment: float, increment: np.ndarray) -> float:
+    """Rounding of reactions along an increment, and what matters little beside the forces that are added in it."""
+    system, added = tracer.system, tracer.load_vector()
+    added.array[system.multiplier_rows] = 0.0
+    small = MINOR * abs(load_increment) * added.norm()
+    moves = np.abs(np.delete(increment, system.multiplier_rows)).max(initial=0.0)
+    return small + NOISE * system.comm.allreduce(float(moves), op=MPI.MAX) * system.matrix.getDiagonal().norm(
+        PETSc.NormType.INFINITY)
+
+
+def _follows(change, rates: Sequence, distance: float, noise: float = 0.0) -> bool:
+    """Whether a change along a piece is what the mean of its rates at both ends makes of it, but for noise."""
+    error = np.linalg.norm(change - distance * (rates[0] + rates[1]) / 2)
+    return error <= UNEXPLAINED * distance * max(map(np.linalg.norm, rates)) + noise
+
+
+def _bulges(change: float, rates: Sequence[float], distance: float) -> bool:
+    """Whether a value that changes to one side at both ends may turn twice between (Fritsch and Carlson 1980).
+
+    A cubic with a rate beyond three times that of the chord can; a parabola has twice that rate at one end.
+    """
+    steepest = max(rates, key=abs)
+    return rates[0] * rates[1] > 0 and abs(steepest) * distance > STEEPEST * change * np.sign(steepest)

@@ -1,0 +1,110 @@
+"""Where the load of a piece of path is stationary: limit points, and returns of a branch to where it came from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.interpolate import KroghInterpolator
+from scipy.optimize import brentq
+
+from ..continuation.segment import SAMPLES, Jump, Segment
+from ..continuation.state import State
+from .crossings import EXACT, REACHES, Crossing
+
+EXACTLY, ROUGHLY = 1e-12, 1e-6  # relative error of the load at a limit point, and where that may be a return
+ONWARD = 0.1  # rate of a displacement at a limit point, over the larger one beside it
+STATIONARY = 1e-3  # load rate at a limit point, over those where it is looked for
+TURNED = 1e-5  # of the change of the load in a step, that by which it has turned, not wavered
+
+
+def surround(segment: Segment, length: float, reaches: Sequence[float] = REACHES[:2]) -> None:
+    """Have states on both sides of a bifurcation, from which its own is interpolated."""
+    for reach in reaches:
+        for wanted in (length - reach * segment.after.length, length + reach * segment.after.length):
+            if 0 < wanted < segment.after.length:
+                segment.reach(wanted)
+
+
+def stationary_loads(segment: Segment) -> tuple[list[tuple[Segment, float, bool]], list[float]]:
+    """Where the load rate is zero: limit points, with whether the load rises before, and lengths of returns."""
+    limits, returns = [], []
+    for left, right in segment.pairs():
+        if not segment[left].load_rate * segment[right].load_rate < 0:
+            continue
+        length = segment.stationary(left, right, ROUGHLY)
+        if _returns(segment, length):
+            returns.append(length)
+            continue
+        length = segment.stationary(left, right, EXACTLY)
+        steepest = max(abs(segment[s].load_rate) for s in (left, right))
+        if segment.guarded and abs(segment[length].load_rate) > STATIONARY * steepest:
+            raise Jump("the load turns between two states without being stationary")
+        limits.append((segment, length, segment[left].load_rate > 0))
+    return limits, returns
+
+
+def _returns(segment: Segment, length: float) -> bool:
+    """Whether the path comes back here to the one that it branched off, and the load turns at that bifurcation.
+
+    A branch that is symmetric about the bifurcation leads through it to its mirror image: load and the displacement
+    that it works on turn together. At a limit point the load alone turns, and the current stiffness passes zero. The
+    states on both sides that say so stay, those nearer are dropped.
+    """
+    def sides(reach: float) -> list[State]:
+        wanted = (length - reach, length + reach)
+        near = (max((s for s in segment.states if s <= wanted[0]), default=0.0),
+                min((s for s in segment.states if s >= wanted[1]), default=segment.after.length))
+        return [segment[s] for s in near]
+
+    def stiff(reach: float) -> bool:
+        one, other = sides(reach)
+        return one.current_stiffness * other.current_stiffness > 0
+
+    if not (segment.guarded and segment.tracer.system.conservative):
+        return False
+    reach = REACHES[1] * segment.after.length
+    rate, *beside = (abs(s.load_rate / s.current_stiffness) for s in (segment[length], *sides(reach)))
+    if not stiff(reach) or rate > ONWARD * max(beside):
+        return False
+    surround(segment, length, REACHES[:3])
+    one, other = sides(reach / 2)
+    if one.unstable_modes != other.unstable_modes or not stiff(reach / 2):
+        return False
+    segment.forget(length, REACHES[2] * segment.after.length / 2)
+    return True
+
+
+def turns(segment: Segment) -> int:
+    """How often the load turns along the states that are known.
+
+    Where it does so between states that a search for bifurcations has brought to light, the path bends away there, and
+    those behind are on another one.
+    """
+    factors = [segment.states[s].factor for s in sorted(segment.states)]
+    small, extreme, sense, count = TURNED * np.ptp(factors), factors[0], 0.0, 0
+    for factor in factors[1:]:
+        change = factor - extreme
+        if abs(change) > small:
+            count += sense * change < 0
+            extreme, sense = factor, np.sign(change)
+    return count
+
+
+def returning(segment: Segment, length: float) -> Crossing:
+    """The bifurcation that the path returns to, interpolated between states on both sides."""
+    coarser, finer = (_stationary(segment, length, count) for count in (SAMPLES - 2, SAMPLES))
+    if abs(finer.load - coarser.load) > EXACT * abs(finer.load):
+        surround(segment, length, REACHES[-1:])
+        finer = _stationary(segment, length, SAMPLES)
+    return finer
+
+
+def _stationary(segment: Segment, length: float, count: int) -> Crossing:
+    """Where the load rate is zero by an interpolation between the nearest states."""
+    samples = sorted(segment.states, key=lambda s: abs(s - length))[:count]
+    table = KroghInterpolator(samples, [(segment[s].load_rate, segment[s].load, segment[s].deflection)
+                                        for s in samples])
+    left, right = max(s for s in samples if s < length), min(s for s in samples if s > length)
+    found = brentq(lambda s: table(s)[0], left, right, xtol=1e-14 * segment.after.length)
+    return Crossing(float(found), *map(float, table(found)[1:]))
