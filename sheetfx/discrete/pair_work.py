@@ -234,15 +234,18 @@ class PairWork(PointWork):
         z, d, n = self.values(), self.pairs.dimension, self._slips
         strains, resultants = self._law.strains(z), self._law.resultants(z)
         pressure = np.where(self._here, -resultants[:, 0], 0.0)
-        slip, traction = np.zeros((len(z), d - 1)), np.zeros((len(z), d - 1))
-        if n:
-            traction = resultants[:, 1:1 + n] * self._here[:, None]
-            slip = strains[:, 1:1 + n] + self._history[:, 1 + n:]
+        traction = resultants[:, 1:1 + n] * self._here[:, None] if n else np.zeros((len(z), d - 1))
         _, _, friction, cohesion, _ = self.pairs.parameters
         bound = (friction * pressure + cohesion) * (1 - self._slack)
         status = status_of(pressure, np.linalg.norm(traction, axis=1), bound)
         return PairState(self.pairs.points + z[:, :d], strains[:, 0], pressure, traction,
-                         self.pairs.weights * self._here, status, slip)
+                         self.pairs.weights * self._here, status, self._slip(strains))
+
+    def _slip(self, strains: np.ndarray) -> np.ndarray:
+        """Slip since the beginning; without friction it is not known."""
+        if not self._slips:
+            return np.zeros((len(strains), self.pairs.dimension - 1))
+        return strains[:, 1:1 + self._slips] + self._history[:, 1 + self._slips:]
 
 
 def pairs_of(contributions: Sequence[Contribution]) -> list[PairWork]:

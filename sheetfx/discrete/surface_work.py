@@ -105,6 +105,9 @@ class SurfaceWork(PairWork):
     def _find(self, values):
         return self._partners.follow(self.pairs.points + values[:, :3])
 
+    def _slip(self, strains):
+        return self._partners.travelled
+
     def _give_places(self):
         """The law asks the partners itself."""
 
