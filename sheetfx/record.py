@@ -12,7 +12,10 @@ import numpy as np
 from .continuation.state import CriticalPoint, State
 from .discrete.pair_work import PairState, pairs_of
 from .discrete.plastic import PlasticState, plastic_share, plastic_state
+from .discrete.reactions import Holds, Reaction, ReactionPath
+from .discrete.section_forces import SectionPoints, section_forces, section_points
 from .mesh.reader import NamedMesh
+from .model.stresses import stresses
 from .path import Path
 
 if TYPE_CHECKING:
@@ -118,14 +121,40 @@ class Record:
         return next((m for m in meshes if at in (*m.points, *m.edges)), meshes[0])
 
     def forces(self, part) -> np.ndarray:
-        """Stress resultants of a part in the shown state at the points of its quadrature, on this process.
+        """Stress resultants of a part in the shown state, on this process, see `discrete.section_forces`.
 
         Returns
         -------
         array, shape (cells, points, resultants), in the order of the strains of the part: for a beam in the plane
         axial force, shear force, moment; for a shell forces, moments and shear forces per length.
         """
-        return self.path.discretisation.resultants(part)
+        return section_forces(self.path.discretisation, part)
+
+    def section_points(self, part) -> SectionPoints:
+        """Where `forces` and `stresses` are evaluated in the shown state, and along which axes they act."""
+        return section_points(self.path.discretisation, part)
+
+    def stresses(self, part, at: float | Sequence[float] = 0.0) -> np.ndarray:
+        """Stresses of a linear elastic part in the shown state at a height or fibre, see `model.stresses.stresses`."""
+        return stresses(part, self.forces(part), at)
+
+    @cached_property
+    def _holds(self) -> Holds:
+        return Holds(self.path.discretisation)
+
+    def reactions(self, of: Any, about: Sequence[float] | None = None) -> ReactionPath:
+        """Forces and moments that supports and prescribed motions exert on the modelled structure, in all states.
+
+        Parameters
+        ----------
+        of : a Support, a PrescribedDisplacement or PrescribedRotation, or the name of a place: all that hold it
+        about : fixed place that moments are about; None: the middle of the nodes held, where they are in each state
+        """
+        return self._holds.along([state.fields for state in self.states], of, about)
+
+    def shown_reactions(self) -> dict[Any, Reaction]:
+        """Of each support and prescribed motion in the shown state, node by node, see `discrete.reactions`."""
+        return self._holds.reactions()
 
     def plastic(self, part) -> PlasticState:
         """Where a plastic part has flowed in the shown state, on this process, see `discrete.plastic`."""

@@ -41,6 +41,13 @@ class Forces:
         """What has been added to a field; None: nothing."""
         return self._values.get(number)
 
+    def spatial(self, layout: Layout) -> list[np.ndarray]:
+        """All that has been added, along the directions of space: an array for each block, written over."""
+        for number, (field, array) in enumerate(layout.fields(self.along_space)):
+            if number in self._values:
+                array[field.dofs] += field.spatial(self._values[number])
+        return self.along_space
+
 
 class Contribution:
     """One summand of a system; what it does not define it leaves as here.

@@ -137,6 +137,11 @@ class ElementWork(Contribution):
         ((term, _),) = self._memories
         return np.concatenate([term.resultants(chunk) for chunk in self._chunks()])
 
+    @property
+    def points(self) -> np.ndarray:
+        """Points of integration of its first term."""
+        return self.internal.terms[0].rule.points
+
     def history(self) -> tuple[np.ndarray, np.ndarray]:
         """What the points of a law with history remember, (cells, points, remembered), and their weights."""
         ((term, memory),) = self._memories

@@ -101,6 +101,10 @@ class AdditiveField:
         """Forces on nodal increments by forces conjugate to the values, shape (nodes, components), as a flat array."""
         return self.inward(force.ravel())
 
+    def spatial(self, force: np.ndarray) -> np.ndarray:
+        """Nodal forces or moments along the directions of space, flat, from forces conjugate to the values."""
+        return force.ravel()
+
     def advance(self, block_increment: np.ndarray) -> None:
         self.value.x.array[:] = self.previous.x.array + self.outward(block_increment[self.dofs])
 
@@ -231,6 +235,9 @@ class QuaternionField(AdditiveField):
 
     def pull(self, force):
         return np.einsum("na,nai->ni", force, self.variations()).ravel()
+
+    def spatial(self, force):
+        return np.einsum("na,nai->ni", force, _slopes(self.value.x.array.reshape(-1, 4))).ravel()
 
     def _chart(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Of charted nodes the quaternion, and its derivative by the Rodrigues vector along and across it."""

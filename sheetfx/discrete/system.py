@@ -140,14 +140,29 @@ class System:
                 contribution.residual(forces)
             return self._gather(forces, out)
 
+    def at_nodes(self, act: Callable[[Forces], None]) -> PETSc.Vec:
+        """Forces and moments at nodes along the directions of space that a function adds up, fixed nodes included."""
+        forces, out = self._forces(), self.create_vector()
+        act(forces)
+        self._layout.gather(forces.spatial(self._layout), out)
+        return out
+
+    def arrays(self, vector: PETSc.Vec) -> list[np.ndarray]:
+        """An array for each block with the entries of a vector; nodes that share unknowns have those of others."""
+        return self._layout.arrays(vector)
+
     def load(self, out: PETSc.Vec) -> None:
         """Derivative of the external forces with respect to the load factor."""
         with self.clock("assembly"):
             forces = self._forces()
-            for contribution in self.contributions:
-                if contribution.stage == self.factors.stage:
-                    contribution.load(forces)
+            self.add_loads(forces)
             self._gather(forces, out)
+
+    def add_loads(self, forces: Forces, stage: int | None = None) -> None:
+        """Add the derivatives of the external forces with respect to the load factor of a stage (None: the present)."""
+        for contribution in self.contributions:
+            if contribution.stage == (self.factors.stage if stage is None else stage):
+                contribution.load(forces)
 
     def tangent(self) -> PETSc.Mat:
         """Derivative of the residual with respect to increments of the current configuration."""
