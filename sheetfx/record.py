@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .continuation.balance import Balance, balance
 from .continuation.state import CriticalPoint, State
 from .discrete.pair_work import PairState, pairs_of
 from .discrete.plastic import PlasticState, plastic_share, plastic_state
@@ -168,6 +169,10 @@ class Record:
         """State of the pairs of a `PairContact` in the shown state, on this process."""
         works = pairs_of(self.path.discretisation.system.contributions)
         return next(work for work in works if work.contact is contact).evaluate()
+
+    def balance(self) -> Balance:
+        """Energies in all states against the work of the loads, see `continuation.balance`."""
+        return balance(self.path.tracer, self.states)
 
     def energies(self) -> list[float]:
         """Strain energy that each part of the scene, in their order, stores in the shown state."""

@@ -108,6 +108,10 @@ class AdditiveField:
     def advance(self, block_increment: np.ndarray) -> None:
         self.value.x.array[:] = self.previous.x.array + self.outward(block_increment[self.dofs])
 
+    def show(self, values: np.ndarray) -> None:
+        """Put the present value alone to an array of this process."""
+        self.value.x.array[:] = values
+
     def change(self, block_increment: np.ndarray) -> np.ndarray:
         """First-order change of the value's array by a further increment."""
         return self.outward(block_increment[self.dofs])

@@ -165,13 +165,13 @@ class Holds:
         fields = [self._discretisation.fields.own_field(thing, MULTIPLIERS[type(thing)])
                   for thing in self.things if type(thing) in MULTIPLIERS]
         kept = [field.value.x.array.copy() for field in fields]
-        for field in fields:
-            field.value.x.array[:] = 0.0
+        for field, values in zip(fields, kept, strict=True):
+            field.show(np.zeros_like(values))
         try:
             yield
         finally:
             for field, values in zip(fields, kept, strict=True):
-                field.value.x.array[:] = values
+                field.show(values)
 
 
 def joined(reactions: Sequence[Reaction]) -> Reaction:

@@ -9,8 +9,8 @@ import numpy as np
 from ..forms.section import linear_elastic, linear_shell
 from .beam import Bar, Beam
 from .laminate import Laminate
-from .plate import Plate
 from .plasticity import Plastic
+from .plate import Plate
 from .shell import Shell
 
 EDGE = 1e-9  # of the thickness, by which a height may lie outside
