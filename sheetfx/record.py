@@ -153,7 +153,7 @@ class Record:
         """
         return self._holds.along([state.fields for state in self.states], of, about)
 
-    def shown_reactions(self) -> dict[Any, Reaction]:
+    def shown_reactions(self) -> list[tuple[Any, Reaction]]:
         """Of each support and prescribed motion in the shown state, node by node, see `discrete.reactions`."""
         return self._holds.reactions()
 

@@ -27,6 +27,7 @@ DEAD = 1e-9  # relative change of loads that is rounding
 WINDOWS = (-1, 3), (0, 3), (-1, 2), (0, 2)  # states about a step that are interpolated through, by falling number
 STEEPEST = 3.0  # tangent of the angle between the path and the chord of a step, in the plane of factor and q
 GAUSS = np.polynomial.legendre.leggauss(8)
+ROUNDING = 1e-6  # of the largest energy, by which work and stored energy may differ
 UNSURE = 0.01  # of its difference from the rule of a single point, what Gauss's rule along a step may be off
 GAUSS_ALONG = (1 + np.sqrt(0.6) * np.array([-1.0, 0.0, 1.0])) / 2, np.array([5.0, 8.0, 5.0]) / 18
 
@@ -65,6 +66,25 @@ class Balance:
     def tolerance(self) -> float:
         """Accuracy of the work over the largest energy."""
         return float(self.accuracy.max() / self._largest)
+
+    @property
+    def broken(self) -> str:
+        """What is wrong with the balance, "" if nothing is or it is not known."""
+        if self.off is None or self.off <= ROUNDING + self.tolerance:
+            return ""
+        return (f"the energy does not balance: the loads have done {self.work[-1]:.8g}, {self.stored[-1]:.8g} is "
+                f"stored; along the path these differ by up to {self.off:.2g} of the largest, more than the "
+                f"{self.tolerance:.2g} that the length of the steps explains. States may lie on other paths than those "
+                "before them (try shorter steps), or a law or a load may not be what it says")
+
+    def summary(self) -> dict:
+        """Energies of the last state, and the balance along the path, for people to read."""
+        def known(value: float) -> float | None:
+            return float(value) if np.isfinite(value) else None
+
+        return {"strain": list(map(known, self.parts[-1])), "joints_and_contacts": known(self.joints[-1]),
+                "work_of_loads": known(self.work[-1]), "off": self.off, "accuracy": known(self.tolerance),
+                "not_balanced": list(self.untold)}
 
     @property
     def _largest(self) -> float:
@@ -158,11 +178,12 @@ def _followed(tracer: Tracer, accounts: Sequence[_Account]) -> Iterator[_Account
     load, done, product = system.create_vector(), np.zeros(accounts[-1].state.stage + 1), 0.0
     yield replace(accounts[0], done=done.tolist(), product=product)
     for before, after in pairwise(accounts):
-        course, ends = Course(tracer, before.state, after.state), {0.0: before.state, after.state.length: after.state}
+        last = _measured(tracer, before.state, after.state)
+        course, ends = Course(tracer, before.state, last), {0.0: before.state, last.length: last}
         powers = []
         for place, weight in zip(*GAUSS_ALONG, strict=True) if before.state.stage == after.state.stage else ():
-            factor, increment = course.at(place * after.state.length, ends)
-            _, rate = course.rate_at(place * after.state.length, ends)
+            factor, increment = course.at(place * last.length, ends)
+            _, rate = course.rate_at(place * last.length, ends)
             with system.additive_increments(frozen=False):
                 system.configure(system.create_vector(increment), before.state.factor + factor)
                 for stage in range(after.state.stage + 1):
@@ -173,6 +194,13 @@ def _followed(tracer: Tracer, accounts: Sequence[_Account]) -> Iterator[_Account
         product += change
         yield replace(after, done=done.tolist(), product=product,
                       unsure=UNSURE * abs(change - powers[1]) if powers else 0.0)
+
+
+def _measured(tracer: Tracer, before: State, after: State) -> State:
+    """A state whose step has the length that the tracer's control gives it; that of its own stage may have another."""
+    tracer.back_to(before)
+    measure, increment = tracer.control.measure, tracer.system.create_vector(after.increment)
+    return replace(after, length=abs(measure(tracer.tangent, increment, after.load_increment)) or after.length)
 
 
 def _step(accounts: Sequence[_Account], i: int) -> tuple[float, float]:

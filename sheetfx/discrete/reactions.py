@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
@@ -45,8 +46,8 @@ class Reaction:
 
     @property
     def middle(self) -> np.ndarray:
-        """Mean of the places on all processes; for one point that point."""
-        return self.comm.allreduce(self.places.sum(axis=0)) / self.comm.allreduce(len(self.places))
+        """Mean of the places on all processes; for one point that point, where there are none the origin."""
+        return self.comm.allreduce(self.places.sum(axis=0)) / (self.comm.allreduce(len(self.places)) or 1)
 
     def moment(self, about: Sequence[float] | None = None) -> np.ndarray:
         """Resultant moment of all processes, shape (1,) in the plane or (3,).
@@ -111,11 +112,11 @@ class Holds:
         fields = discretisation.fields
         self.things = [*scene.supports, *(load for load in scene.all_loads if type(load) in MULTIPLIERS)]
         taken = [np.empty(0, dtype=np.int64) for _ in fields.blocks]
-        self._held: dict[object, list[_Held]] = {}
+        self._held: list[list[_Held]] = []
         for thing in self.things:
             place = fields.blocks.index(fields.kinematics(thing.mesh).block)
             dofs = np.setdiff1d(fixed_by(fields.kinematics(thing.mesh), _as_support(thing)), taken[place])
-            self._held[thing] = [_held(fields.blocks[place], field, dofs) for field in fields.blocks[place].fields]
+            self._held.append([_held(fields.blocks[place], field, dofs) for field in fields.blocks[place].fields])
             taken[place] = np.union1d(taken[place], dofs)
             taken = share_marks(discretisation.sharings, fields.blocks, taken)
 
@@ -133,18 +134,18 @@ class Holds:
             raise ValueError(f"reactions: no support or prescribed motion at {of!r}; choose from {places}")
         return found
 
-    def reactions(self) -> dict[object, Reaction]:
+    def reactions(self) -> list[tuple[Any, Reaction]]:
         """Of each support and motion in the present configuration."""
         discretisation = self._discretisation
         system, comm = discretisation.system, discretisation.system.comm
         with self._without_motions():
             arrays = system.arrays(system.at_nodes(lambda forces: [c.residual(forces) for c in system.contributions]))
-        found = {}
-        for thing, (moved, *turned) in self._held.items():
+        found = []
+        for thing, (moved, *turned) in zip(self.things, self._held, strict=True):
             array = arrays[discretisation.fields.blocks.index(moved.block)]
             where = moved.field.value.function_space.tabulate_dof_coordinates()[:, :thing.mesh.dimension]
             moments = turned[0].force(array) if turned else np.zeros((0, 2 * thing.mesh.dimension - 3))
-            found[thing] = Reaction((where + moved.field.table)[moved.nodes], moved.force(array), moments, comm)
+            found.append((thing, Reaction((where + moved.field.table)[moved.nodes], moved.force(array), moments, comm)))
         return found
 
     def along(self, snapshots: Sequence[dict], of: object, about: Sequence[float] | None = None) -> ReactionPath:
@@ -153,8 +154,7 @@ class Holds:
         with self._discretisation.visiting(self._discretisation.system.snapshot()):
             for snapshot in snapshots:
                 self._discretisation.system.restore(snapshot)
-                every = self.reactions()
-                together = joined([every[thing] for thing in chosen])
+                together = joined([r for thing, r in self.reactions() if any(thing is other for other in chosen)])
                 forces.append(together.force)
                 moments.append(together.moment(about))
         return ReactionPath(np.array(forces), np.array(moments))

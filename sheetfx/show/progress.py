@@ -78,8 +78,16 @@ class Progress:
         table = Table(show_header=False, box=None)
         for key, value in summary["quantities"].items():
             table.add_row(key.replace("_", " "), f"{value:.6g}")
+        table.add_row("energy balance", _balance(summary["energy"]))
         table.add_row("steps, iterations", f"{summary['steps']}, {summary['iterations']}")
         table.add_row("unknowns", str(summary["unknowns"]))
         table.add_row("CPU seconds", f"{summary['timings']['total']:.2f}")
         table.add_row("results in", str(self.folder))
         self.console.print(table)
+
+
+def _balance(energy: dict) -> str:
+    """What is said of the balance of energy."""
+    if energy["off"] is None:
+        return f"not known: {', '.join(energy['not_balanced'])}"
+    return f"off by {energy['off']:.1e}, steps explain up to {energy['accuracy']:.1e}"
