@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +18,7 @@ from .discrete.section_forces import SectionPoints, section_forces, section_poin
 from .mesh.reader import NamedMesh
 from .model.stresses import stresses
 from .path import Path
+from .stability.critical import state_at, step_of
 
 if TYPE_CHECKING:
     from .stability.branches import Branch
@@ -37,6 +38,7 @@ class Record:
     case: Any
     path: Path
     states: list[State]
+    _critical_states: dict[CriticalPoint, State] = field(default_factory=dict, repr=False)
 
     @property
     def critical_points(self) -> list[CriticalPoint]:
@@ -45,6 +47,24 @@ class Record:
     def nearest(self, load: float) -> State:
         """The state whose load is closest to `load`."""
         return min(self.states, key=lambda s: abs(s.load - load))
+
+    def state_at(self, point: CriticalPoint) -> State:
+        """The state of a critical point itself, within the step that it was found in.
+
+        Raises
+        ------
+        ArithmeticError
+            If it does not converge again.
+        """
+        if point not in self._critical_states:
+            tracer = self.path.tracer
+            before, after = step_of("state_at", self.states, point, len(tracer.x.array))
+            present = tracer.state
+            try:
+                self._critical_states[point] = state_at(tracer, before, after, point)
+            finally:
+                tracer.back_to(present)
+        return self._critical_states[point]
 
     def branches(self, point: CriticalPoint, amplitude: float = 0.05) -> list[Branch]:
         """A start on every half-branch of a bifurcation, see `stability.branches.branches`."""

@@ -286,7 +286,8 @@ def test_energy_balances_under_loads_of_all_kinds():
     plain = cantilever(mesh, lambda b: [fx.PointForce(mesh, "tip", (0.0, 1.0))])
     record = follow(fx.Scene(
         plain.parts, plain.supports, plain.loads, plain.monitor,
-        stages=[fx.Stage([fx.LineForce(plain.parts[0], (1.0, 2.0))])], joints=[fx.Spring(mesh, "tip", "rz", 2.0), fx.Foundation(plain.parts[0], (0.0, 5.0))]), fine)
+        stages=[fx.Stage([fx.LineForce(plain.parts[0], (1.0, 2.0))])], joints=[
+            fx.Spring(mesh, "tip", "rz", 2.0), fx.Foundation(plain.parts[0], (0.0, 5.0))]), fine)
     balance = assert_energy_balances(record)
     record.show(record.states[-1])
     angle, foundation = record.rotation("tip"), balance.joints[-1] - record.rotation("tip") ** 2

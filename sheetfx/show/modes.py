@@ -18,7 +18,7 @@ from .evaluate import Curves, communicator
 from .surfaces import Surface, surfaces
 from .views import lines
 
-SIZE, COLUMNS, MOST = (1600, 900), 3, 6
+SIZE, COLUMNS, MOST = (1600, 900), 3, 9
 SHARE = 0.04
 UNDEFORMED, CURVE = "#9a9a9a", "#0b4f8a"
 COLUMNS_OF_TABLE = ("factor", "load", "increment", "cluster", "multiplicity", "residual")
