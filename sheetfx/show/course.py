@@ -33,13 +33,13 @@ def _load_rate(record: Record, state: State) -> float:
     if unit is not None:
         return unit * state.load_rate
     motions = system.motions(system.create_vector(state.tangent[1]))
-    fields = [(field, motion) for field, motion in zip(system.unknowns.fields, motions, strict=True) if field.multiplier]
-    kept = [field.value.x.array.copy() for field, _ in fields]
-    for field, motion in fields:
-        field.show(motion.ravel())
+    multipliers = [(field, field.value.x.array.copy(), motion.ravel())
+                   for field, motion in zip(system.unknowns.fields, motions, strict=True) if field.multiplier]
+    for field, _, motion in multipliers:
+        field.show(motion)
     rate = discretisation.total_load()
-    for (field, _), values in zip(fields, kept, strict=True):
-        field.show(values)
+    for field, kept, _ in multipliers:
+        field.show(kept)
     return rate
 
 
