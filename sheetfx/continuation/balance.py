@@ -27,6 +27,7 @@ DEAD = 1e-9  # relative change of loads that is rounding
 WINDOWS = (-1, 3), (0, 3), (-1, 2), (0, 2)  # states about a step that are interpolated through, by falling number
 STEEPEST = 3.0  # tangent of the angle between the path and the chord of a step, in the plane of factor and q
 GAUSS = np.polynomial.legendre.leggauss(8)
+SAFETY = 5.0  # times the accuracy of the work, that it may differ from the stored energy: contact bends paths sharply
 ROUNDING = 1e-6  # of the largest energy, by which work and stored energy may differ
 UNSURE = 0.01  # of its difference from the rule of a single point, what Gauss's rule along a step may be off
 GAUSS_ALONG = (1 + np.sqrt(0.6) * np.array([-1.0, 0.0, 1.0])) / 2, np.array([5.0, 8.0, 5.0]) / 18
@@ -70,7 +71,7 @@ class Balance:
     @property
     def broken(self) -> str:
         """What is wrong with the balance, "" if nothing is or it is not known."""
-        if self.off is None or self.off <= ROUNDING + self.tolerance:
+        if self.off is None or self.off <= ROUNDING + SAFETY * self.tolerance:
             return ""
         return (f"the energy does not balance: the loads have done {self.work[-1]:.8g}, {self.stored[-1]:.8g} is "
                 f"stored; along the path these differ by up to {self.off:.2g} of the largest, more than the "

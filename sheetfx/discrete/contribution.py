@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -43,9 +44,10 @@ class Forces:
 
     def spatial(self, layout: Layout) -> list[np.ndarray]:
         """All that has been added, along the directions of space: an array for each block, written over."""
-        for number, (field, array) in enumerate(layout.fields(self.along_space)):
-            if number in self._values:
-                array[field.dofs] += field.spatial(self._values[number])
+        entries: Sequence[Any] = layout.fields(self.along_space)
+        for number, values in self._values.items():
+            field, array = entries[number]
+            array[field.dofs] += field.spatial(values)
         return self.along_space
 
 

@@ -125,6 +125,8 @@ class ElementWork(Contribution):
         if self._memories:
             raise ValueError("strain energy: a law with history does not say how much of the work it has taken is "
                              "stored; ask for forces instead")
+        for term in self._terms:
+            term.compile_energy()
         return sum(term.energy(chunk) for chunk in self._chunks() for term in self._terms)
 
     @property

@@ -60,7 +60,8 @@ def section_points(discretisation: Discretisation, part) -> SectionPoints:
     values = ufl.as_vector([v[i] for v in (x, place, *axes) for i in range(d)])
     work = discretisation.work_of(part)
     points = work.points if work.remembers else _resultants(discretisation, part)[1]
-    table = _evaluated(part, values, points).reshape(-1, len(points), 2 + len(axes), d)
+    table = _evaluated(part, values, points)
+    table = table.reshape(*table.shape[:2], 2 + len(axes), d)
     return SectionPoints(table[:, :, 0], table[:, :, 1], table[:, :, 2:])
 
 
@@ -74,4 +75,4 @@ def _evaluated(part, values, points: np.ndarray) -> np.ndarray:
     """A UFL vector at points of the part's cells on this process, shape (cells, points, components)."""
     domain, cells = part.mesh.domain, part.mesh.group(part.group)
     return compiled_expression(lift_numbers(values, domain), points).eval(domain, cells).reshape(
-        len(cells), len(points), -1)
+        len(cells), len(points), values.ufl_shape[0])

@@ -19,6 +19,7 @@ from .evaluate import (
     last_state_kept,
     most_telling,
     stays,
+    told,
     travel,
     unit_of,
     with_unit,
@@ -117,8 +118,11 @@ def states_to_draw(record: Record, most: int = len(COLOURS)) -> list[tuple[State
     length, force = (unit_of(a) for a in record.case.axes)
     still = stays(record.states)
 
+    moved, loaded = (told(axis, plain) for axis, plain in zip(record.case.axes, ("deflection", "load"), strict=True))
+
     def place(at) -> str:
-        return f"load {with_unit(at.load, force)}, deflection {with_unit(0.0 if still else at.deflection, length)}"
+        deflection = with_unit(0.0 if still else at.deflection, length)
+        return f"{loaded} {with_unit(at.load, force)}, {moved} {deflection}"
 
     every = record.critical_points
     points = most_telling(every, most)
