@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -40,6 +41,14 @@ class Forces:
     def given(self, number: int) -> np.ndarray | None:
         """What has been added to a field; None: nothing."""
         return self._values.get(number)
+
+    def spatial(self, layout: Layout) -> list[np.ndarray]:
+        """All that has been added, along the directions of space: an array for each block, written over."""
+        entries: Sequence[Any] = layout.fields(self.along_space)
+        for number, values in self._values.items():
+            field, array = entries[number]
+            array[field.dofs] += field.spatial(values)
+        return self.along_space
 
 
 class Contribution:

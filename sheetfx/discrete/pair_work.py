@@ -237,7 +237,7 @@ class PairWork(PointWork):
             self._followed = None
 
     def regularise(self, times: float) -> None:
-        """On the approach friction is bounded by the pressures that there are now (`times` above 1), or all pairs stick.
+        """On the approach friction is bounded by the pressures of this moment (`times` above 1), or all pairs stick.
 
         Pairs that have just closed slip freely then, and forces have a potential while the bounds stay (the fixed point
         iteration on Tresca's friction of Panagiotopoulos 1975, of which one step is taken). Newton's iteration, which
