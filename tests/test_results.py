@@ -192,7 +192,7 @@ def test_section_forces_of_a_frame_against_statics(exactly):
 
 def test_section_forces_of_a_roof_against_statics():
     """Scordelis-Lo, its weight so small that it stays linear: axial forces of its middle section have no resultant
-    and the moment w L^2 / 8 of the whole roof as a beam; hoop forces at the crown hold half of it up on its diaphragms.
+    and the moment w L^2 / 8 of the whole roof as a beam.
     """
     cells, weight = 4, 1e-3
     record = fx.trace(load_case("scordelis-lo")(cells=cells, load=weight))
