@@ -94,4 +94,4 @@ def _balance(energy: dict) -> str:
     """What is said of the balance of energy."""
     if energy["off"] is None:
         return f"not known: {', '.join(energy['not_balanced'])}"
-    return f"off by {energy['off']:.1e}, steps explain up to {energy['accuracy']:.1e}"
+    return f"holds to {energy['off']:.1e}; steps as long as these show it to {energy['accuracy']:.1e}"
