@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path as Folder
@@ -106,6 +107,7 @@ def run(case: Case, name: str, parameters: dict, folder: Folder, resume: bool,
         clock = record.path.clock
         quantities = case.quantities(record)
         with clock("output"):
+            energy = record.balance()
             for picture in case.pictures:
                 with archive.drawing() as unfinished:
                     picture(record, unfinished)
@@ -116,9 +118,11 @@ def run(case: Case, name: str, parameters: dict, folder: Folder, resume: bool,
             "iterations": sum(s.iterations for s in record.states),
             "factorisations": sum(s.factorisations for s in record.states),
             "searched": record.path.searched, "critical_points": [vars(p) for p in record.critical_points],
-            "quantities": quantities,
+            "quantities": quantities, "energy": energy.summary(),
             "timings": {part: clock.seconds[part] for part in PARTS} | {"total": clock.total},
         }
         if archive.comm.rank == 0:
             archive.write_json("summary.json", summary)
+    if energy.broken:
+        warnings.warn(energy.broken, stacklevel=2)
     return summary

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .continuation.balance import Balance, balance
 from .continuation.state import CriticalPoint, State
 from .discrete.pair_work import PairState, pairs_of
 from .discrete.plastic import PlasticState, plastic_share, plastic_state
+from .discrete.reactions import Holds, Reaction, ReactionPath
+from .discrete.section_forces import SectionPoints, section_forces, section_points
 from .mesh.reader import NamedMesh
+from .model.stresses import stresses
 from .path import Path
+from .stability.critical import state_at, step_of
 
 if TYPE_CHECKING:
     from .stability.branches import Branch
@@ -33,6 +38,7 @@ class Record:
     case: Any
     path: Path
     states: list[State]
+    _critical_states: dict[CriticalPoint, State] = field(default_factory=dict, repr=False)
 
     @property
     def critical_points(self) -> list[CriticalPoint]:
@@ -41,6 +47,24 @@ class Record:
     def nearest(self, load: float) -> State:
         """The state whose load is closest to `load`."""
         return min(self.states, key=lambda s: abs(s.load - load))
+
+    def state_at(self, point: CriticalPoint) -> State:
+        """The state of a critical point itself, within the step that it was found in.
+
+        Raises
+        ------
+        ArithmeticError
+            If it does not converge again.
+        """
+        if point not in self._critical_states:
+            tracer = self.path.tracer
+            before, after = step_of("state_at", self.states, point, len(tracer.x.array))
+            present = tracer.state
+            try:
+                self._critical_states[point] = state_at(tracer, before, after, point)
+            finally:
+                tracer.back_to(present)
+        return self._critical_states[point]
 
     def branches(self, point: CriticalPoint, amplitude: float = 0.05) -> list[Branch]:
         """A start on every half-branch of a bifurcation, see `stability.branches.branches`."""
@@ -118,14 +142,40 @@ class Record:
         return next((m for m in meshes if at in (*m.points, *m.edges)), meshes[0])
 
     def forces(self, part) -> np.ndarray:
-        """Stress resultants of a part in the shown state at the points of its quadrature, on this process.
+        """Stress resultants of a part in the shown state, on this process, see `discrete.section_forces`.
 
         Returns
         -------
         array, shape (cells, points, resultants), in the order of the strains of the part: for a beam in the plane
         axial force, shear force, moment; for a shell forces, moments and shear forces per length.
         """
-        return self.path.discretisation.resultants(part)
+        return section_forces(self.path.discretisation, part)
+
+    def section_points(self, part) -> SectionPoints:
+        """Where `forces` and `stresses` are evaluated in the shown state, and along which axes they act."""
+        return section_points(self.path.discretisation, part)
+
+    def stresses(self, part, at: float | Sequence[float] = 0.0) -> np.ndarray:
+        """Stresses of a linear elastic part in the shown state at a height or fibre, see `model.stresses.stresses`."""
+        return stresses(part, self.forces(part), at)
+
+    @cached_property
+    def _holds(self) -> Holds:
+        return Holds(self.path.discretisation)
+
+    def reactions(self, of: Any, about: Sequence[float] | None = None) -> ReactionPath:
+        """Forces and moments that supports and prescribed motions exert on the modelled structure, in all states.
+
+        Parameters
+        ----------
+        of : a Support, a PrescribedDisplacement or PrescribedRotation, or the name of a place: all that hold it
+        about : fixed place that moments are about; None: the middle of the nodes held, where they are in each state
+        """
+        return self._holds.along([state.fields for state in self.states], of, about)
+
+    def shown_reactions(self) -> list[tuple[Any, Reaction]]:
+        """Of each support and prescribed motion in the shown state, node by node, see `discrete.reactions`."""
+        return self._holds.reactions()
 
     def plastic(self, part) -> PlasticState:
         """Where a plastic part has flowed in the shown state, on this process, see `discrete.plastic`."""
@@ -139,6 +189,10 @@ class Record:
         """State of the pairs of a `PairContact` in the shown state, on this process."""
         works = pairs_of(self.path.discretisation.system.contributions)
         return next(work for work in works if work.contact is contact).evaluate()
+
+    def balance(self) -> Balance:
+        """Energies in all states against the work of the loads, see `continuation.balance`."""
+        return balance(self.path.tracer, self.states)
 
     def energies(self) -> list[float]:
         """Strain energy that each part of the scene, in their order, stores in the shown state."""

@@ -26,6 +26,7 @@ from sheetfx import (
     ObstacleForce,
     Plate,
     PointForce,
+    PrescribedDisplacement,
     Rectangle,
     RigidCylinder,
     Scene,
@@ -42,6 +43,7 @@ from sheetfx.continuation.state import CriticalPoint
 from sheetfx.model.shell import FORMS, TRIANGLE
 from sheetfx.scenes import load_case
 from sheetfx.show import contact, curves, display, pictures
+from sheetfx.show.course import curve_of, monitored
 from sheetfx.show.evaluate import ContactPoints, Curves, most_telling, travel, unit_of, with_unit
 from sheetfx.show.files import paraview
 from sheetfx.show.layout import Sheet
@@ -117,6 +119,63 @@ def test_curve_has_no_extremes_but_at_states():
     curve, _ = curves.smooth(knots)
     turns = [(np.diff(np.sign(np.diff(points, axis=0)), axis=0) != 0).sum(axis=0) for points in (knots, curve)]
     assert turns[0].tolist() == turns[1].tolist()
+
+
+def distances(points, curve):
+    """Distances of points to a polygon, both over its extent."""
+    extent = np.ptp(curve, axis=0)
+    start, way = curve[:-1] / extent, np.diff(curve, axis=0) / extent
+    arms = points[:, None] / extent - start
+    part = np.clip((arms * way).sum(axis=2) / (way**2).sum(axis=1), 0, 1)
+    return np.linalg.norm(arms - part[..., None] * way, axis=2).min(axis=1)
+
+
+def test_drawn_curve_meets_states_between():
+    """Lee's frame in steps of usual length, against its states in five times shorter steps, through the snap-back."""
+    coarse, fine = (trace(load_case("lee-frame")(elements=5, step=step, to=85.0)) for step in (0.02, 0.004))
+    states = np.array([(s.deflection, s.load) for s in fine.states])
+    knots, _ = curves.path_knots(coarse.states)
+    values, rates = monitored(coarse, coarse.states)
+    curve, segment = curve_of(coarse, coarse.states, values, rates, lambda p: (p.deflection, p.load), stationary=1)
+    assert len(fine.states) > 3 * len(coarse.states) and len(segment) == len(curve) - 1
+    assert segment[-1] == len(knots) - 2, "an interval for each that has a stability"
+    assert distances(knots, curve).max() < 1e-9
+    assert distances(states, curve).max() < 2e-3 < distances(states, curves.smooth(knots)[0]).max()
+
+
+def test_rate_of_a_reaction_is_that_of_the_load():
+    """A tip that is moved: rates of the reported reaction against its differences."""
+    mesh = read(lambda: meshes.frame({"base": (0, 0), "tip": (1, 0)}, {"beam": ("base", "tip", 4)}), 2)
+    beam = Beam(mesh, Rectangle(0.1, 0.1), Elastic(1.2e5, 0.0))
+    scene = Scene([beam], [clamp(mesh, "base")], [PrescribedDisplacement(mesh, "tip", "y", 0.5)],
+                  Monitor(mesh, "tip", "y"))
+    found = trace(Case(scene, LoadControl(0.01, fixed=True), Until(steps=20)))
+    values, rates = monitored(found, found.states)
+    slopes = (values[2:] - values[:-2]) / (values[2:, :1] - values[:-2, :1])
+    assert slopes[:, 1] == pytest.approx(rates[1:-1, 1] / rates[1:-1, 0], rel=1e-3)
+
+
+def test_critical_points_are_drawn_in_their_own_states():
+    """Not at the end of their step: the state drawn has the load and deflection of the point."""
+    found = trace(load_case("lee-frame")(elements=5))
+    drawn = pictures.states_to_draw(found)
+    titles = [label.split(":")[0] for _, label, _, _ in drawn]
+    assert titles == ["limit point (maximum)", "limit point (minimum)", "end"]
+    for (state, label, _, _), point in zip(drawn, found.critical_points, strict=False):
+        assert state.load == pytest.approx(point.load, rel=1e-6)
+        assert state.deflection == pytest.approx(point.deflection, rel=1e-4) and "drawn at" not in label
+    assert found.path.tracer.state is found.states[-1]
+
+
+def test_one_long_last_step_does_not_rule_the_axes():
+    """Lee's frame goes up to four times its limit load in its last step, which leaves the frame."""
+    found = trace(load_case("lee-frame")(elements=5))
+    axes = curves.draw_path(found).axes[0]
+    assert found.states[-1].load > 60000 and 20000 < axes.get_ylim()[1] < 40000
+    assert any(t.get_text().startswith("goes on to 95.00, 7") for t in axes.texts)
+    (legend,) = [axes.get_legend()]
+    renderer = axes.figure.canvas.get_renderer()
+    assert legend.get_window_extent(renderer).y0 >= axes.get_window_extent(renderer).y1, "above the data"
 
 
 def test_rounding_is_not_drawn_as_a_path():

@@ -34,9 +34,17 @@ class Course:
 
     def at(self, length: float, states: dict[float, State]) -> tuple[float, np.ndarray]:
         """Increments of load factor and unknowns at a length, between states by their lengths."""
+        return self._interpolated(length, states, 0)
+
+    def rate_at(self, length: float, states: dict[float, State]) -> tuple[float, np.ndarray]:
+        """Rates of what `at` gives, by the length over that of the step."""
+        return self._interpolated(length, states, 1)
+
+    def _interpolated(self, length: float, states: dict[float, State], order: int) -> tuple[float, np.ndarray]:
+        """Increments of load factor and unknowns, or their derivatives of an order."""
         places, data = self._data(length, states)
         self._tracer.back_to(self._before)
-        weights = KroghInterpolator(places, np.eye(len(places)))(length / self._after.length)
+        weights = KroghInterpolator(places, np.eye(len(places))).derivative(length / self._after.length, order)
         return (float(sum(w * load for w, (load, _) in zip(weights, data, strict=True))),
                 sum(w * x for w, (_, x) in zip(weights, data, strict=True)))
 

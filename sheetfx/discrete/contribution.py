@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -41,6 +42,14 @@ class Forces:
         """What has been added to a field; None: nothing."""
         return self._values.get(number)
 
+    def spatial(self, layout: Layout) -> list[np.ndarray]:
+        """All that has been added, along the directions of space: an array for each block, written over."""
+        entries: Sequence[Any] = layout.fields(self.along_space)
+        for number, values in self._values.items():
+            field, array = entries[number]
+            array[field.dofs] += field.spatial(values)
+        return self.along_space
+
 
 class Contribution:
     """One summand of a system; what it does not define it leaves as here.
@@ -58,7 +67,8 @@ class Contribution:
     stage : number of the load stage that its load belongs to; None: it has none
     remembers, history_moved : whether it has laws with history, whose forces do work but have no energy; whether one
         remembers something by now, such as plastic strains, on any process
-    approaches : multiples of its regularisation through which a step's solution is approached
+    approaches : multiples of its regularisation through which a step's solution is approached; below 1: each by
+        itself, where the others fail
     steep : whether its forces change with motions that are far smaller than those of a step, but act on few unknowns at
         a time: each Newton iteration then finds them exactly, see `continuation.elimination`
     """

@@ -133,6 +133,10 @@ class PointwiseWork(Densities):
                       for share, weight in WAY)
         return self.expression(ufl.JacobianDeterminant(self.domain) * self._term.stretch * density)
 
+    def compile_energy(self) -> None:
+        """Compile what `energy` needs, on all processes together: some may have no cells."""
+        _ = self._energy
+
     def energy(self, chunk: slice) -> float:
         """Work of the resultants on the way to the present strains."""
         return float(np.sum(self.evaluate(self._energy, chunk)[..., 0] @ self.rule.weights))

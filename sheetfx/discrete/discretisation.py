@@ -10,8 +10,6 @@ import numpy as np
 import ufl
 from mpi4py import MPI
 
-from ..jit import compiled_expression
-from ..mesh.numbers import lift_numbers
 from ..mesh.reader import NamedMesh
 from ..model.contact import Contact
 from ..model.scene import Monitor, Scene
@@ -43,6 +41,7 @@ class Discretisation:
     fields : Fields
     system : System
     contacts : list of ContactFields
+    sharings : nodes that have the unknowns of others
     follower : loads that follow the structure, and for each whether their forces have a potential nevertheless
     """
 
@@ -51,7 +50,7 @@ class Discretisation:
         fields = self.fields = Fields(scene)
         for mesh in scene.meshes:
             turn_nodes(self.kinematics(mesh), [s for s in scene.supports if s.mesh is mesh])
-        sharings = sharings_of(scene.joints, fields)
+        self.sharings = sharings_of(scene.joints, fields)
         self._add_travels()
         for thing in (*scene.all_loads, *scene.joints):
             thing.unknowns(fields)
@@ -60,7 +59,7 @@ class Discretisation:
         fields.blocks += [c.block for c in self.contacts if c.block is not None]
         self.unknowns = fields.unknowns = Unknowns(fields.blocks)
         self._close_contacts()
-        fixed = fixed_dofs(fields, sharings)
+        fixed = fixed_dofs(fields, self.sharings)
         if mixed_points:
             self.unknowns.changes = [f.create_change() for f in self.unknowns.fields]
         with self.clock("compile"):
@@ -68,7 +67,7 @@ class Discretisation:
             joints = list(self._of_joints())
             others = [*self._of_contacts(), *joints, *chain(*(works for _, works in loads)), FixedIncrements()]
             contributions = [*self._of_parts(), *others]
-        layout = without_redundant(Layout(fields.comm, fields.blocks, fixed, sharings), joints, self.unknowns)
+        layout = without_redundant(Layout(fields.comm, fields.blocks, fixed, self.sharings), joints, self.unknowns)
         self.follower = look_for_potentials(loads, self.unknowns, layout, fields.factors, self.clock)
         self.system = System(self.unknowns, contributions, layout, fields.factors, self.clock)
         self._totals = [[load.total(fields.at_stage(n)) for load in stage.loads]
@@ -79,7 +78,8 @@ class Discretisation:
         """Internal virtual work of each part of the scene, in their order."""
         return self.system.contributions[:len(self.scene.parts)]
 
-    def _work_of(self, part) -> ElementWork:
+    def work_of(self, part) -> ElementWork:
+        """Internal virtual work of a part."""
         return self.works_of_parts[self.scene.parts.index(part)]
 
     def kinematics(self, mesh: NamedMesh) -> Kinematics:
@@ -157,19 +157,9 @@ class Discretisation:
         k = self.kinematics(monitor.on)
         return k.block, k.point_dofs(monitor.on, monitor.at, monitor.component)
 
-    def resultants(self, part) -> np.ndarray:
-        """Stress resultants of a part now at its points of quadrature, shape (cells, points, resultants)."""
-        work = self._work_of(part)
-        if work.remembers:
-            return work.resultants()
-        k, domain, cells = self.kinematics(part.mesh), part.mesh.domain, part.mesh.group(part.group)
-        resultants, points = part.resultants(k.u, k.total_rotation)
-        values = compiled_expression(lift_numbers(resultants, domain), points).eval(domain, cells)
-        return values.reshape(len(cells), len(points), -1)
-
     def strain_energy(self, part) -> float:
         """Energy that a part stores now, on all processes."""
-        return part.mesh.domain.comm.allreduce(self._work_of(part).energy())
+        return part.mesh.domain.comm.allreduce(self.work_of(part).energy())
 
     def total_load(self) -> float:
         """Load of the present stage on the whole structure: the sum of the magnitudes of its loads, or the reaction."""

@@ -125,6 +125,8 @@ class ElementWork(Contribution):
         if self._memories:
             raise ValueError("strain energy: a law with history does not say how much of the work it has taken is "
                              "stored; ask for forces instead")
+        for term in self._terms:
+            term.compile_energy()
         return sum(term.energy(chunk) for chunk in self._chunks() for term in self._terms)
 
     @property
@@ -136,6 +138,11 @@ class ElementWork(Contribution):
         """Present resultants of a law with history at the points of integration, (cells, points, resultants)."""
         ((term, _),) = self._memories
         return np.concatenate([term.resultants(chunk) for chunk in self._chunks()])
+
+    @property
+    def points(self) -> np.ndarray:
+        """Points of integration of its first term."""
+        return self.internal.terms[0].rule.points
 
     def history(self) -> tuple[np.ndarray, np.ndarray]:
         """What the points of a law with history remember, (cells, points, remembered), and their weights."""

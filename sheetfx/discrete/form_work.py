@@ -13,6 +13,7 @@ from ufl.algorithms.map_integrands import map_integrands
 from .. import compat
 from ..jit import compiled_form
 from .contribution import Contribution, Forces
+from .densities import WAY
 from .layout import Layout
 from .number import NumberField
 from .unknowns import Unknowns
@@ -32,7 +33,7 @@ class FormWork(Contribution):
 
     def __init__(self, unknowns: Unknowns, work, *, factor=None, smooth: bool = True, conservative: bool = True,
                  stage: int | None = None):
-        self.smooth, self.conservative, self.stage = smooth, conservative, stage
+        self.smooth, self.conservative, self.stage, self._unknowns = smooth, conservative, stage, unknowns
         shares = {number: unknowns.part(work, number) for number in [None, *_numbers_in(unknowns, work)]}
         self._forces = _Vectors(unknowns, shares)
         self._load = None
@@ -55,6 +56,28 @@ class FormWork(Contribution):
 
     def tangent(self, held: Forces) -> Sequence[np.ndarray]:
         return [self._matrix.values(), *(border.values() for border in self._borders)]
+
+
+    def energy(self) -> float | None:
+        """Work on the straight way to the present values, where its forces are none but on fields that add."""
+        if self.stage is not None or not (self.smooth and self.conservative):
+            return None
+        fields = [(field, field.value.x.array.copy()) for field in self._unknowns.fields if not field.curved]
+        total, comm = 0.0, self._unknowns.blocks[0].index_map.comm
+        for share, weight in WAY:
+            for field, values in fields:
+                field.show(share * values)
+            arrays = [np.zeros((b.index_map.size_local + b.index_map.num_ghosts) * b.width)
+                      for b in self._unknowns.blocks]
+            self._forces.add(arrays)
+            for block, array in zip(self._unknowns.blocks, arrays, strict=True):
+                for field in block.fields:
+                    total += np.nan if field.curved and array[field.dofs].any() else 0.0
+                total += weight * sum(array[f.dofs] @ v for f, v in fields if f in block.fields)
+        for field, values in fields:
+            field.show(values)
+        found = comm.allreduce(float(total))
+        return None if np.isnan(found) else found
 
 
 def by_mesh(works: Sequence) -> list:

@@ -101,8 +101,16 @@ class AdditiveField:
         """Forces on nodal increments by forces conjugate to the values, shape (nodes, components), as a flat array."""
         return self.inward(force.ravel())
 
+    def spatial(self, force: np.ndarray) -> np.ndarray:
+        """Nodal forces or moments along the directions of space, flat, from forces conjugate to the values."""
+        return force.ravel()
+
     def advance(self, block_increment: np.ndarray) -> None:
         self.value.x.array[:] = self.previous.x.array + self.outward(block_increment[self.dofs])
+
+    def show(self, values: np.ndarray) -> None:
+        """Put the present value alone to an array of this process."""
+        self.value.x.array[:] = values
 
     def change(self, block_increment: np.ndarray) -> np.ndarray:
         """First-order change of the value's array by a further increment."""
@@ -231,6 +239,9 @@ class QuaternionField(AdditiveField):
 
     def pull(self, force):
         return np.einsum("na,nai->ni", force, self.variations()).ravel()
+
+    def spatial(self, force):
+        return np.einsum("na,nai->ni", force, _slopes(self.value.x.array.reshape(-1, 4))).ravel()
 
     def _chart(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Of charted nodes the quaternion, and its derivative by the Rodrigues vector along and across it."""

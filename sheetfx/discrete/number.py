@@ -68,6 +68,10 @@ class NumberField(AdditiveField):
         super().restore(values)
         self._show()
 
+    def show(self, values):
+        super().show(values)
+        self._show()
+
     def create_change(self) -> Number:
         return Number(self.value.name, len(self.value.x.array))
 

@@ -16,7 +16,8 @@ from .points import PointLaw, PointWork, Trace
 from .unknowns import Unknowns
 
 SPARE = 0.1  # of all pairs, those with the smallest gaps that the pattern of the tangent has beside those that act
-APPROACH = 2.0  # of states with friction: any multiple of the regularisation stands for given bounds of friction
+APPROACHES = 2.0, 0.5  # of states with friction: above 1 by given bounds of it, below 1 by sticking
+STICKING = 1e3  # coefficient of friction with which all pairs stick
 
 
 class PairWork(PointWork):
@@ -36,7 +37,7 @@ class PairWork(PointWork):
 
     def __init__(self, unknowns: Unknowns, first: Sequence[Trace], second: Trace | Partners, pairs: Pairs, contact,
                  name: str):
-        self.contact, self.approaches = contact, (APPROACH,) if pairs.parameters[2] > 0 else (1.0,)
+        self.contact, self.approaches = contact, APPROACHES if pairs.parameters[2] > 0 else (1.0,)
         self._first, self.pairs, self._name, d = list(first), pairs, name, pairs.dimension
         self._partners = None if isinstance(second, Trace) else second
         traces = [*first, *(self._partners.traces() if self._partners else [second])]
@@ -192,16 +193,19 @@ class PairWork(PointWork):
             self._followed = None
 
     def regularise(self, times: float) -> None:
-        """On the approach, `times` above 1, friction is bounded by the pressures that there are now.
+        """On the approach friction is bounded by the pressures of this moment (`times` above 1), or all pairs stick.
 
         Pairs that have just closed slip freely then, and forces have a potential while the bounds stay (the fixed point
         iteration on Tresca's friction of Panagiotopoulos 1975, of which one step is taken). Newton's iteration, which
-        hops between sticking and slipping the other way when pairs close, converges from there.
+        hops between sticking and slipping the other way when pairs close, converges from there. Where pairs that slip
+        push each other open it finds those that stick from the other side.
         """
         table = self.pairs.table()
         if times > 1:
             table[:, 3] += table[:, 2] * self.evaluate().pressure
             table[:, 2] = 0.0
+        elif times < 1:
+            table[:, 2] = STICKING
         self._law.give(self._data_of_history + 1, table)
 
     def augment(self) -> bool:

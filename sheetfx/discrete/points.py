@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import ufl
@@ -20,6 +21,7 @@ from scipy.sparse import csr_matrix
 from ..jit import compiled_expression
 from ..mesh.numbers import lift_numbers
 from .contribution import Contribution, Forces
+from .densities import WAY
 from .layout import Layout
 from .nodal_field import AdditiveField
 from .unknowns import Unknowns
@@ -102,6 +104,11 @@ class PointWork(Contribution):
     def load(self, forces: Forces) -> None:
         if self._load is not None:
             self._add(forces, self._load(self.values()))
+
+    def energy(self) -> float | None:
+        if not (self.smooth and isinstance(self._law, PointLaw)):
+            return None
+        return self._unknowns.blocks[0].index_map.comm.allreduce(self._law.energy(self.values()))
 
     def _add(self, forces: Forces, values: np.ndarray, curved_only: bool = False) -> None:
         for trace, field, part in zip(self._traces, self._fields, self._parts, strict=True):
@@ -195,6 +202,7 @@ class PointLaw:
         values = [ufl.as_vector([z[int(i)] for i in range(end - size, end)]) for end, size in zip(ends, sizes,
                                                                                                   strict=True)]
         e, (i, j, k) = strains(values, constants, now), ufl.indices(3)
+        self._density = sum(weight * ufl.dot(law(share * e), e) for share, weight in WAY)
         resultants, slopes = law(e), ufl.diff(e, z)
         self._change, self._held = self._on_cells(self._size), self._on_cells(e.ufl_shape[0])
         force, held = (ufl.as_vector(s[i] * slopes[i, j], j) for s in (resultants, self._held))
@@ -283,6 +291,14 @@ class PointLaw:
             return np.zeros((0, self._size)), np.zeros((0, self._size, self._size))
         self._put(self._held, resultants)
         return self._weighted(self._holding, z, self._size), self._weighted(self._stiffness, z, self._size, self._size)
+
+    @cached_property
+    def _energy(self) -> fem.Expression | None:
+        return self._expression(ufl.as_vector([self._density]))
+
+    def energy(self, z: np.ndarray) -> float:
+        """Work of the resultants on the way to the strains at z, of all points of this process."""
+        return float(self._weighted(self._energy, z, 1).sum()) if self._count else 0.0
 
     def load(self, z: np.ndarray) -> np.ndarray:
         """Derivative of the external forces by the load factor."""

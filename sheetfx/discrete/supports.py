@@ -37,7 +37,7 @@ def fixed_dofs(fields: Fields, sharings: Sequence[Sharing]) -> list[np.ndarray]:
     Rotations of which one component is fixed then turn as `PartlyFixed` says.
     """
     kinematics = {mesh: fields.kinematics(mesh) for mesh in fields.meshes}
-    by_supports = {k.block: [_fixed_by(k, s) for s in fields.scene.supports if s.mesh is mesh]
+    by_supports = {k.block: [fixed_by(k, s) for s in fields.scene.supports if s.mesh is mesh]
                    for mesh, k in kinematics.items()}
     dofs = [np.unique(np.concatenate([np.empty(0, dtype=np.int64), *fields.fixed.get(block, []),
                                       *by_supports.get(block, [])])) for block in fields.blocks]
@@ -66,7 +66,7 @@ def _hold(turning: dict[QuaternionField, NamedMesh], fixed: dict[QuaternionField
         field.hold(PartlyFixed(nodes, fixed[field][nodes].argmax(axis=1), axes, along[nodes]))
 
 
-def _fixed_by(kinematics: Kinematics, support: Support) -> np.ndarray:
+def fixed_by(kinematics: Kinematics, support: Support) -> np.ndarray:
     """Local dofs of the nodal increments that a support fixes.
 
     Raises

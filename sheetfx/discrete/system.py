@@ -16,6 +16,7 @@ from .form_work import FormMatrix
 from .history import History
 from .layout import Layout
 from .load_factors import LoadFactors
+from .nodal_field import AdditiveField
 from .timing import Stopwatch
 from .unknowns import Unknowns
 
@@ -52,7 +53,7 @@ class System:
         self._layout = layout
         self.fixed_rows = layout.fixed
         self.size = self.comm.allreduce(layout.size - len(self.fixed_rows))
-        self.multiplier_rows = self._multipliers()
+        self.multiplier_rows = self.free_rows(lambda field: field.multiplier)
         self.multipliers = self.comm.allreduce(len(self.multiplier_rows))
         self.matrix = self._steep_pattern = None
         self._create_matrix()
@@ -74,11 +75,11 @@ class System:
         rough = [c for c in self.contributions if not (c.smooth or c.remembers)]
         return bool(rough) and all(c.energy() is not None for c in rough)
 
-    def _multipliers(self) -> np.ndarray:
-        """Rows of free Lagrange multipliers in this process's part of a vector."""
+    def free_rows(self, wanted: Callable[[AdditiveField], bool]) -> np.ndarray:
+        """Rows of the free increments of some fields in this process's part of a vector."""
         marks, vector = self._layout.zeros(), self.create_vector()
         for f, array in self._layout.fields(marks):
-            array[f.dofs] = f.multiplier
+            array[f.dofs] = wanted(f)
         self._layout.put(marks, vector)
         vector.array[self.fixed_rows] = 0
         return np.flatnonzero(vector.array > 0.5)
@@ -140,12 +141,23 @@ class System:
                 contribution.residual(forces)
             return self._gather(forces, out)
 
-    def load(self, out: PETSc.Vec) -> None:
-        """Derivative of the external forces with respect to the load factor."""
+    def at_nodes(self, act: Callable[[Forces], None]) -> PETSc.Vec:
+        """Forces and moments at nodes along the directions of space that a function adds up, fixed nodes included."""
+        forces, out = self._forces(), self.create_vector()
+        act(forces)
+        self._layout.gather(forces.spatial(self._layout), out)
+        return out
+
+    def arrays(self, vector: PETSc.Vec) -> list[np.ndarray]:
+        """An array for each block with the entries of a vector; nodes that share unknowns have those of others."""
+        return self._layout.arrays(vector)
+
+    def load(self, out: PETSc.Vec, stage: int | None = None) -> None:
+        """Derivative of the external forces with respect to the load factor of a stage (None: the present one)."""
         with self.clock("assembly"):
             forces = self._forces()
             for contribution in self.contributions:
-                if contribution.stage == self.factors.stage:
+                if contribution.stage == (self.factors.stage if stage is None else stage):
                     contribution.load(forces)
             self._gather(forces, out)
 

@@ -19,8 +19,9 @@ from ..model.shell import FORMS, TRIANGLE, Shell, named_form
 from ..model.supports import Support
 from ..path import Until
 from ..record import Record
-from ..show.curves import path_curve, smooth
-from ..show.evaluate import communicator, last_state_kept
+from ..show.course import curve_of, monitored
+from ..show.curves import legend_above, path_curve
+from ..show.evaluate import communicator, last_state_kept, unit_of
 from ..show.files import paraview
 from ..show.pictures import shapes
 
@@ -170,8 +171,12 @@ def at_load(record: Record, readings: dict[str, Reading], factor: float = 1.0) -
 def published_points(record: Record, folder: Folder, readings: dict[str, Reading], published: Published,
                      name: str = "published.png") -> None:
     """Draw load against all readings beside published points (process 0 writes the file)."""
+    states, numbers = record.states, range(len(record.states))
     with last_state_kept(record):
-        values = np.array([list(read_off(record, readings, i).values()) for i in range(len(record.states))])
+        values = np.array([list(read_off(record, readings, i).values()) for i in numbers])
+    rates = np.array([list(slopes(record, readings, i).values()) for i in numbers]) * [[s.load_rate] for s in states]
+    loads, load_rates = (table[:, 1:] for table in monitored(record, states))
+    curve, _ = curve_of(record, states, np.hstack((values, loads)), np.hstack((rates, load_rates)))
     if communicator(record).rank > 0:
         return
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -180,18 +185,18 @@ def published_points(record: Record, folder: Folder, readings: dict[str, Reading
     figure = Figure(figsize=(8.0, 5.2), layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()
-    loads, table = [s.load for s in record.states], np.array(published.rows)
+    table = np.array(published.rows)
     for i, reading in enumerate(readings):
-        curve, _ = smooth(np.column_stack((values[:, i], loads)))
-        axes.plot(*curve.T, color=f"C{i}", linewidth=1.2, label=reading)
+        axes.plot(curve[:, i], curve[:, -1], color=f"C{i}", linewidth=1.2, label=reading)
         axes.plot(values[:, i], loads, ".", color=f"C{i}")
         axes.plot(table[:, i + 1], published.load * table[:, 0], "o", color=f"C{i}", markerfacecolor="none",
                   label=f"{reading}, {published.source}")
-    axes.set_xlabel("displacement")
+    unit = unit_of(record.case.axes[0])
+    axes.set_xlabel(f"displacement ({unit})" if unit else "displacement")
     axes.set_ylabel(record.case.axes[1])
     axes.grid(color="#dddddd", linewidth=0.6)
     axes.spines[["top", "right"]].set_visible(False)
-    axes.legend(frameon=False, fontsize=9)
+    legend_above(axes)
     figure.savefig(Folder(folder) / name, dpi=150)
 
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path as Folder
 
 import numpy as np
 
 from ..continuation.state import CriticalPoint, State
 from ..record import Record
+from .course import curve_of, monitored, points_in
 from .evaluate import communicator, most_telling, stays, unit_of, with_unit
 from .labels import place_labels
 
@@ -16,12 +18,14 @@ STABLE, UNSTABLE = "#0b4f8a", "#c4432b"
 MARKERS = {"limit": ("o", "limit point"), "bifurcation": ("D", "bifurcation point"), "flutter": ("v", "flutter"),
            "event": ("s", "event")}
 MOST_LABELS = 6
+DOMINANT, SEEN = 1.0, 0.35  # of the extent of all other states, how far the last may be off before it is left out
+FEWEST = 6  # states of a path, from which its last may be left out
 
 
 def path_curve(record: Record, folder: Folder, name: str = "path.png") -> None:
     """Draw load against deflection with stability and critical points (process 0 writes the file)."""
+    figure = draw_path(record)
     if communicator(record).rank == 0:
-        figure = draw_path(record)
         figure.savefig(Folder(folder) / name, dpi=150)
 
 
@@ -37,18 +41,57 @@ def draw_path(record: Record, jumps: Sequence[tuple[State, State]] = ()):
     knots, unstable = path_knots(states)
     if not knots[:, 0].any():
         axes.set_xlim(-1.0, 1.0)
-    curve = draw_stretches(axes, knots, unstable, named=record.states[-1].unstable_modes is not None)
+    curve = draw_stretches(axes, knots, unstable, named=record.states[-1].unstable_modes is not None,
+                           smoothly=partial(_course, record, states))
     axes.plot([s.deflection for s in states], [s.load for s in states], ".", color="#333333",
               markersize=3.5, zorder=3, label="converged states")
     points = [point for state in states for point in state.critical]
     draw_points(axes, points)
-    axes.legend(frameon=True, framealpha=0.9, edgecolor="none", fontsize=9)
+    legend_above(axes)
+    arrows = [np.linspace((a.deflection, a.load), (b.deflection, b.load), 100) for a, b in jumps]
+    _leave_out_last(axes, record, states, np.concatenate([knots[:-1], *arrows]), knots[-1])
     unit = unit_of(record.case.axes[1])
     texts = [(p.deflection, p.load, f"{p.name if p.kind == 'event' else p.kind} {with_unit(p.load, unit)}")
              for p in most_telling(points, MOST_LABELS)]
-    arrows = [np.linspace((a.deflection, a.load), (b.deflection, b.load), 100) for a, b in jumps]
     place_labels(axes, texts, np.concatenate([curve, *arrows]))
     return figure
+
+
+def _course(record: Record, states: Sequence[State], knots: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The curve through the knots of a path, by the tangents of its states, and the interval of each piece."""
+    values, rates = monitored(record, states)
+    curve, segment = curve_of(record, states, values, rates, lambda p: (p.deflection, p.load), stationary=1)
+    if not knots[:, 0].any():
+        curve[:, 0] = 0.0
+    return curve, segment
+
+
+def legend_above(axes) -> None:
+    """A legend in a row above the axes, where it hides nothing, each name once."""
+    handles = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
+    axes.legend(handles.values(), handles.keys(), loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=len(handles),
+                frameon=False, fontsize=9, columnspacing=1.4, handlelength=1.8, borderaxespad=0.2)
+
+
+def _leave_out_last(axes, record: Record, states: Sequence[State], others: np.ndarray, last: np.ndarray) -> None:
+    """Let axes show the path without its last state where that would have most of them for itself, and say where it is.
+
+    The step that leads there leaves the frame.
+    """
+    if len(states) < FEWEST or not any(s.critical for s in states[:-1]):
+        return
+    low, high = others.min(axis=0), others.max(axis=0)
+    extent = high - low
+    beyond = np.maximum(np.maximum(last - high, low - last), 0.0)
+    if not (beyond > DOMINANT * extent).any() or not extent.all():
+        return
+    room = np.minimum(beyond, SEEN * extent)
+    below, above = np.where(last < low, room, 0.0), np.where(last > high, room, 0.0)
+    axes.set_xlim(low[0] - below[0] - 0.05 * extent[0], high[0] + above[0] + 0.05 * extent[0])
+    axes.set_ylim(low[1] - below[1] - 0.12 * extent[1], high[1] + above[1] + 0.12 * extent[1])
+    length, force = map(unit_of, record.case.axes)
+    axes.text(1.0, -0.085, f"goes on to {with_unit(last[0], length)}, {with_unit(last[1], force)}", fontsize=9,
+              color="#333333", ha="right", va="top", transform=axes.transAxes)
 
 
 def draw_branches(record: Record, branches: Sequence[tuple[CriticalPoint, Sequence[State]]]):
@@ -67,8 +110,7 @@ def draw_branches(record: Record, branches: Sequence[tuple[CriticalPoint, Sequen
         draw_stretches(axes, knots, unstable, named=named, width=0.9)
     draw_stretches(axes, *path_knots(record.states), named=named, width=2.4)
     draw_points(axes, record.critical_points)
-    handles = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
-    axes.legend(handles.values(), handles.keys(), frameon=True, framealpha=0.9, edgecolor="none", fontsize=9)
+    legend_above(axes)
     return figure
 
 
@@ -89,9 +131,15 @@ def _frame(record: Record):
     return figure, axes
 
 
-def draw_stretches(axes, knots: np.ndarray, unstable: np.ndarray, named: bool, width: float = 1.6) -> np.ndarray:
-    """Draw a smooth curve through knots by its stability, and return its points."""
-    curve, segment = smooth(knots)
+def draw_stretches(axes, knots: np.ndarray, unstable: np.ndarray, named: bool, width: float = 1.6,
+                   smoothly: Callable | None = None) -> np.ndarray:
+    """Draw a smooth curve through knots by its stability, and return its points.
+
+    Parameters
+    ----------
+    smoothly : function from knots to the curve's points and the interval of each of its pieces; None: `smooth`
+    """
+    curve, segment = (smoothly or smooth)(knots)
     flags = unstable[segment]
     for flag, colour, dashes, label in ((False, STABLE, "-", "stable" if named else "path"),
                                         (True, UNSTABLE, (0, (5, 2)), "unstable")):
@@ -119,9 +167,8 @@ def path_knots(states: Sequence[State]) -> tuple[np.ndarray, np.ndarray]:
     (n, 2) deflection and load of states and critical points; (n - 1,) bool
     """
     rows, unstable = [(states[0].deflection, states[0].load)], []
-    points = [p for s in states for p in s.critical]
     for before, after in zip(states[:-1], states[1:], strict=True):
-        inside = [p for p in points if p.step == after.step]
+        inside = points_in(states, after)
         changes = np.cumsum([0, *(p.kind != "event" for p in inside)])
         unstable += [bool((after if n == changes[-1] else before).unstable_modes) or 0 < n < changes[-1]
                      for n in changes]

@@ -29,6 +29,11 @@ def unit_of(axis: str) -> str:
     return axis[axis.rindex("(") + 1:-1] if axis.endswith(")") else ""
 
 
+def told(axis: str, plain: str) -> str:
+    """What a value on an axis is called in sentences: plainly, or where it is a ratio by the axis' own name."""
+    return axis if any(sign in axis for sign in (" over ", " / ")) else plain
+
+
 def with_unit(value: float, unit: str) -> str:
     """A number with four digits or more, and its unit."""
     if 1e-3 <= abs(value) < 1e4:

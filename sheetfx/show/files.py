@@ -11,21 +11,25 @@ from dolfinx import fem, la
 from dolfinx.io import VTKFile
 
 from ..compat import interpolation_points
+from ..continuation.state import State
 from ..discrete.kinematics import Kinematics
 from ..jit import compiled_expression
 from ..mesh.reader import NamedMesh
+from ..model.shell import Shell
 from ..record import Record
 from .evaluate import last_state_kept
 from .plastic import largest_strain, mean_share, of_cells, plastic_parts
+from .tables import names_of
 
 
 def paraview(record: Record, folder: Folder) -> None:
     """Write path.pvd: displacement and, but for bars, rotation of all states, with the step as time.
 
     Both have three components: a planar rotation is an angle about z, a spatial one the rotation
-    vector (radians, below a full turn), averaged where cells disagree. Plastic parts add the largest equivalent
-    plastic strain of each cell, and the share of its volume that has flowed. A scene of several meshes gets path.pvd,
-    path1.pvd and so on.
+    vector (radians, below a full turn), averaged where cells disagree. Each cell has the load, and the means of the
+    resultants at its points (`tables.names_of`); those of shells act along "axis 1" and what is 90 degrees further.
+    Plastic parts add the largest equivalent plastic strain of each cell, and the share of its volume that has flowed. A
+    scene of several meshes gets path.pvd, path1.pvd and so on.
     """
     with last_state_kept(record):
         for i, mesh in enumerate(record.case.scene.meshes):
@@ -44,7 +48,7 @@ def _write(record: Record, mesh: NamedMesh, file: Folder) -> None:
     share = fem.Function(space)
     _add(share, np.ones((*space.dofmap.list[mesh.group(None)].shape, 3)), mesh)
     functions = [fem.Function(space, name=name) for name in values]
-    plastic = _plastic_fields(record, mesh)
+    plastic, forces = _plastic_fields(record, mesh), _Resultants(record, mesh)
     with VTKFile(mesh.domain.comm, file, "w") as stream:
         for state in record.states:
             record.show(state)
@@ -55,7 +59,42 @@ def _write(record: Record, mesh: NamedMesh, file: Folder) -> None:
             for function, take in plastic.items():
                 function.x.array[mesh.group(None)] = of_cells(record, mesh, take)
                 function.x.scatter_forward()
-            stream.write_function([*functions, *plastic], float(state.step))
+            forces.take(state)
+            stream.write_function([*functions, *plastic, *forces.functions.values()], float(state.step))
+
+
+class _Resultants:
+    """The load, and resultants of the parts of a mesh with their first axes, as functions with one value in each cell.
+
+    Attributes
+    ----------
+    functions : by their names
+    """
+
+    def __init__(self, record: Record, mesh: NamedMesh):
+        self._record, self._parts = record, [p for p in record.case.scene.parts if p.mesh is mesh]
+        self._space = fem.functionspace(mesh.domain, ("DG", 0))
+        self._vectors = fem.functionspace(mesh.domain, ("DG", 0, (3,)))
+        self.functions: dict[str, fem.Function] = {}
+
+    def take(self, state: State) -> None:
+        """Put the functions to the shown state."""
+        self._function("load", self._space).x.array[:] = state.load
+        for part in self._parts:
+            cells, values = part.mesh.group(part.group), self._record.forces(part).mean(axis=1)
+            for name, column in zip(names_of(part, values.shape[1]), values.T, strict=True):
+                self._function(name, self._space).x.array[cells] = column
+            if isinstance(part, Shell):
+                axes = self._record.section_points(part).axes[:, :, 0].mean(axis=1)
+                axes /= np.linalg.norm(axes, axis=1, keepdims=True)
+                self._function("axis 1", self._vectors).x.array.reshape(-1, 3)[cells] = axes
+        for function in self.functions.values():
+            function.x.scatter_forward()
+
+    def _function(self, name: str, space: fem.FunctionSpace) -> fem.Function:
+        if name not in self.functions:
+            self.functions[name] = fem.Function(space, name=name)
+        return self.functions[name]
 
 
 def _plastic_fields(record: Record, mesh: NamedMesh) -> dict[fem.Function, Callable]:

@@ -18,7 +18,7 @@ from .evaluate import Curves, communicator
 from .surfaces import Surface, surfaces
 from .views import lines
 
-SIZE, COLUMNS, MOST = (1600, 900), 3, 6
+WIDTH, HEIGHT, ROW, COLUMNS, MOST = 1600, 900, 450, 3, 9  # in pixels: of pictures, least and of each row
 SHARE = 0.04
 UNDEFORMED, CURVE = "#9a9a9a", "#0b4f8a"
 COLUMNS_OF_TABLE = ("factor", "load", "increment", "cluster", "multiplicity", "residual")
@@ -92,7 +92,8 @@ def draw_shapes(shapes: list[ModeShape], file: Folder) -> None:
 
     size = SHARE * np.linalg.norm(np.ptp(shapes[0].undeformed, axis=0))
     rows, columns = -(-len(shapes) // COLUMNS), min(COLUMNS, len(shapes))
-    plotter = pyvista.Plotter(off_screen=True, shape=(rows, columns), window_size=SIZE, border=False)
+    height = max(HEIGHT, ROW * rows)
+    plotter = pyvista.Plotter(off_screen=True, shape=(rows, columns), window_size=(WIDTH, height), border=False)
     for i, shape in enumerate(shapes):
         plotter.subplot(i // COLUMNS, i % COLUMNS)
         for surface in shape.surfaces:
@@ -103,7 +104,7 @@ def draw_shapes(shapes: list[ModeShape], file: Folder) -> None:
             plotter.add_mesh(lines(before + size * (after - before)), color=CURVE, line_width=4)
         plotter.add_text(shape.title, font_size=11, color="black")
         plotter.view_xy() if shape.flat else plotter.view_isometric()
-        plotter.camera.zoom(min(1.2, SIZE[0] / columns / (SIZE[1] / rows)))
+        plotter.camera.zoom(min(1.2, WIDTH / columns / (height / rows)))
     plotter.set_background("white")
     plotter.screenshot(file)
     plotter.close()

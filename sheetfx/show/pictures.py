@@ -7,7 +7,7 @@ from pathlib import Path as Folder
 
 import numpy as np
 
-from ..continuation.state import State
+from ..continuation.state import CriticalPoint, State
 from ..discrete.contact import SLIP, STICK, ContactState
 from ..model.obstacles import RigidCylinder, RigidPlane
 from ..record import Record
@@ -19,6 +19,7 @@ from .evaluate import (
     last_state_kept,
     most_telling,
     stays,
+    told,
     travel,
     unit_of,
     with_unit,
@@ -28,6 +29,7 @@ from .surfaces import has_surfaces
 from .views import draw_views, view
 
 SIZE, MOST_VIEWS = (1600, 900), 6
+CLOSE = 0.005  # of the largest deflection and load, states that are drawn once
 COLOURS = ("#0b4f8a", "#c4432b", "#1b8a5a", "#8e44ad", "#0097a7", "#7f6a00", "#d81b60")
 UNDEFORMED, LAST = "#9a9a9a", "#222222"
 STATUS = {STICK: ("#111111", "sticking"), SLIP: ("#f2a900", "slipping")}
@@ -56,10 +58,9 @@ class Shape:
 def shapes(record: Record, folder: Folder, name: str = "shape.png") -> None:
     """Draw the structure undeformed, at critical points and at the last state (process 0 writes the file).
 
-    Surfaces are drawn side by side, one view to each state; curves all in one view. A critical point is drawn as
-    the state at the end of the step that contains it; points of one step are drawn once, and the legend tells
-    where if that is not close to the point. The picture is left out with a warning where there is no X server
-    and Xvfb is missing.
+    Surfaces are drawn side by side, one view to each state; curves all in one view. A critical point is drawn in its
+    own state; if that does not converge again at the end of its step, and the legend tells where. Points that are close
+    to each other are drawn once. The picture is left out with a warning where there is no X server and Xvfb is missing.
     """
     if has_surfaces(record):
         _draw_surfaces(record, Folder(folder) / name)
@@ -117,23 +118,43 @@ def states_to_draw(record: Record, most: int = len(COLOURS)) -> list[tuple[State
     length, force = (unit_of(a) for a in record.case.axes)
     still = stays(record.states)
 
+    moved, loaded = (told(axis, plain) for axis, plain in zip(record.case.axes, ("deflection", "load"), strict=True))
+
     def place(at) -> str:
-        return f"load {with_unit(at.load, force)}, deflection {with_unit(0.0 if still else at.deflection, length)}"
+        deflection = with_unit(0.0 if still else at.deflection, length)
+        return f"{loaded} {with_unit(at.load, force)}, {moved} {deflection}"
 
     every = record.critical_points
     points = most_telling(every, most)
     left_out = f" ({len(points)} of {len(every)} are drawn)" if len(points) < len(every) else ""
-    states, last = {s.step: s for s in record.states}, record.states[-1]
-    reach = max(abs(s.deflection) for s in record.states)
-    labels: dict[int, list[str]] = {}
+    last, reach, highest = record.states[-1], *(max(abs(getattr(s, name)) for s in record.states)
+                                                for name in ("deflection", "load"))
+    drawn: list[tuple[State, list[str]]] = []
     for i, point in enumerate(points):
-        drawn = states[point.step].deflection
-        apart = not still and abs(drawn - point.deflection) > 0.005 * reach
-        behind = f" (drawn at {with_unit(drawn, length)})" if apart else ""
-        labels.setdefault(point.step, []).append(
-            f"{point.title}{left_out if i == 0 else ''}: {place(point)}{behind}")
-    critical = [(states[step], "; ".join(lines), colour, True)
-                for (step, lines), colour in zip(labels.items(), COLOURS, strict=False)]
-    if last.step in labels:
+        state = _state_of(record, point)
+        apart = not still and abs(state.deflection - point.deflection) > CLOSE * reach
+        behind = f" (drawn at {with_unit(state.deflection, length)})" if apart else ""
+        label = f"{point.title}{left_out if i == 0 else ''}: {place(point)}{behind}"
+        if drawn and _close(drawn[-1][0], state, reach, highest):
+            drawn[-1][1].append(label)
+        else:
+            drawn.append((state, [label]))
+    critical = [(state, "; ".join(lines), colour, True)
+                for (state, lines), colour in zip(drawn, COLOURS, strict=False)]
+    if drawn and _close(drawn[-1][0], last, reach, highest):
         return critical
     return [*critical, (last, f"end: {place(last)}", LAST, False)]
+
+
+def _close(one: State, other: State, reach: float, highest: float) -> bool:
+    """Whether two states look alike, compared with the largest deflection and load of their path."""
+    return (one.stage == other.stage and abs(one.deflection - other.deflection) <= CLOSE * reach
+            and abs(one.load - other.load) <= CLOSE * highest)
+
+
+def _state_of(record: Record, point: CriticalPoint) -> State:
+    """The state of a critical point, or where it does not converge again that at the end of its step."""
+    try:
+        return record.state_at(point)
+    except ArithmeticError:
+        return next(s for s in record.states if s.step == point.step)

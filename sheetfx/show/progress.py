@@ -13,6 +13,7 @@ from rich.text import Text
 
 from ..case import Case
 from ..continuation.state import State
+from .evaluate import told
 
 
 class Progress:
@@ -25,7 +26,7 @@ class Progress:
         self.name, self.folder = name, folder
         self.console = Console(quiet=MPI.COMM_WORLD.rank > 0, highlight=False)
         self._live = Live(Text(f"{name}: compiling forms, meshing"), console=self.console, transient=True)
-        self._until, self._stages = None, []
+        self._until, self._stages, self._load, self._deflection = None, [], "load", "deflection"
         self._start = time.perf_counter()
 
     def __enter__(self) -> Progress:
@@ -40,12 +41,15 @@ class Progress:
     def begin(self, case: Case) -> None:
         self._until = case.until
         self._stages = [stage.name for stage in case.scene.all_stages]
+        self._deflection, self._load = (told(axis, plain) for axis, plain in zip(
+            case.axes, ("deflection", "load"), strict=True))
 
     def __call__(self, state: State) -> None:
         for point in state.critical:
             coefficients = "" if point.slope is None else f", a = {point.slope:.4g}"
             coefficients += "" if point.curvature is None else f", b = {point.curvature:.4g}"
-            self.console.print(f"{point.title}: load {point.load:.6g} at deflection {point.deflection:.6g} "
+            self.console.print(f"{point.title}: {self._load} {point.load:.6g} at {self._deflection} "
+                               f"{point.deflection:.6g} "
                                f"(step {point.step}){coefficients}", soft_wrap=True)
         if self.console.is_terminal:
             self._live.update(Text(self._line(state)))
@@ -54,8 +58,8 @@ class Progress:
 
     def _line(self, state: State) -> str:
         stage = f", stage {self._stages[state.stage]!r}" if len(self._stages) > 1 else ""
-        line = (f"{self.name}{stage}: step {state.step}, load {state.load:.5g}, deflection {state.deflection:.5g}, "
-                f"{state.iterations} iterations")
+        line = (f"{self.name}{stage}: step {state.step}, {self._load} {state.load:.5g}, "
+                f"{self._deflection} {state.deflection:.5g}, {state.iterations} iterations")
         if state.contact_points:
             line += f", {state.contact_points} contact points"
         if state.unstable_modes:
@@ -78,8 +82,16 @@ class Progress:
         table = Table(show_header=False, box=None)
         for key, value in summary["quantities"].items():
             table.add_row(key.replace("_", " "), f"{value:.6g}")
+        table.add_row("energy balance", _balance(summary["energy"]))
         table.add_row("steps, iterations", f"{summary['steps']}, {summary['iterations']}")
         table.add_row("unknowns", str(summary["unknowns"]))
         table.add_row("CPU seconds", f"{summary['timings']['total']:.2f}")
         table.add_row("results in", str(self.folder))
         self.console.print(table)
+
+
+def _balance(energy: dict) -> str:
+    """What is said of the balance of energy."""
+    if energy["off"] is None:
+        return f"not known: {', '.join(energy['not_balanced'])}"
+    return f"holds to {energy['off']:.1e}; steps as long as these show it to {energy['accuracy']:.1e}"

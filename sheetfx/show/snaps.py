@@ -28,8 +28,9 @@ def falls_curve(record: Record, folder: Folder, name: str = "falls.png") -> None
         return
     for number, fall in enumerate(falls, start=1):
         fall.save(Folder(folder) / f"fall{number}", comm)
+    figure = draw_snaps(record, falls)
     if comm.rank == 0:
-        draw_snaps(record, falls).savefig(Folder(folder) / name, dpi=150)
+        figure.savefig(Folder(folder) / name, dpi=150)
 
 
 def draw_snaps(record: Record, falls: Sequence[Snap]):

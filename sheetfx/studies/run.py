@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -24,6 +25,7 @@ def option(name: str, annotation, default, help_text: str, *flags: str, **settin
 OUTPUT = option("output", str | None, None, "Folder of the results; default results/NAME.", "-o", "--output",
                 metavar="PATH")
 RESUME = option("resume", bool, False, "Go on with an interrupted run in that folder.", "--resume")
+TABLES = option("tables", bool, False, "Write reactions, energies and section forces of all states as CSV.", "--tables")
 
 
 class Scenes(TyperGroup):
@@ -37,10 +39,10 @@ class Scenes(TyperGroup):
     @staticmethod
     def runner(name: str, function):
         """A command with the options of a scene's function and those of every run."""
-        def command(output: str | None, resume: bool, **parameters):
-            run_scene(name, function, parameters, output, resume)
+        def command(output: str | None, resume: bool, tables: bool, **parameters):
+            run_scene(name, function, parameters, output, resume, tables)
 
-        return with_options(command, function, [OUTPUT, RESUME])
+        return with_options(command, function, [OUTPUT, RESUME, TABLES])
 
     def list_commands(self, context):
         return scene_names()
@@ -87,14 +89,16 @@ def folder_of(name: str, output: str | None, ending: str = "") -> Path:
     return Path("results") / f"{Path(name).stem}{ending}" if output is None else Path(output)
 
 
-def run_scene(name: str, function, parameters: dict, output: str | None, resume: bool) -> None:
+def run_scene(name: str, function, parameters: dict, output: str | None, resume: bool, with_tables: bool) -> None:
     """Run one scene with progress on the terminal."""
     from ..case import run
     from ..show.progress import Progress
+    from ..show.tables import tables
 
     folder = folder_of(name, output)
     with Progress(Path(name).stem, folder) as progress:
         case = function(**parameters)
+        case = replace(case, pictures=[*case.pictures, tables]) if with_tables else case
         progress.begin(case)
         summary = run(case, Path(name).stem, parameters, folder, resume, [progress])
         progress.report(summary)

@@ -1,0 +1,77 @@
+"""Stresses of linear elastic parts from their resultants, at a height of shells or a fibre of beams."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..forms.section import linear_elastic, linear_shell
+from .beam import Bar, Beam
+from .laminate import Laminate
+from .plasticity import Plastic
+from .plate import Plate
+from .shell import Shell
+
+EDGE = 1e-9  # of the thickness, by which a height may lie outside
+
+
+def stresses(part: Beam | Bar | Shell, resultants: np.ndarray, at: float | Sequence[float] = 0.0) -> np.ndarray:
+    """Stresses at a place of the cross-section.
+
+    Parameters
+    ----------
+    resultants : of the part, shape (..., n)
+    at : of a beam the distance from the centroid along the direction of the depth (in the plane to the left of the
+        line's direction), in space that and the distance along the width; of a shell the height above the mid-surface,
+        along its normal. Bars have the same stress everywhere
+
+    Returns
+    -------
+    array, shape (..., 1): normal stress of beams and bars, without what torsion and shear add; shape (..., 3): s11, s22
+    and s12 of shells on the axes of their resultants, in the ply at that height (of two that meet there the upper one).
+
+    Raises
+    ------
+    ValueError
+        For a law or section of which stresses are not known, or a place outside.
+    """
+    name = type(part).__name__
+    if part.law not in (linear_elastic, linear_shell) or isinstance(part.material, Plastic):
+        raise ValueError(f"{name}: stresses are those of linear elastic sections, and its law is "
+                         f"{type(part.section_law).__name__}; ask Record.forces and Record.plastic")
+    place = np.ravel(np.asarray(at, dtype=float))
+    wanted = 2 if isinstance(part, Beam) and part.mesh.dimension == 3 else 1
+    if place.shape != (wanted,) or not np.isfinite(place).all():
+        raise ValueError(f"{name}: a place of its section has {wanted} finite coordinates, at is {at!r}")
+    if isinstance(part, Bar):
+        return resultants / part.section.area
+    return _in_beam(part, resultants, place) if isinstance(part, Beam) else _in_shell(part, resultants, float(place[0]))
+
+
+def _in_beam(beam: Beam, resultants: np.ndarray, place: np.ndarray) -> np.ndarray:
+    """N / A - y M_b / I_b + z M_n / I_n, see `plasticity.Fibres`."""
+    about_normal, about_binormal = beam.section.second_moments
+    found = resultants[..., 0] / beam.section.area - place[0] * resultants[..., -1] / about_binormal
+    if len(place) == 2:
+        found = found + place[1] * resultants[..., 4] / about_normal
+    return found[..., None]
+
+
+def _in_shell(shell: Shell, resultants: np.ndarray, height: float) -> np.ndarray:
+    section, forces = shell.section, resultants[..., :6]
+    if abs(height) > section.thickness * (0.5 + EDGE):
+        raise ValueError(f"Shell: at is {height:g}, outside of its thickness {section.thickness:g}; give a height "
+                         "between minus and plus half of it")
+    if isinstance(section, Plate):
+        return forces[..., :3] / section.thickness + 12 * height / section.thickness**3 * forces[..., 3:]
+    if not isinstance(section, Laminate):
+        raise ValueError(f"Shell: the stiffness of its {type(section).__name__} does not tell stresses; give a Plate "
+                         "or a Laminate")
+    given = section.stiffness()
+    matrix = np.block([[np.array(given.membrane), np.array(given.coupling)],
+                       [np.array(given.coupling), np.array(given.bending)]])
+    strains = np.linalg.solve(matrix, forces[..., None])[..., 0]
+    tops = np.cumsum([ply.thickness for ply in section.plies]) - section.thickness / 2
+    ply = section.plies[min(int(np.searchsorted(tops, height, side="right")), len(tops) - 1)]
+    return (strains[..., :3] + height * strains[..., 3:]) @ ply.plane_stress()
