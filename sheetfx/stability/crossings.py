@@ -1,13 +1,8 @@
 """Where eigenvalues of the tangent pass zero on a piece of path, told apart however close they are.
 
-With a few vectors Phi near the modes that become unstable, and the weights W of the inner product, the small matrix
-
-    G = (Phi^T W K^-1 W Phi)^-1
-
-is singular where the tangent K is, with the same number of null vectors, and smooth along the path: it is what is left
-of a bordered tangent (Govaerts 2000, chapter 3). Eigenvalues change their order where they pass zero together; G does
-not mind. It is interpolated between states that keep a distance from the crossing, since at a critical point rounding
-decides where a state lies. With an unsymmetric tangent nothing changes.
+They are roots of the determinant of a small matrix, `border.Border`. It is interpolated between states that keep a
+distance from the crossing, since at a critical point rounding decides where a state lies. With an unsymmetric tangent
+nothing changes.
 """
 
 from __future__ import annotations
@@ -17,11 +12,10 @@ from dataclasses import dataclass
 from operator import itemgetter
 
 import numpy as np
-from petsc4py import PETSc
 from scipy.interpolate import KroghInterpolator
-from scipy.optimize import brentq
 
 from ..continuation.segment import Jump, Segment
+from .border import Border
 
 REACHES = (0.1, 0.03, 0.01, 0.003)  # of a piece of path, distances from crossings of the states that are looked at
 ALTERNATELY = (0.1, (-1,)), (0.03, (1,)), (0.01, (-1,))  # likewise, first on one side each
@@ -30,12 +24,11 @@ SAMPLES = 6  # states that are interpolated between
 CLOSEST = 1e-4  # of a step, piece that is not divided any more
 APART = 0.1  # of a piece of path, distance of crossings that are looked for one by one
 EVEN = 0.5  # smaller rate of the load factor over the larger one at the outer samples, where it tells them apart
-DOUBT = 10  # of the last correction of a load, difference from another value of it that shows which one is noise
+DOUBT = 4  # of the last correction of a load, difference from another value of it that shows which one is noise
+FAR = 0.03  # of a piece of path, distance from crossings of states that tell how far apart these are
 FOLD = 0.9  # of the length of a piece of path, motion along the mode where a limit point is
 NOISE = 1e-6  # of the length of a piece of path, motion along a mode that does not count
 ROUNDED = 1e-10  # of the structure's size, imperfection along a mode that rounding may cause, as in a mesh
-ABOUT = 1e-5  # relative error of modes that become unstable, near which vectors do
-RIGID = 1e-10  # flexibility over the largest of vectors that do not yield
 
 
 @dataclass(frozen=True)
@@ -63,7 +56,7 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
     Jump
         If the path does not lead through one of them, or they are not found.
     """
-    border, lengths = _Border(segment, left, right, count), [left, right]
+    border, lengths = Border(segment, left, right, count), [left, right]
     if len(border.numbers) != count and segment.guarded:
         raise Jump(f"{count} eigenvalues pass zero in the step, of which {len(border.numbers)} are found")
     if len(border.numbers) != count:
@@ -100,28 +93,45 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
         return _halves(segment, left, right)
     if segment.guarded:
         _compare_sides(segment, roots, samples, border)
-    return _at_loads(segment, roots, samples, border)
+    return _at_loads(segment, _together(border, roots, lengths), samples, border)
 
 
-def _at_loads(segment: Segment, roots: np.ndarray, samples: Sequence[float], border: _Border) -> list[Crossing]:
+def _together(border: Border, roots: np.ndarray, lengths: Sequence[float]) -> np.ndarray:
+    """Crossings that are close to each other as far apart as states that are further off have them, if that is less.
+
+    Rounding splits eigenvalues that are alike by as much as it moves states along the mode, in inverse proportion to
+    their distance from the crossing; where they lie together these know less exactly, but how far they are apart.
+    """
+    size, middle = lengths[-1] - lengths[0], roots.mean()
+    far = [s for s in lengths if abs(s - middle) >= FAR * size]
+    if not 0 < np.ptp(roots) < CLOSEST * size or len(far) < 2:
+        return roots
+    found = border.roots(_nearest(far, roots))
+    nearer = np.isfinite(found).all() and np.ptp(found) < np.ptp(roots)
+    return middle + found - found.mean() if nearer else roots
+
+
+def _at_loads(segment: Segment, roots: np.ndarray, samples: Sequence[float], border: Border) -> list[Crossing]:
     """Crossings at lengths, with their loads.
 
     Rounding moves states along the mode, the more the nearer they are, which changes the length of the path up to them
     and the tangents there, but hardly their loads. The samples' eigenvalues as functions of the load factor, where this
     changes evenly, give loads that do not feel it. They are taken where the others are far beyond their own error.
     """
-    found = [Crossing(float(s), *segment.seen(s)) for s in roots]
+    found = np.array([segment.seen(float(s)) for s in roots])
     states = [segment[s] for s in sorted(samples)]
     rises, rates = np.diff([state.factor for state in states]), [states[0].load_rate, states[-1].load_rate]
-    if abs(np.sign(rises).sum()) < len(rises) or min(rates) * max(rates) <= EVEN * max(np.square(rates)):
-        return found
-    factors = [segment[s].factor for s in samples]
-    values = KroghInterpolator(factors, [(segment[s].load, segment[s].deflection) for s in samples])
-    coarser, finer = (values(border.roots(samples[:n], factors[:n])[::int(np.sign(rises[0]))])
-                      for n in (len(samples) - 1, len(samples)))
-    return [crossing if abs(crossing.load - load) <= DOUBT * max(abs(load - other), EXACT * abs(load)) else
-            Crossing(crossing.length, float(load), float(deflection))
-            for crossing, (other, _), (load, deflection) in zip(found, coarser, finer, strict=True)]
+    if abs(np.sign(rises).sum()) == len(rises) and min(rates) * max(rates) > EVEN * max(np.square(rates)):
+        factors = [segment[s].factor for s in samples]
+        values = KroghInterpolator(factors, [(segment[s].load, segment[s].deflection) for s in samples])
+        coarser, finer = (values(border.roots(samples[:n], factors[:n])[::int(np.sign(rises[0]))])
+                          for n in (len(samples) - 1, len(samples)))
+        off, doubt = finer - found, finer - coarser
+        if np.ptp(roots) < CLOSEST * segment.after.length:
+            off, doubt = (np.tile(v.mean(axis=0), (len(roots), 1)) for v in (off, doubt))
+        noisy = np.abs(off[:, 0]) > DOUBT * np.maximum(np.abs(doubt[:, 0]), EXACT * np.abs(found[:, 0]))
+        found[noisy] += off[noisy]
+    return [Crossing(float(s), *map(float, values)) for s, values in zip(roots, found, strict=True)]
 
 
 def _load_change(segment: Segment, near: float, change: float) -> float:
@@ -186,122 +196,7 @@ def _sampled(segment: Segment, lengths: Sequence[float], roots: np.ndarray, reac
     return sorted(s for s in found if min(lengths) <= s <= max(lengths))
 
 
-class _Border:
-    """The matrix G at states of a segment.
-
-    Parameters
-    ----------
-    left, right : lengths between which `count` eigenvalues pass zero
-
-    Attributes
-    ----------
-    numbers : of the eigenvalues of G, in ascending order, that have other signs at `left` than at `right`
-    """
-
-    def __init__(self, segment: Segment, left: float, right: float, count: int):
-        self._segment, self._tracer = segment, segment.tracer
-        self._weights = self._tracer.system.weights
-        self._known: dict[float, tuple[np.ndarray, list[PETSc.Vec]]] = {}
-        self._vectors = self._soft(right, self._modes_at(right, count))
-        self.numbers = self._changing(left, right)
-        if len(self.numbers) != count:
-            self._vectors = self._soft(right, [*self._vectors, *self._modes_at(left, count)])
-            self.numbers = self._changing(left, right)
-        self._left, self._right = (self._signs(s) for s in (left, right))
-
-    def _modes_at(self, length: float, count: int) -> list[PETSc.Vec]:
-        return self._segment.spectrum(length, count + 2, ABOUT)[1]
-
-    def _soft(self, length: float, modes: Sequence[PETSc.Vec]) -> list[PETSc.Vec]:
-        """Orthonormal vectors that span some modes but for those that do not yield, which a prescribed motion holds."""
-        self._known.clear()
-        vectors = _orthonormal(self._weights, modes)
-        inverse, _ = self._inverse(length, vectors)
-        _, sizes, rows = np.linalg.svd(inverse)
-        return [sum((float(c) * v for c, v in zip(row, vectors, strict=True)), 0.0 * vectors[0])
-                for row, size in zip(rows, sizes, strict=True) if size > RIGID * sizes[0]]
-
-    def _inverse(self, length: float, vectors: Sequence[PETSc.Vec]) -> tuple[np.ndarray, list[PETSc.Vec]]:
-        """The inverse of G at a state, and the solutions K^-1 W Phi."""
-        self._tracer.factorise_at(self._segment[length])
-        solutions, inverse = [], np.empty((len(vectors),) * 2)
-        for j, vector in enumerate(vectors):
-            solution = vector.duplicate()
-            with self._tracer.system.clock("solve"):
-                self._tracer.stepper.linear.solve(self._weights * vector, solution)
-            solutions.append(solution)
-            weighted = self._weights * solution
-            inverse[:, j] = [one.dot(weighted) for one in vectors]
-        return inverse, solutions
-
-    def at(self, length: float) -> np.ndarray:
-        """G at a state."""
-        if length not in self._known:
-            inverse, solutions = self._inverse(length, self._vectors)
-            self._known[length] = np.linalg.inv(inverse), solutions
-        return self._known[length][0]
-
-    def _eigenvalues(self, matrix: np.ndarray) -> np.ndarray:
-        """In ascending order; where some are not real, their real parts."""
-        if self._tracer.system.conservative:
-            return np.linalg.eigvalsh((matrix + matrix.T) / 2)
-        return np.sort(np.linalg.eigvals(matrix).real)
-
-    def _changing(self, left: float, right: float) -> list[int]:
-        """Numbers of the eigenvalues of G that have other signs at one length than at another."""
-        signs = [self._eigenvalues(self.at(s)) < 0 for s in (left, right)]
-        return list(np.flatnonzero(signs[0] != signs[1]))
-
-    def _signs(self, length: float) -> list[bool]:
-        """Signs of the eigenvalues that pass zero."""
-        return list(self._eigenvalues(self.at(length))[self.numbers] < 0)
-
-    def roots(self, samples: Sequence[float], places: Sequence[float] | None = None) -> np.ndarray:
-        """Lengths at which eigenvalues pass zero, in ascending order, by an interpolation between states.
-
-        Infinite if these are not on both sides.
-
-        Parameters
-        ----------
-        places : of the samples, in another measure that grows or falls along the path
-        """
-        place = dict(zip(samples, samples if places is None else places, strict=True))
-        before = [s for s in samples if self._signs(s) == self._left]
-        behind = [s for s in samples if self._signs(s) == self._right]
-        if not before or not behind:
-            return np.full(len(self.numbers), np.inf)
-        border = KroghInterpolator(list(place.values()), np.array([self.at(s) for s in samples]))
-        ends = place[max(before)], place[min(behind)]
-        return np.sort([brentq(lambda s, number=number: self._eigenvalues(border(s))[number], *ends,
-                               xtol=1e-14 * abs(ends[1] - ends[0]), rtol=1e-15) for number in self.numbers])
-
-    def null_vectors(self, nearest: float) -> list[np.ndarray]:
-        """About the null vectors of the tangent at crossings, from the solutions at a near state, the nearest first."""
-        values, vectors = np.linalg.eigh((self.at(nearest) + self.at(nearest).T) / 2)
-        found = []
-        for number in sorted(self.numbers, key=lambda number: abs(values[number])):
-            share = self.at(nearest) @ vectors[:, number]
-            mode = sum(float(c) * v for c, v in zip(share, self._known[nearest][1], strict=True))
-            found.append(mode.array / self._tracer.distance(0.0, mode.array))
-        return found
-
-
-def _orthonormal(weights: PETSc.Vec, vectors: Sequence[PETSc.Vec]) -> list[PETSc.Vec]:
-    """Vectors that span the same, orthonormal in the inner product with weights; those that add nothing left out."""
-    found: list[PETSc.Vec] = []
-    for vector in vectors:
-        rest, size = vector.copy(), (weights * vector).dot(vector) ** 0.5
-        for _ in range(2):
-            for one in found:
-                rest.axpy(-(weights * rest).dot(one), one)
-        left = (weights * rest).dot(rest) ** 0.5
-        if left > 1e-3 * size:
-            rest.scale(1 / left)
-            found.append(rest)
-    return found
-
-
-def _compare_sides(segment: Segment, roots: np.ndarray, samples: Sequence[float], border: _Border) -> None:
+def _compare_sides(segment: Segment, roots: np.ndarray, samples: Sequence[float], border: Border) -> None:
     """Refuse states on both sides of a bifurcation that the path does not lead through.
 
     Near the bifurcation of a slightly imperfect structure the path bends away along the mode; a step that goes
