@@ -1,0 +1,138 @@
+"""What is left of a tangent that is bordered by a few vectors near the modes that become unstable.
+
+With these vectors Phi, and the weights W of the inner product, the small matrix
+
+    G = (Phi^T W K^-1 W Phi)^-1
+
+is singular where the tangent K is, with the same number of null vectors, and smooth along the path (Govaerts 2000,
+chapter 3). Eigenvalues change their order where they pass zero together; G does not mind.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from petsc4py import PETSc
+from scipy.interpolate import KroghInterpolator
+from scipy.optimize import brentq
+
+from ..continuation.segment import Segment
+
+ABOUT = 1e-5  # relative error of modes that become unstable, near which vectors do
+RIGID = 1e-10  # flexibility over the largest of vectors that do not yield
+
+
+class Border:
+    """The matrix G at states of a segment.
+
+    Parameters
+    ----------
+    left, right : lengths between which `count` eigenvalues pass zero
+
+    Attributes
+    ----------
+    numbers : of the eigenvalues of G, in ascending order, that have other signs at `left` than at `right`
+    """
+
+    def __init__(self, segment: Segment, left: float, right: float, count: int):
+        self._segment, self._tracer = segment, segment.tracer
+        self._weights = self._tracer.system.weights
+        self._known: dict[float, tuple[np.ndarray, list[PETSc.Vec]]] = {}
+        self._vectors = self._soft(right, self._modes_at(right, count))
+        self.numbers = self._changing(left, right)
+        if len(self.numbers) != count:
+            self._vectors = self._soft(right, [*self._vectors, *self._modes_at(left, count)])
+            self.numbers = self._changing(left, right)
+        self._left, self._right = (self._signs(s) for s in (left, right))
+
+    def _modes_at(self, length: float, count: int) -> list[PETSc.Vec]:
+        return self._segment.spectrum(length, count + 2, ABOUT)[1]
+
+    def _soft(self, length: float, modes: Sequence[PETSc.Vec]) -> list[PETSc.Vec]:
+        """Orthonormal vectors that span some modes but for those that do not yield, which a prescribed motion holds."""
+        self._known.clear()
+        vectors = _orthonormal(self._weights, modes)
+        inverse, _ = self._inverse(length, vectors)
+        _, sizes, rows = np.linalg.svd(inverse)
+        return [sum((float(c) * v for c, v in zip(row, vectors, strict=True)), 0.0 * vectors[0])
+                for row, size in zip(rows, sizes, strict=True) if size > RIGID * sizes[0]]
+
+    def _inverse(self, length: float, vectors: Sequence[PETSc.Vec]) -> tuple[np.ndarray, list[PETSc.Vec]]:
+        """The inverse of G at a state, and the solutions K^-1 W Phi."""
+        self._tracer.factorise_at(self._segment[length])
+        solutions, inverse = [], np.empty((len(vectors),) * 2)
+        for j, vector in enumerate(vectors):
+            solution = vector.duplicate()
+            with self._tracer.system.clock("solve"):
+                self._tracer.stepper.linear.solve(self._weights * vector, solution)
+            solutions.append(solution)
+            weighted = self._weights * solution
+            inverse[:, j] = [one.dot(weighted) for one in vectors]
+        return inverse, solutions
+
+    def at(self, length: float) -> np.ndarray:
+        """G at a state."""
+        if length not in self._known:
+            inverse, solutions = self._inverse(length, self._vectors)
+            self._known[length] = np.linalg.inv(inverse), solutions
+        return self._known[length][0]
+
+    def _eigenvalues(self, matrix: np.ndarray) -> np.ndarray:
+        """In ascending order; where some are not real, their real parts."""
+        if self._tracer.system.conservative:
+            return np.linalg.eigvalsh((matrix + matrix.T) / 2)
+        return np.sort(np.linalg.eigvals(matrix).real)
+
+    def _changing(self, left: float, right: float) -> list[int]:
+        """Numbers of the eigenvalues of G that have other signs at one length than at another."""
+        signs = [self._eigenvalues(self.at(s)) < 0 for s in (left, right)]
+        return list(np.flatnonzero(signs[0] != signs[1]))
+
+    def _signs(self, length: float) -> list[bool]:
+        """Signs of the eigenvalues that pass zero."""
+        return list(self._eigenvalues(self.at(length))[self.numbers] < 0)
+
+    def roots(self, samples: Sequence[float], places: Sequence[float] | None = None) -> np.ndarray:
+        """Lengths at which eigenvalues pass zero, in ascending order, by an interpolation between states.
+
+        Infinite if these are not on both sides.
+
+        Parameters
+        ----------
+        places : of the samples, in another measure that grows or falls along the path
+        """
+        place = dict(zip(samples, samples if places is None else places, strict=True))
+        before = [s for s in samples if self._signs(s) == self._left]
+        behind = [s for s in samples if self._signs(s) == self._right]
+        if not before or not behind:
+            return np.full(len(self.numbers), np.inf)
+        border = KroghInterpolator(list(place.values()), np.array([self.at(s) for s in samples]))
+        ends = place[max(before)], place[min(behind)]
+        return np.sort([brentq(lambda s, number=number: self._eigenvalues(border(s))[number], *ends,
+                               xtol=1e-14 * abs(ends[1] - ends[0]), rtol=1e-15) for number in self.numbers])
+
+    def null_vectors(self, nearest: float) -> list[np.ndarray]:
+        """About the null vectors of the tangent at crossings, from the solutions at a near state, the nearest first."""
+        values, vectors = np.linalg.eigh((self.at(nearest) + self.at(nearest).T) / 2)
+        found = []
+        for number in sorted(self.numbers, key=lambda number: abs(values[number])):
+            share = self.at(nearest) @ vectors[:, number]
+            mode = sum(float(c) * v for c, v in zip(share, self._known[nearest][1], strict=True))
+            found.append(mode.array / self._tracer.distance(0.0, mode.array))
+        return found
+
+
+def _orthonormal(weights: PETSc.Vec, vectors: Sequence[PETSc.Vec]) -> list[PETSc.Vec]:
+    """Vectors that span the same, orthonormal in the inner product with weights; those that add nothing left out."""
+    found: list[PETSc.Vec] = []
+    for vector in vectors:
+        rest, size = vector.copy(), (weights * vector).dot(vector) ** 0.5
+        for _ in range(2):
+            for one in found:
+                rest.axpy(-(weights * rest).dot(one), one)
+        left = (weights * rest).dot(rest) ** 0.5
+        if left > 1e-3 * size:
+            rest.scale(1 / left)
+            found.append(rest)
+    return found
