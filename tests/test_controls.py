@@ -51,6 +51,7 @@ def test_extremes_of_the_displacement_are_counted():
             assert min(before.deflection, after.deflection) > 50 and max(before.deflection, after.deflection) < 62
 
 
+@pytest.mark.slow
 def test_current_stiffness_turns_back_at_an_extreme_of_the_displacement():
     """It passes the limit of the load, never the first extreme of the deflection (thesis, figure 4.2 b)."""
     states = trace(frame(25, sign="current stiffness", turn=pi)).states

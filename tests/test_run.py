@@ -104,7 +104,8 @@ def test_resume_with_other_parameters_is_refused(tmp_path):
         run(case, "arch", SMALL | {"elements": 41}, tmp_path, resume=True)
 
 
-@pytest.mark.parametrize("friction, to, rows", [(0.3, 6, slice(None)), (0.0, 12, -1)], ids=["friction", "smooth"])
+@pytest.mark.parametrize("friction, to, rows", [
+    pytest.param(0.3, 6, slice(None), marks=pytest.mark.slow), (0.0, 12, -1)], ids=["friction", "smooth"])
 def test_two_processes_give_the_same_path(tmp_path, friction, to, rows):
     """To solver tolerance (relative residual 1e-8), with a punch whose travel all processes share.
 
