@@ -57,7 +57,6 @@ class FormWork(Contribution):
     def tangent(self, held: Forces) -> Sequence[np.ndarray]:
         return [self._matrix.values(), *(border.values() for border in self._borders)]
 
-
     def energy(self) -> float | None:
         """Work on the straight way to the present values, where its forces are none but on fields that add."""
         if self.stage is not None or not (self.smooth and self.conservative):
