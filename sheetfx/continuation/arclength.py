@@ -21,6 +21,7 @@ Reason = PETSc.SNES.ConvergedReason
 SLOW = 0.1  # residual over that of the iteration before, from which a guess is corrected with a new factor
 WRONG = 1e-3  # residual over the load, above which a guess whose residual grows is given up
 TINY = 1e-9  # correction over the increments, which changes nothing but rounding
+CONVERGING = 1e-3  # residual over the load, from which the tangent is that of the iterate's own stress
 FARTHEST = 100.0  # increment in the scaled norm (sizes of the structure, radians), beyond which an iteration is lost
 
 
@@ -47,8 +48,8 @@ class PathStep:
     Attributes
     ----------
     rounding : largest residual that was accepted because rounding keeps it from falling
-    behind : length of the corrections since the factor at hand was made, of the tangent near a guess; infinite: it was
-        not
+    behind : length of the corrections since the factor at hand was made, of a tangent with the stress of its place;
+        infinite: it was not
     elimination : of contact forces from each step; None: they are part of the iteration
     """
 
@@ -64,7 +65,7 @@ class PathStep:
         """Let the SNES solve this system; called once."""
         self.system = system
         self._residual, self._load = system.create_vector(), system.create_vector()
-        self._part, self._step, self._unit = (system.create_vector() for _ in range(3))
+        self._part, self._step, self._unit, self._answered = (system.create_vector() for _ in range(4))
         snes.setFunction(self._evaluate, self._residual)
         snes.setJacobian(lambda snes, x, a, p: system.tangent(), system.matrix)
         self.linear = DirectSolver(snes.getKSP(), system.matrix, system.conservative)
@@ -142,17 +143,13 @@ class PathStep:
         return Reason.DIVERGED_MAX_IT
 
     def _correct(self, snes, x) -> None:
-        if self._guess is None:
-            if self.control.newton == "full":
-                self.factorise(snes, x)
-        elif len(self.history) == 1 or (self.history[-1] > SLOW * self.history[-2] and self._last_step(x) > TINY):
-            self.system.extrapolate_stress()
-            self.factorise(snes, x)
-            self.behind = 0.0
+        anew = self._factorise_anew(snes, x)
         with self.system.clock("solve"):
             self.linear.solve(self._residual, self._part)
             self._part.scale(-1)
-            self.linear.solve(self._load, self._unit)
+            if anew or len(self.history) == 1 or not self._load.equal(self._answered):
+                self.linear.solve(self._load, self._unit)
+                self._load.copy(self._answered)
             tangent = LoadResponse(self._unit, self.tangent.weights, self.tangent.functional,
                               self.tangent.initial_norm2, self.tangent.current_stiffness)
             change, part = self.control.correct(self.length, tangent, x, self.load_increment, self._part)
@@ -166,6 +163,20 @@ class PathStep:
         self._correction = self.tangent.inner(self._step, self._step) ** 0.5
         self.behind += self._correction
         self._move(x, self._step)
+
+    def _factorise_anew(self, snes, x) -> bool:
+        """Factor the tangent of the iterate, unless the one at hand serves on."""
+        if self._guess is None:
+            anew, own = self.control.newton == "full", self.history[-1] <= CONVERGING
+        else:
+            falls = len(self.history) > 1 and self.history[-1] <= SLOW * self.history[-2]
+            anew, own = not (falls or len(self.history) > 1 and self._last_step(x) <= TINY), True
+        if anew:
+            if own:
+                self.system.extrapolate_stress()
+            self.factorise(snes, x)
+            self.behind = 0.0 if own else inf
+        return anew
 
     def _hold_contacts(self, x, tangent: LoadResponse, along) -> None:
         """Change a step, with `load_increment` at its end, so that contacts hold after it; the control's is `along`."""

@@ -50,13 +50,16 @@ class Border:
         return self._segment.spectrum(length, count + 2, ABOUT)[1]
 
     def _soft(self, length: float, modes: Sequence[PETSc.Vec]) -> list[PETSc.Vec]:
-        """Orthonormal vectors that span some modes but for those that do not yield, which a prescribed motion holds."""
-        self._known.clear()
+        """Orthonormal vectors that span some modes but for those that do not yield, which a prescribed motion holds.
+
+        G at the length is known with them.
+        """
         vectors = _orthonormal(self._weights, modes)
-        inverse, _ = self._inverse(length, vectors)
+        inverse, solutions = self._inverse(length, vectors)
         _, sizes, rows = np.linalg.svd(inverse)
-        return [sum((float(c) * v for c, v in zip(row, vectors, strict=True)), 0.0 * vectors[0])
-                for row, size in zip(rows, sizes, strict=True) if size > RIGID * sizes[0]]
+        soft = rows[sizes > RIGID * sizes[0]]
+        self._known = {length: (np.linalg.inv(soft @ inverse @ soft.T), _combined(soft, solutions))}
+        return _combined(soft, vectors)
 
     def _inverse(self, length: float, vectors: Sequence[PETSc.Vec]) -> tuple[np.ndarray, list[PETSc.Vec]]:
         """The inverse of G at a state, and the solutions K^-1 W Phi."""
@@ -118,9 +121,14 @@ class Border:
         found = []
         for number in sorted(self.numbers, key=lambda number: abs(values[number])):
             share = self.at(nearest) @ vectors[:, number]
-            mode = sum(float(c) * v for c, v in zip(share, self._known[nearest][1], strict=True))
+            mode, = _combined(share[None], self._known[nearest][1])
             found.append(mode.array / self._tracer.distance(0.0, mode.array))
         return found
+
+
+def _combined(shares: np.ndarray, vectors: Sequence[PETSc.Vec]) -> list[PETSc.Vec]:
+    """Sums of shares of vectors, one for each row."""
+    return [sum((float(c) * v for c, v in zip(row, vectors, strict=True)), 0.0 * vectors[0]) for row in shares]
 
 
 def _orthonormal(weights: PETSc.Vec, vectors: Sequence[PETSc.Vec]) -> list[PETSc.Vec]:

@@ -70,7 +70,7 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
             if segment.reach(middle):
                 return _pieces(segment, left, right)
         try:
-            lengths = _sampled(segment, lengths, roots, reach * (right - left), sides)
+            lengths = _sampled(border, segment, lengths, roots, reach * (right - left), sides)
         except Jump:  # off the path for rounding: the samples that there are must do
             if len(lengths) == 2:
                 raise
@@ -183,7 +183,7 @@ def _nearest(lengths: Sequence[float], roots: np.ndarray) -> list[float]:
     return sorted(lengths, key=lambda s: abs(s - roots.mean()))[:SAMPLES]
 
 
-def _sampled(segment: Segment, lengths: Sequence[float], roots: np.ndarray, reach: float,
+def _sampled(border: Border, segment: Segment, lengths: Sequence[float], roots: np.ndarray, reach: float,
              sides: Sequence[int]) -> list[float]:
     """Lengths of states with one more before (-1) or behind (1) the crossings, as far as they converge."""
     found = set(lengths)
@@ -193,6 +193,7 @@ def _sampled(segment: Segment, lengths: Sequence[float], roots: np.ndarray, reac
             found.add(nearest)
         elif min(lengths) < wanted < max(lengths) and segment.reach(wanted):
             found.add(wanted)
+            border.at(wanted)  # while its factor is at hand
     return sorted(s for s in found if min(lengths) <= s <= max(lengths))
 
 
