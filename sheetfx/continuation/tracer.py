@@ -21,7 +21,7 @@ from .state import State
 
 PROBE = 1e-6  # distance along the response at which the change of the tangent is looked at
 NEAR = 1e-9  # of a step, distance of a state from where the tangent was factored that is its own
-BESIDE = 1e-6  # likewise, of one that counts unstable directions and leads on, on smooth paths
+BESIDE = 1e-5  # likewise, of one that counts unstable directions and leads on, on smooth paths
 FIRST_WITH_CONTACT = 1 / 8  # of the usual length
 BEFORE = 0.38  # of the way to the first critical point, first step; twice as long steps then do not end on it
 

@@ -26,7 +26,8 @@ from .densities import PointwiseWork, component_pairs
 from .layout import Layout
 from .nodal_field import AdditiveField
 
-CHUNK = 64
+FEWEST, MOST = 64, 256  # cells that are evaluated together
+CACHED = 2**18  # entries of their matrices that a processor's cache holds
 
 
 @dataclass
@@ -92,8 +93,9 @@ class ElementWork(Contribution):
             self.couplings.append(Coupling(self.numbers[a], self.numbers[b], nodes, pairs, mirrored, values))
 
     def _chunks(self):
-        count = len(self.internal.cells)
-        return [slice(start, min(start + CHUNK, count)) for start in range(0, count, CHUNK)]
+        count, values = len(self.internal.cells), sum(n.shape[1] * raw for n, raw in zip(self._nodes, self._raw, strict=True))
+        size = int(np.clip(CACHED // values**2, FEWEST, MOST))
+        return [slice(start, min(start + size, count)) for start in range(0, count, size)]
 
     def pattern(self, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
         rows, columns = [], []
