@@ -167,10 +167,10 @@ class PathStep:
     def _factorise_anew(self, snes, x) -> bool:
         """Factor the tangent of the iterate, unless the one at hand serves on."""
         if self._guess is None:
-            anew, own = self.control.newton == "full", self.history[-1] <= CONVERGING
+            anew, own = self.control.newton == "full", self._converges
         else:
-            falls = len(self.history) > 1 and self.history[-1] <= SLOW * self.history[-2]
-            anew, own = not (falls or len(self.history) > 1 and self._last_step(x) <= TINY), True
+            anew, own = len(self.history) == 1 or (
+                self.history[-1] > SLOW * self.history[-2] and self._last_step(x) > TINY), True
         if anew:
             if own:
                 self.system.extrapolate_stress()
@@ -205,6 +205,11 @@ class PathStep:
         """Whether what began with a guess leads away from it."""
         return self._guess is not None and len(self.history) > 1 and self.history[-1] > max(WRONG, self.history[-2])
 
+    @property
+    def _converges(self) -> bool:
+        """Whether the iterates are so near that their own stresses serve."""
+        return min(self.history, default=inf) <= CONVERGING
+
     def _last_step(self, x) -> float:
         """Length of the last correction over that of the increments."""
         return self._correction / (self.tangent.inner(x, x) ** 0.5 or 1.0)
@@ -221,7 +226,7 @@ class PathStep:
             self.linear.factorise()
 
     def _move(self, x, step) -> None:
-        if self._guess is None:
+        if self._guess is None and not self._converges:
             self.system.extrapolate_stress(step)
         with self.system.clock("solve"):
             self.system.retract(x, step)

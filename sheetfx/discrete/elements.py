@@ -93,7 +93,8 @@ class ElementWork(Contribution):
             self.couplings.append(Coupling(self.numbers[a], self.numbers[b], nodes, pairs, mirrored, values))
 
     def _chunks(self):
-        count, values = len(self.internal.cells), sum(n.shape[1] * raw for n, raw in zip(self._nodes, self._raw, strict=True))
+        count = len(self.internal.cells)
+        values = sum(nodes.shape[1] * raw for nodes, raw in zip(self._nodes, self._raw, strict=True))
         size = int(np.clip(CACHED // values**2, FEWEST, MOST))
         return [slice(start, min(start + size, count)) for start in range(0, count, size)]
 
