@@ -21,7 +21,8 @@ Reason = PETSc.SNES.ConvergedReason
 SLOW = 0.1  # residual over that of the iteration before, from which a guess is corrected with a new factor
 WRONG = 1e-3  # residual over the load, above which a guess whose residual grows is given up
 TINY = 1e-9  # correction over the increments, which changes nothing but rounding
-CONVERGING = 1e-3  # residual over the load, from which the tangent is that of the iterate's own stress
+VAIN = 6  # iterations, after which a residual that has not fallen to half gives up
+CLOSE = 1e-3  # residual over the load, below which it does not
 FARTHEST = 100.0  # increment in the scaled norm (sizes of the structure, radians), beyond which an iteration is lost
 
 
@@ -48,8 +49,8 @@ class PathStep:
     Attributes
     ----------
     rounding : largest residual that was accepted because rounding keeps it from falling
-    behind : length of the corrections since the factor at hand was made, of a tangent with the stress of its place;
-        infinite: it was not
+    behind : length of the corrections since the factor at hand was made, of the tangent near a guess; infinite: it was
+        not
     elimination : of contact forces from each step; None: they are part of the iteration
     """
 
@@ -167,15 +168,15 @@ class PathStep:
     def _factorise_anew(self, snes, x) -> bool:
         """Factor the tangent of the iterate, unless the one at hand serves on."""
         if self._guess is None:
-            anew, own = self.control.newton == "full", self._converges
+            anew = self.control.newton == "full"
         else:
-            anew, own = len(self.history) == 1 or (
-                self.history[-1] > SLOW * self.history[-2] and self._last_step(x) > TINY), True
+            anew = len(self.history) == 1 or (
+                self.history[-1] > SLOW * self.history[-2] and self._last_step(x) > TINY)
         if anew:
-            if own:
+            if self._guess is not None:
                 self.system.extrapolate_stress()
+                self.behind = 0.0
             self.factorise(snes, x)
-            self.behind = 0.0 if own else inf
         return anew
 
     def _hold_contacts(self, x, tangent: LoadResponse, along) -> None:
@@ -202,13 +203,11 @@ class PathStep:
         return self.system.smooth and step <= 1e-4 and residual < 1e-3 and steady
 
     def _is_lost(self) -> bool:
-        """Whether what began with a guess leads away from it."""
-        return self._guess is not None and len(self.history) > 1 and self.history[-1] > max(WRONG, self.history[-2])
-
-    @property
-    def _converges(self) -> bool:
-        """Whether the iterates are so near that their own stresses serve."""
-        return min(self.history, default=inf) <= CONVERGING
+        """Whether what began with a guess leads away from it, or Newton's steps have long led nowhere."""
+        if self._guess is not None:
+            return len(self.history) > 1 and self.history[-1] > max(WRONG, self.history[-2])
+        before, last = self.history[:-VAIN], self.history[-VAIN:]
+        return self.control.newton == "full" and bool(before) and 2 * min(last) > min(before) > CLOSE
 
     def _last_step(self, x) -> float:
         """Length of the last correction over that of the increments."""
@@ -226,7 +225,7 @@ class PathStep:
             self.linear.factorise()
 
     def _move(self, x, step) -> None:
-        if self._guess is None and not self._converges:
+        if self._guess is None:
             self.system.extrapolate_stress(step)
         with self.system.clock("solve"):
             self.system.retract(x, step)

@@ -20,8 +20,7 @@ from .spectrum import diagonal, nearest_to_zero
 from .state import State
 
 PROBE = 1e-6  # distance along the response at which the change of the tangent is looked at
-NEAR = 1e-9  # of a step, distance of a state from where the tangent was factored that is its own
-BESIDE = 1e-5  # likewise, of one that counts unstable directions and leads on, on smooth paths
+NEAR = 1e-9  # of a step, distance of a state from where the tangent was factored that serves as its own
 FIRST_WITH_CONTACT = 1 / 8  # of the usual length
 BEFORE = 0.38  # of the way to the first critical point, first step; twice as long steps then do not end on it
 
@@ -116,11 +115,9 @@ class Tracer(Measuring):
                 self.stepper.begin(control, tangent, length, *guess)
             if self.enforcement.solve(self._correct, multiples):
                 try:
-                    behind = self.stepper.behind / (self.tangent.inner(self.x, self.x) ** 0.5 or 1.0)
-                    factored = behind <= (BESIDE if self.system.smooth and guess is None else NEAR)
+                    factored = self.stepper.behind <= NEAR * self.tangent.inner(self.x, self.x) ** 0.5
                     self.state = self._converged(start, self.iterations - spent, length, before, factored)
-                    if behind <= NEAR or not factored:
-                        self._mark_factored()
+                    self._mark_factored()
                     return self.state
                 except (SingularTangent, Uncounted) as failure:
                     self.failure = str(failure)
