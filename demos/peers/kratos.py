@@ -1,4 +1,4 @@
-"""Shell benchmarks of Sze, Liu and Lo (2004) in Kratos Multiphysics, for the charts of sheetfx.
+"""Shell benchmarks of Sze, Liu and Lo (2004), and a plastic one, in Kratos Multiphysics, for the charts of sheetfx.
 
 python3 kratos.py hemisphere --cells 24 --steps 10 --solver amgcl
 
@@ -16,12 +16,15 @@ from math import cos, pi, radians, sin
 import KratosMultiphysics as Kratos
 import KratosMultiphysics.LinearSolversApplication
 import KratosMultiphysics.StructuralMechanicsApplication as Structural
+import numpy as np
 from KratosMultiphysics.python_linear_solver_factory import ConstructSolver
 from scipy.interpolate import CubicSpline
 
 MITC4 = "ShellThickElementCorotational3D4N"
+LAYERED_MITC4 = "MITCThickShellCorotationalElement3D4N"  # since 10.4
 SOLVERS = {"amgcl": "amgcl", "sparse_lu": "LinearSolversApplication.sparse_lu"}
 MOST_ITERATIONS = 50
+LARGEST_PLASTIC_STRAIN = 0.5  # that the hardening curve is given to
 FREEDOMS = {
     "x": Kratos.DISPLACEMENT_X, "y": Kratos.DISPLACEMENT_Y, "z": Kratos.DISPLACEMENT_Z,
     "rx": Kratos.ROTATION_X, "ry": Kratos.ROTATION_Y, "rz": Kratos.ROTATION_Z}
@@ -37,9 +40,10 @@ class Shell:
     place : function (s, t) -> coordinates, for s and t from 0 to 1
     material : Young's modulus, Poisson's ratio, thickness
     element : Kratos's name of the element
+    plastic : yield stress, hardening by plastic strain, and number of points through the thickness; None: elastic
     """
 
-    def __init__(self, cells, place, material, element=MITC4):
+    def __init__(self, cells, place, material, element=MITC4, plastic=None):
         self.cells, self.iterations = cells, 0
         self._model = Kratos.Model()
         self.part = self._model.CreateModelPart("shell", 2)
@@ -47,7 +51,8 @@ class Shell:
                          Kratos.VOLUME_ACCELERATION, Structural.POINT_LOAD):
             self.part.AddNodalSolutionStepVariable(variable)
         self.part.ProcessInfo[Kratos.DOMAIN_SIZE] = 3
-        self._properties = _properties(self.part, material, element)
+        self._properties = (_properties(self.part, material, element) if plastic is None else
+                            _layers(self.part, material, *plastic))
         self._build_mesh(place, element)
         for axis in "XYZ":
             for freedom, reaction in (("DISPLACEMENT_", "REACTION_"), ("ROTATION_", "REACTION_MOMENT_")):
@@ -125,12 +130,37 @@ class Shell:
 def _properties(part, material, element):
     """MITC4 takes a law for all eight resultants, the other elements one for plane stress."""
     properties = part.CreateNewProperties(1)
-    for variable, value in zip((Kratos.YOUNG_MODULUS, Kratos.POISSON_RATIO, Kratos.THICKNESS), material, strict=True):
-        properties[variable] = value
-    properties[Kratos.DENSITY] = 1.0
+    _give_elasticity(properties, material)
     properties[Kratos.CONSTITUTIVE_LAW] = (Structural.ReissnerMindlinShellElasticConstitutiveLaw() if element == MITC4
                                            else Structural.LinearElasticPlaneStress2DLaw())
     return properties
+
+
+def _give_elasticity(properties, material):
+    """Young's modulus, Poisson's ratio and thickness; Kratos also asks for a density."""
+    for variable, value in zip((Kratos.YOUNG_MODULUS, Kratos.POISSON_RATIO, Kratos.THICKNESS), material, strict=True):
+        properties[variable] = value
+    properties[Kratos.DENSITY] = 1.0
+
+
+def _layers(part, material, yield_stress, hardening, points):
+    """Von Mises's plasticity with linear isotropic hardening, by the trapezoidal rule through the thickness."""
+    from KratosMultiphysics import ConstitutiveLawsApplication as Laws
+
+    shell, layer = part.CreateNewProperties(1), part.CreateNewProperties(2)
+    for properties in (shell, layer):
+        _give_elasticity(properties, material)
+    harder = yield_stress + hardening * LARGEST_PLASTIC_STRAIN
+    layer[Kratos.YIELD_STRESS], layer[Kratos.FRACTURE_ENERGY] = yield_stress, 1e9
+    layer[Laws.HARDENING_CURVE] = 6  # by points
+    layer[Laws.EQUIVALENT_STRESS_VECTOR_PLASTICITY_POINT_CURVE] = Kratos.Vector([yield_stress, harder])
+    layer[Laws.TOTAL_STRAIN_VECTOR_PLASTICITY_POINT_CURVE] = Kratos.Vector(
+        [yield_stress / material[0], harder / material[0] + LARGEST_PLASTIC_STRAIN])
+    layer[Kratos.CONSTITUTIVE_LAW] = Laws.SmallStrainIsotropicPlasticityPlaneStressVonMisesVonMises()
+    shell.AddSubProperties(layer)
+    shell[Kratos.CONSTITUTIVE_LAW] = Laws.ThicknessIntegratedIsotropicConstitutiveLaw().Create(
+        Kratos.Parameters(json.dumps({"thickness_integration_points": points})))
+    return shell
 
 
 def at(node, component):
@@ -150,6 +180,20 @@ def by_load(shell, options, controls):
     for step in range(1, options.steps + 1):
         shell.advance(step, controls, step / options.steps)
     return time.process_time() - start
+
+
+def by_deflection(shell, node, options, last):
+    """Push a node down by equal steps, as far as they converge; its forces, and CPU seconds."""
+    shell.prepare(options.solver, options.tolerance, reactions=True)
+    forces, start = [0.0], time.process_time()
+    for step in range(1, round(last / options.step) + 1):
+        try:
+            shell.advance(step, [(node, FREEDOMS["z"], -1.0)], options.step * step)
+        except ArithmeticError as failure:
+            print(f"{failure} of {options.step}")
+            break
+        forces.append(-node.GetSolutionStepValue(Kratos.REACTION_Z))
+    return forces, time.process_time() - start
 
 
 def hemisphere(options):
@@ -201,20 +245,50 @@ def roof(options):
     shell.fix(shell.line(j=0), "y rx rz")
     shell.fix(shell.line(j=-1), "x y z")
     shell.fix([crown], "z")
-    shell.prepare(options.solver, options.tolerance, reactions=True)
-    deflections, loads = [0.0], [0.0]
-    start = time.process_time()
-    for step in range(1, int(options.to / options.step) + 1):
-        deflections.append(options.step * step)
-        shell.advance(step, [(crown, FREEDOMS["z"], -1.0)], deflections[-1])
-        loads.append(-4.0 * crown.GetSolutionStepValue(Kratos.REACTION_Z))
-    cpu = time.process_time() - start
-    curve = CubicSpline(deflections, loads)
+    loads, cpu = by_deflection(shell, crown, options, options.to)
+    curve = CubicSpline(options.step * np.arange(len(loads)), 4 * np.array(loads))
     extrema = [float(curve(w)) for w in sorted(curve.derivative().roots(extrapolate=False))]
     return shell, cpu, dict(zip(("limit_load", "lower_limit_load"), extrema, strict=False))
 
 
-BENCHMARKS = {"hemisphere": hemisphere, "slit-annulus": slit_annulus, "cantilever": cantilever, "roof": roof}
+def channel(options):
+    """Channel-section cantilever: web 6, flanges 2, length 36, pushed down at its upper corner by equal steps."""
+    def place(s, t):
+        along = 10.0 * t  # from the edge of the upper flange over the web to that of the lower one
+        flange = max(2.0 - along, along - 8.0, 0.0)
+        return 36.0 * s, flange, 6.0 - min(max(along - 2.0, 0.0), 6.0)
+
+    across = options.across or 10 * round(options.cells / 36)
+    shell = Shell((options.cells, across), place, (1e7, 0.333, 0.05), options.element)
+    corner = shell.node(-1, across // 5)
+    shell.fix(shell.line(i=0), "x y z rx ry rz")
+    shell.fix([corner], "z")
+    loads, cpu = by_deflection(shell, corner, options, 0.4)
+    curve = CubicSpline(options.step * np.arange(len(loads)), loads)
+    first = next(w for w in curve.derivative().roots(extrapolate=False) if curve(w, 2) < 0)
+    return shell, cpu, {"limit_load": float(curve(first)), "deflection": float(first)}
+
+
+def plastic_cylinder(options):
+    """Eighth of an elastic-plastic cylinder with end diaphragms, pinched by equal steps of the deflection."""
+    def place(s, t):
+        return 300.0 * s, 300.0 * sin(t * pi / 2), 300.0 * cos(t * pi / 2)
+
+    shell = Shell((options.cells, options.across or options.cells), place, (3000.0, 0.3, 3.0), LAYERED_MITC4,
+                  (24.3, 300.0, options.layers))
+    pinched = shell.node(0, 0)
+    shell.fix(shell.line(i=0), "x ry rz")
+    shell.fix(shell.line(j=0), "y rx rz")
+    shell.fix(shell.line(j=-1), "z rx ry")
+    shell.fix(shell.line(i=-1), "y z")
+    shell.fix([pinched], "z")
+    forces, cpu = by_deflection(shell, pinched, options, 200.0)
+    return shell, cpu, {f"force_at_{w}": 4 * forces[round(w / options.step)] for w in (50, 100, 150, 200)
+                        if round(w / options.step) < len(forces)}
+
+
+BENCHMARKS = {"hemisphere": hemisphere, "slit-annulus": slit_annulus, "cantilever": cantilever, "roof": roof,
+              "channel": channel, "plastic-cylinder": plastic_cylinder}
 
 
 def main():
@@ -223,9 +297,10 @@ def main():
     parser.add_argument("--cells", type=int, default=16, help="along the first direction of the grid")
     parser.add_argument("--across", type=int, help="cells in the other direction")
     parser.add_argument("--steps", type=int, default=10, help="load steps")
-    parser.add_argument("--step", type=float, default=2.0, help="roof: step of the crown in mm")
+    parser.add_argument("--step", type=float, default=2.0, help="of the deflection, where that is prescribed")
     parser.add_argument("--to", type=float, default=30.0, help="roof: last deflection of the crown in mm")
     parser.add_argument("--thickness", type=float, default=12.7, help="of the roof in mm")
+    parser.add_argument("--layers", type=int, default=21, help="plastic-cylinder: points through the thickness")
     parser.add_argument("--solver", choices=SOLVERS, default="amgcl")
     parser.add_argument("--element", default=MITC4)
     parser.add_argument("--tolerance", type=float, default=1e-6, help="relative change of displacements")

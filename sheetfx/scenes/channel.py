@@ -8,7 +8,8 @@ edge by more than bending stretches it, and the load falls.
 
 Converged: a limit load of 114.4 at a deflection of 0.28 under the force, by "naghdi-q2" on 54 cells along, 9 across
 the web and 3 across each flange, as on 36, 12 and 4 (114.43 both; 114.60 on 36, 6 and 2). Triangles come from below:
-they are soft in twist beside free edges, in the first order of their size.
+they are soft in twist beside free edges, in the first order of their size. Both publications give curves, no figures;
+Kratos (MITC4, `demos/peers`) has 115.62 on 36 x 10 and 114.72 on 72 x 20 cells, which lead to 114.42.
 """
 
 from __future__ import annotations

@@ -24,6 +24,8 @@ DEFLECTIONS = 50.0, 100.0, 150.0, 200.0
 # 150 the fold that the force has made snaps through, at about 2900. The publication gives a curve, no figures.
 REFERENCE = {"force_at_50": 815.7, "force_at_100": 1982.2, "force_at_150": 2392.2, "force_at_200": 4926.6}
 CHART = members({"naghdi-q2": (16, 24, 32)})
+PEERS = [{"driver": "kratos",
+          "arguments": ["plastic-cylinder", "--cells", "24", "--step", "1", "--solver", "sparse_lu"]}]
 
 
 def case(
