@@ -41,6 +41,10 @@ def _files(folder: Path) -> Iterator[str]:
             yield name.as_posix()
 
 
+class Stopped(RuntimeError):
+    """A run that something outside has stopped: says what is kept and how to go on."""
+
+
 class Archive:
     """States and tables of one run.
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from mpi4py import MPI
 
 from .archive import Archive
+from .checks import check
 from .continuation.control import ArcLength, StepRule
 from .continuation.events import Event
 from .continuation.state import State
@@ -57,8 +58,11 @@ class Case:
     pictures: Sequence[Callable[[Record, Folder], None]] = ()
     axes: tuple[str, str] = ("deflection (mm)", "load (N)")
     mixed_points: bool = True
-    buckling: Callable[[Path, State], list[BucklingLoad]] = _linear_buckling
+    buckling: Callable[[Path, State], list] = _linear_buckling
     events: Sequence[Event] = ()
+
+    def __post_init__(self):
+        check(self)
 
 
 def trace(case: Case, listeners: Sequence[Callable[[State], None]] = (), start: Sequence[State] = ()) -> Record:

@@ -9,6 +9,8 @@ from typing import Annotated
 
 import typer
 
+from .archive import Stopped
+from .checks import Range, require
 from .scenes import load_case, scene_names
 from .studies.diagram_command import diagram_app
 from .studies.run import PLAIN, run_app
@@ -18,6 +20,15 @@ app = typer.Typer(help="Stability of thin sheet-and-bar structures.", no_args_is
 app.add_typer(run_app, name="run")
 app.add_typer(diagram_app, name="diagram")
 app.add_typer(study_app, name="study")
+
+
+@app.callback()
+def every_command(
+    traceback: Annotated[bool, typer.Option("--traceback", help="Show where in the program an error arose.")] = False,
+) -> None:
+    """Stability of thin sheet-and-bar structures."""
+    if traceback:
+        os.environ["SHEETFX_TRACEBACK"] = "1"  # for processes that it starts, too
 
 
 @app.command()
@@ -66,11 +77,12 @@ def failure_map(
     traps: Annotated[str | None, typer.Option(help="Names of traps, separated by commas; default all.")] = None,
     methods: Annotated[str | None, typer.Option(help="Names of methods, separated by commas; default all.")] = None,
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder of the results.")] = Path("results/map"),
-    limit: Annotated[float, typer.Option(min=1, help="Seconds that a path may take.")] = 60.0,
+    limit: Annotated[float, typer.Option(help="Seconds that a path may take.")] = 60.0,
 ) -> None:
     """Draw which method of path following passes which trap, and how the others fail."""
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
+    require("map", **{"--limit": (limit, Annotated[float, Range(least=1)])})
     from .studies.failure_map import REFERENCE, choose, failure_map, write_map
     from .studies.map_picture import draw_map
     from .studies.methods import METHODS
@@ -99,11 +111,13 @@ def failure_map(
 
 
 def main() -> None:
-    """Entry point: errors of input are one line that names object, value and remedy."""
+    """Entry point: errors are one line; those of input name object, value and remedy."""
     try:
         app()
-    except (ValueError, FileNotFoundError) as error:
+    except Exception as error:
         if os.environ.get("SHEETFX_TRACEBACK"):
             raise
-        sys.stderr.write(f"sheetfx: error: {error}\n")
-        sys.exit(2)
+        known = isinstance(error, (ValueError, FileNotFoundError, Stopped))
+        said = str(error) if known else f"{type(error).__name__}: {error}; sheetfx --traceback ... shows where"
+        sys.stderr.write(f"sheetfx: error: {said}\n")
+        sys.exit(1 if isinstance(error, Stopped) else 2)

@@ -189,7 +189,7 @@ print(first_limit(fx.trace(fx.Case(weighted_arch(True), fx.ArcLength(0.005), fx.
 
 
 def test_empty_stage_is_named():
-    with pytest.raises(ValueError, match="Stage 'prestress': no load; give at least one"):
+    with pytest.raises(ValueError, match="Stage 'prestress': loads is empty; give at least one"):
         fx.Stage([], "prestress")
 
 

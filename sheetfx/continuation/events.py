@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 from scipy.optimize import brentq
 
+from ..checks import Choice, NotNegative, check
 from .segment import Missed, Segment
 from .state import CriticalPoint, State
 
@@ -28,8 +30,11 @@ class Event:
 
     name: str
     test: Callable[[State], float | bool]
-    near: float = 0.0
-    way: int = 0
+    near: NotNegative = 0.0
+    way: Annotated[int, Choice((-1, 0, 1))] = 0
+
+    def __post_init__(self):
+        check(self)
 
     def value(self, state: State) -> float:
         found = self.test(state)

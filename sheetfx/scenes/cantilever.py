@@ -7,6 +7,7 @@ from typing import Annotated
 from typer import Option
 
 from ..case import Case
+from ..checks import NONZERO, POSITIVE
 from ..model.loads import EdgeForce
 from ..model.plate import Plate
 from ..model.section import Elastic
@@ -29,8 +30,8 @@ CHART = members({"naghdi-q2": (2, 4, 8, 16), "naghdi-q3": (1, 2, 4, 8), "naghdi-
 def case(
     cells: Cells = 8,
     form: Form = "naghdi-q3",
-    thickness: Annotated[float, Option(help="of the strip; it is 10 long and 1 wide")] = 0.1,
-    load: Annotated[float, Option(help="end shear at the end of the path")] = 4.0,
+    thickness: Annotated[float, POSITIVE, Option(help="of the strip; it is 10 long and 1 wide")] = 0.1,
+    load: Annotated[float, NONZERO, Option(help="end shear at the end of the path")] = 4.0,
     steps: Steps = 2,
 ) -> Case:
     """Cantilever strip bent by an end shear of fixed direction, with one cell across its width."""

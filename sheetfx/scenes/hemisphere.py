@@ -12,6 +12,7 @@ import numpy as np
 from typer import Option
 
 from ..case import Case
+from ..checks import NONZERO, POSITIVE
 from ..model.loads import PointForce
 from ..model.plate import Plate
 from ..model.section import Elastic
@@ -35,8 +36,8 @@ PEERS = [{"driver": "kratos", "arguments": ["hemisphere", "--cells", "24", "--st
 def case(
     cells: Cells = 8,
     form: Form = "naghdi-q3",
-    thickness: Annotated[float, Option(help="of the shell; the radius is 10")] = 0.04,
-    load: Annotated[float, Option(help="each of the four forces at the end of the path")] = 400.0,
+    thickness: Annotated[float, POSITIVE, Option(help="of the shell; the radius is 10")] = 0.04,
+    load: Annotated[float, NONZERO, Option(help="each of the four forces at the end of the path")] = 400.0,
     steps: Steps = 2,
 ) -> Case:
     """Pinched hemisphere: large rotations, hardly any stretching."""

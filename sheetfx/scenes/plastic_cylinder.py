@@ -7,6 +7,7 @@ from typing import Annotated
 from typer import Option
 
 from ..case import Case
+from ..checks import AT_LEAST_1, POSITIVE
 from ..continuation.control import ArcLength
 from ..model.loads import PointForce
 from ..model.plasticity import Plastic
@@ -29,10 +30,10 @@ CHART = members({"naghdi-q2": (16, 24, 32)})
 def case(
     cells: Cells = 24,
     form: Form = "naghdi-q2",
-    layers: Annotated[int, Option(help="layers through the thickness, by Gauss's rule")] = 5,
-    yield_stress: Annotated[float, Option("--yield", help="yield stress")] = 24.3,
+    layers: Annotated[int, AT_LEAST_1, Option(help="layers through the thickness, by Gauss's rule")] = 5,
+    yield_stress: Annotated[float, POSITIVE, Option("--yield", help="yield stress")] = 24.3,
     hardening: Annotated[float, Option(help="increase of the yield stress by plastic strain")] = 300.0,
-    to: Annotated[float, Option(help="deflection under a force at which the path ends")] = 200.0,
+    to: Annotated[float, POSITIVE, Option(help="deflection under a force at which the path ends")] = 200.0,
     step: FirstArc = 0.02,
 ) -> Case:
     """Pinched cylinder that flows and folds: the force at deflections of 50, 100, 150 and 200. One eighth is modelled.

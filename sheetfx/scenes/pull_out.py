@@ -8,6 +8,7 @@ from typing import Annotated
 from typer import Option
 
 from ..case import Case
+from ..checks import NONZERO, POSITIVE
 from ..model.loads import PointForce
 from ..model.plate import Plate
 from ..model.section import Elastic
@@ -33,8 +34,8 @@ CHART = members({"naghdi-q2": (8, 12, 16, 24), "naghdi-q3": (6, 8, 12), "naghdi-
 def case(
     cells: Cells = 8,
     form: Form = "naghdi-q3",
-    thickness: Annotated[float, Option(help="of the shell; the radius is 4.953")] = 0.094,
-    load: Annotated[float, Option(help="each of the two forces at the end of the path")] = 40000.0,
+    thickness: Annotated[float, POSITIVE, Option(help="of the shell; the radius is 4.953")] = 0.094,
+    load: Annotated[float, NONZERO, Option(help="each of the two forces at the end of the path")] = 40000.0,
     steps: Steps = 10,
 ) -> Case:
     """Cylinder pulled flat: bending first, then stretching. One eighth is modelled.

@@ -11,6 +11,7 @@ from typing import Annotated
 from typer import Option
 
 from ..case import Case
+from ..checks import POSITIVE
 from ..continuation.control import ArcLength
 from ..model.loads import PointForce
 from ..model.plate import Plate
@@ -52,8 +53,8 @@ PEERS = [{"driver": "kratos", "arguments": ["roof", "--cells", "16", "--step", "
 def case(
     cells: Cells = 8,
     form: Form = "naghdi-q3",
-    thickness: Annotated[float, Option(help="of the roof in mm; 12.7 and 6.35 are published")] = 12.7,
-    to: Annotated[float, Option(help="deflection of the crown in mm at which the path ends")] = 30.0,
+    thickness: Annotated[float, POSITIVE, Option(help="of the roof in mm; 12.7 and 6.35 are published")] = 12.7,
+    to: Annotated[float, POSITIVE, Option(help="deflection of the crown in mm at which the path ends")] = 30.0,
     step: FirstArc = 0.02,
     yield_stress: Yield = None,
     hardening: Hardening = 0.0,

@@ -8,6 +8,7 @@ from typing import Annotated
 from typer import Option
 
 from ..case import Case
+from ..checks import NONZERO, POSITIVE
 from ..model.loads import SurfaceForce
 from ..model.plate import Plate
 from ..model.section import Elastic
@@ -26,8 +27,8 @@ CHART = members({"naghdi-q2": (4, 8, 12, 16), "naghdi-q3": (2, 4, 6, 8), "naghdi
 def case(
     cells: Cells = 8,
     form: Form = "naghdi-q3",
-    thickness: Annotated[float, Option(help="of the roof; its radius is 25")] = 0.25,
-    load: Annotated[float, Option(help="weight per area")] = 90.0,
+    thickness: Annotated[float, POSITIVE, Option(help="of the roof; its radius is 25")] = 0.25,
+    load: Annotated[float, NONZERO, Option(help="weight per area")] = 90.0,
     shear_factor: ShearFactor = 5 / 6,
     steps: LinearSteps = 1,
 ) -> Case:

@@ -11,19 +11,22 @@ from typing import Annotated
 import typer
 from typer.core import TyperGroup
 
-from ..scenes import load_case, scene_names
+from ..checks import Like, require
+from ..scenes import load_case, option_of, scene_names
 
 PLAIN = {"add_completion": False, "pretty_exceptions_enable": False}
 
 
-def option(name: str, annotation, default, help_text: str, *flags: str, **settings) -> inspect.Parameter:
-    """A parameter of a command that is an option."""
+def option(name: str, annotation, default, help_text: str, *flags: str, rules: Sequence = (),
+           **settings) -> inspect.Parameter:
+    """A parameter of a command that is an option; `rules` are of `checks`."""
     return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[
-        annotation, typer.Option(*flags, help=help_text, **settings)])
+        annotation, *rules, typer.Option(*flags, help=help_text, **settings)])
 
 
+OF_A_FOLDER = Like("a text", lambda name: name is None or isinstance(name, str))  # "" is refused by `folder_of`
 OUTPUT = option("output", str | None, None, "Folder of the results; default results/NAME.", "-o", "--output",
-                metavar="PATH")
+                metavar="PATH", rules=[OF_A_FOLDER])
 RESUME = option("resume", bool, False, "Go on with an interrupted run in that folder.", "--resume")
 TABLES = option("tables", bool, False, "Write reactions, energies and section forces of all states as CSV.", "--tables")
 
@@ -77,9 +80,15 @@ def run_group(listing: Annotated[bool, typer.Option("--list", help="Print the na
 def with_options(command, function, own: Sequence[inspect.Parameter]):
     """A command that takes the parameters of a scene's function as options, and some of its own."""
     parameters = inspect.signature(function, eval_str=True).parameters.values()
-    command.__signature__ = inspect.Signature([
+
+    def looked_at(**options):
+        for parameter in own:
+            require("sheetfx", **{option_of(parameter): (options[parameter.name], parameter.annotation)})
+        command(**options)
+
+    looked_at.__signature__ = inspect.Signature([
         *(p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in parameters), *own])
-    return command
+    return looked_at
 
 
 def folder_of(name: str, output: str | None, ending: str = "") -> Path:
