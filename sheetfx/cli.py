@@ -120,4 +120,15 @@ def main() -> None:
         known = isinstance(error, (ValueError, FileNotFoundError, Stopped))
         said = str(error) if known else f"{type(error).__name__}: {error}; sheetfx --traceback ... shows where"
         sys.stderr.write(f"sheetfx: error: {said}\n")
+        if isinstance(error, Stopped):
+            _end_other_processes()
         sys.exit(1 if isinstance(error, Stopped) else 2)
+
+
+def _end_other_processes() -> None:
+    """Those of an MPI run, which wait for one that the system has stopped."""
+    from mpi4py import MPI
+
+    if MPI.COMM_WORLD.size > 1:
+        sys.stderr.flush()
+        MPI.COMM_WORLD.Abort(1)

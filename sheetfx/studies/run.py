@@ -100,6 +100,7 @@ def folder_of(name: str, output: str | None, ending: str = "") -> Path:
 
 def run_scene(name: str, function, parameters: dict, output: str | None, resume: bool, with_tables: bool) -> None:
     """Run one scene with progress on the terminal."""
+    from ..archive import Interrupted, Stopped
     from ..case import run
     from ..show.progress import Progress
     from ..show.tables import tables
@@ -109,7 +110,10 @@ def run_scene(name: str, function, parameters: dict, output: str | None, resume:
         case = function(**parameters)
         case = replace(case, pictures=[*case.pictures, tables]) if with_tables else case
         progress.begin(case)
-        summary = run(case, Path(name).stem, parameters, folder, resume, [progress])
+        try:
+            summary = run(case, Path(name).stem, parameters, folder, resume, [progress])
+        except Interrupted as interruption:
+            raise Stopped(str(interruption)) from interruption
         progress.report(summary)
     if summary["status"] != "finished":
         raise typer.Exit(1)
