@@ -123,11 +123,12 @@ class NamedMesh:
         return self.cells[name]
 
     def require(self, owner: str, name: str, *kinds: str) -> None:
-        """Refuse a name that nothing of some kinds has: "point", "edge" or "group" (of cells)."""
-        named = {"point": self.points, "edge": self.edges, "group": self.cells}
+        """Refuse a name that nothing of some kinds has: "point", "edge" or "group of cells"."""
+        named = {"point": self.points, "edge": self.edges, "group of cells": self.cells}
         known = [n for kind in kinds for n in named[kind]]
         if name not in known:
-            raise ValueError(f"{owner}: the mesh has no {' or '.join(kinds)} named {name!r}; it has "
+            what = " or ".join(filter(None, (", ".join(kinds[:-1]), kinds[-1])))
+            raise ValueError(f"{owner}: the mesh has no {what} named {name!r}; it has "
                              f"{', '.join(known) or 'none'}")
 
     def at(self, name: str) -> tuple[int, np.ndarray]:

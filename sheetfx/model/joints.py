@@ -192,7 +192,7 @@ class Compatible(Joint):
         if self.mesh is self.to:
             raise ValueError("Compatible: joins a mesh to itself; name another one in `to`")
         if self.at is not None:
-            self.mesh.require(f"Compatible at {self.at!r}", self.at, "point", "edge", "group")
+            self.mesh.require(f"Compatible at {self.at!r}", self.at, "point", "edge", "group of cells")
         if self.to.dimension != self.mesh.dimension:
             raise ValueError(f"Compatible: joins a mesh in {self.mesh.dimension} with one in {self.to.dimension} "
                              "dimensions; read both with the same")

@@ -17,7 +17,7 @@ AlongLines = Callable[[Cells, Cells, Sequence[Sequence[Piece]], str], Meeting]  
 def require_group(part) -> None:
     """Refuse a part on a group of cells that its mesh does not have."""
     if part.group is not None:
-        part.mesh.require(f"{type(part).__name__}: group is {part.group!r}", part.group, "group")
+        part.mesh.require(f"{type(part).__name__}: group is {part.group!r}", part.group, "group of cells")
 
 
 def require_places(title: str, mesh: NamedMesh, places: Sequence[str | Stretch | None]) -> None:
@@ -26,7 +26,7 @@ def require_places(title: str, mesh: NamedMesh, places: Sequence[str | Stretch |
         raise ValueError(f"{title}: at is empty; name a place")
     for at in places:
         if isinstance(at, str):
-            mesh.require(title_of(title, at), at, "point", "edge", "group")
+            mesh.require(title_of(title, at), at, "point", "edge", "group of cells")
 
 
 def each_of(at: Place) -> list[str | Stretch]:

@@ -44,23 +44,6 @@ class ShellStiffness:
     shear: Annotated[tuple, SQUARE[2]]
     drilling: NotNegative
 
-    def __post_init__(self):
-        check(self)
-        for name in ("membrane", "coupling", "bending", "shear"):
-            matrix = np.array(getattr(self, name), dtype=float)
-            if np.abs(matrix - matrix.T).max() > EQUAL * np.abs(matrix).max():
-                raise ValueError(f"ShellStiffness: {name} is {matrix.tolist()}; it must be symmetric, as the second "
-                                 "derivative of an energy is")
-        # Lengths are divided by one that makes both diagonals alike, so that rounding is small against either.
-        membrane, coupling, bending = (np.array(m) for m in (self.membrane, self.coupling, self.bending))
-        length = np.sqrt(np.trace(bending) / np.trace(membrane)) if np.trace(membrane) > 0 < np.trace(bending) else 1.0
-        whole = np.block([[membrane, coupling / length], [coupling / length, bending / length**2]])
-        for what, matrix in (("membrane, coupling and bending", whole), ("shear", np.array(self.shear))):
-            lowest = np.linalg.eigvalsh(matrix)[0]
-            if lowest < -EQUAL * np.abs(matrix).max():
-                raise ValueError(f"ShellStiffness: {what} are not positive: some strains have a negative energy (least "
-                                 f"eigenvalue {lowest:.4g}); check the signs, and that couplings are small enough")
-
     @property
     def uncoupled(self) -> np.ndarray:
         """Matrix (9, 9) of membrane, bending, shear and drilling in the order of `forms.section.linear_shell`."""
@@ -143,6 +126,7 @@ class GivenPlate(ShellSection):
 
     def __post_init__(self):
         check(self)
+        _require_energy(self.matrices)
 
     def stiffness(self, material=None) -> ShellStiffness:
         return self.matrices
@@ -150,3 +134,22 @@ class GivenPlate(ShellSection):
 
 def _scaled(matrix, factor):
     return tuple(tuple(factor * c for c in row) for row in matrix)
+
+
+def _require_energy(given: ShellStiffness) -> None:
+    """Refuse a stiffness of numbers that is not the second derivative of an energy, or of a negative one."""
+    check(given)
+    for name in ("membrane", "coupling", "bending", "shear"):
+        matrix = np.array(getattr(given, name), dtype=float)
+        if np.abs(matrix - matrix.T).max() > EQUAL * np.abs(matrix).max():
+            raise ValueError(f"ShellStiffness: {name} is {matrix.tolist()}; it must be symmetric, as the second "
+                             "derivative of an energy is")
+    # Lengths are divided by one that makes both diagonals alike, so that rounding is small against either.
+    membrane, coupling, bending = (np.array(m) for m in (given.membrane, given.coupling, given.bending))
+    length = np.sqrt(np.trace(bending) / np.trace(membrane)) if np.trace(membrane) > 0 < np.trace(bending) else 1.0
+    whole = np.block([[membrane, coupling / length], [coupling / length, bending / length**2]])
+    for what, matrix in (("membrane, coupling and bending", whole), ("shear", np.array(given.shear))):
+        lowest = np.linalg.eigvalsh(matrix)[0]
+        if lowest < -EQUAL * np.abs(matrix).max():
+            raise ValueError(f"ShellStiffness: {what} are not positive: some strains have a negative energy (least "
+                             f"eigenvalue {lowest:.4g}); check the signs, and that couplings are small enough")

@@ -16,7 +16,8 @@ from .loads import Load, Moment, PrescribedDisplacement
 from .shell import Shell
 from .supports import Support
 
-TO_A_TARGET = Like("a LoadControl", lambda control: control is None or hasattr(control, "target"))
+TO_A_TARGET = Like("a LoadControl with the target 1, which ends at the full loads",
+                   lambda control: control is None or hasattr(control, "target"))
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,11 @@ def scene_names() -> list[str]:
     return sorted(name.replace("_", "-") for name in names if not name.startswith("_"))
 
 
+def looked_at(function: Callable) -> Callable:
+    """The function `case` of a scene, which refuses what its annotations do not allow."""
+    return checked(function, function.__module__.rpartition(".")[2].replace("_", "-"))
+
+
 def load_case(name: str):
     """The function `case` of a built-in scene or of a user's script, which looks at what it is given.
 
@@ -48,11 +53,12 @@ def load_case(name: str):
         raise ValueError(f"unknown scene {name!r}; choose one of {', '.join(scene_names())}, or a script ending in .py")
     if not hasattr(module, "case"):
         raise ValueError(f"the script {name} has no function `case` that returns a sheetfx.Case; add one")
-    return _looked_at(name, module.case)
+    return _as_command(name, module.case)
 
 
-def _looked_at(name: str, function: Callable) -> Callable:
-    """The function of a scene, which refuses what its annotations do not allow, and what is no Case."""
+def _as_command(name: str, function: Callable) -> Callable:
+    """The function of a scene, which calls its parameters as options are called; of a script it refuses what it is not.
+    """
     def made(*positional, **named):
         try:
             case = function(*positional, **named)

@@ -28,12 +28,14 @@ from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
 from ..show.plastic import plastic_zones
+from . import looked_at
 from ._plastic import Hardening, Yield, material, plastic_quantities, yield_events
 
 RADIUS, WIDTH, MODULUS = 3380.6, 25.4, 72395.0
 FIBRES = 10  # an even number: one on the axis would let a section flow that has no stiffness left
 
 
+@looked_at
 def case(
     ratio: Annotated[float, POSITIVE, Option(help="radius of the punch over that of the arch")] = 1.0,
     no_punch: Annotated[bool, Option("--no-punch", help="point load instead of the punch")] = False,

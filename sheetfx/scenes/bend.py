@@ -27,6 +27,7 @@ from ..record import Record
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
+from . import looked_at
 
 RADIUS = 100.0
 
@@ -40,6 +41,7 @@ class PolarSection(Rectangle):
         return sum(self.second_moments)
 
 
+@looked_at
 def case(
     elements: Annotated[int, AT_LEAST_1, Option(help="elements on the bend")] = 32,
     degree: Annotated[int, Choice((1, 2, 3)), Option(help="of the elements: 1 (two nodes) or 2")] = 2,

@@ -13,6 +13,7 @@ from ..model.plate import Plate
 from ..model.section import Elastic
 from ..model.shell import Shell
 from ..model.supports import clamp
+from . import looked_at
 from ._benchmark import Cells, Form, Published, Reading, Steps, benchmark, members, surface
 
 LENGTH, WIDTH = 10.0, 1.0
@@ -27,6 +28,7 @@ REFERENCE = {"u_tip": 3.2897, "w_tip": 6.7002}
 CHART = members({"naghdi-q2": (2, 4, 8, 16), "naghdi-q3": (1, 2, 4, 8), "naghdi-p2cr": (4, 8, 16, 32)})
 
 
+@looked_at
 def case(
     cells: Cells = 8,
     form: Form = "naghdi-q3",

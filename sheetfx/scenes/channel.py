@@ -34,6 +34,7 @@ from ..record import Record
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
+from . import looked_at
 from ._benchmark import Form, Reading, slopes
 
 LENGTH, WEB, FLANGE, THICKNESS, MODULUS, POISSON = 36.0, 6.0, 2.0, 0.05, 1e7, 0.333
@@ -42,6 +43,7 @@ LOADED = "upper corner at end"
 READING = {"deflection": Reading(LOADED, "z", -1.0)}
 
 
+@looked_at
 def case(
     cells: Annotated[int, Range(least=6), Option(help="cells along the beam")] = 36,
     across: Annotated[tuple[int, int], Option(help="cells across web and flange; 0: cells / 6 and / 18")] = (0, 0),

@@ -25,12 +25,14 @@ from ..record import Record
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
+from . import looked_at
 
 LENGTH = 1.0
 ENDS = {"pinned-pinned": ("x y", "y"), "clamped-free": ("x y rz", ""), "clamped-pinned": ("x y rz", "y"),
         "clamped-clamped": ("x y rz", "y rz")}
 
 
+@looked_at
 def case(
     ends: Annotated[str, Choice(tuple(ENDS)), Option(help=f"of the column: {', '.join(ENDS)}")] = "pinned-pinned",
     depth: Annotated[float, POSITIVE, Option(help="depth of the section; the length is 1")] = 0.01,

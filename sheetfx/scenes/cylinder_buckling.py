@@ -27,11 +27,13 @@ from ..path import Until
 from ..record import Record
 from ..show.modes import draw_modes, mode_files
 from ..stability.buckling import buckling
+from . import looked_at
 from ._benchmark import Form, surface
 
 RADIUS, MATERIAL = 1000.0, Elastic(70000.0, 0.3)
 
 
+@looked_at
 def case(
     ratio: Annotated[float, POSITIVE, Option(help="radius over thickness")] = 500.0,
     halves: Annotated[float, POSITIVE, Option(help="length, in half waves of the axisymmetric mode")] = 2.0,

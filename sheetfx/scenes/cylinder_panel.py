@@ -26,12 +26,14 @@ from ..path import Until
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
+from . import looked_at
 from ._benchmark import Form, surface
 from .column import quantities
 
 RADIUS, POISSON = 1.0, 0.3
 
 
+@looked_at
 def case(
     ratio: Annotated[float, POSITIVE, Option(help="radius over thickness")] = 100.0,
     length: Annotated[float, POSITIVE, Option(help="half the length over the radius")] = 0.5,

@@ -32,10 +32,12 @@ from ..record import Record
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
+from . import looked_at
 
 RADIUS, MODULUS = 100.0, 1.2e6
 
 
+@looked_at
 def case(
     opening: Annotated[float, Range(above=0, below=360), Option(help="opening angle, degrees")] = 215.0,
     hinged: Annotated[bool, Option("--hinged", help="on two hinges, half the arch, to 200 EI / R^2")] = False,

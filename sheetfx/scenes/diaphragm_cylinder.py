@@ -17,6 +17,7 @@ from ..model.section import Elastic
 from ..model.shell import Shell
 from ..model.supports import Support, symmetry
 from ..path import Until
+from . import looked_at
 from ._benchmark import Cells, FirstArc, Form, Published, Reading, benchmark, cylinder, members
 
 READINGS = {"w_A": Reading("A", "z", -1.0), "u_B": Reading("B", "y")}
@@ -43,6 +44,7 @@ def eighth(form: str, cells: int, radius: float) -> tuple[NamedMesh, list[Suppor
                    Support(mesh, "east", "y z")]
 
 
+@looked_at
 def case(
     cells: Cells = 16,
     form: Form = "naghdi-q3",

@@ -38,6 +38,7 @@ from ..show.evaluate import last_state_kept
 from ..show.files import paraview
 from ..show.pairs import pair_history
 from ..show.pictures import shapes
+from . import looked_at
 from ._benchmark import Form
 from ._dome_contact import FACES_OF_PANELS, TIES, joints, separate_panels
 
@@ -61,6 +62,7 @@ class Dome:
     joints: list[Joint]
 
 
+@looked_at
 def case(
     geometry: Annotated[str, Option(help=f"of the nodes: {', '.join(meshes.tables.DOMES)}, or a file, see "
                                          "`meshes.read_table`")] = "hex",

@@ -45,6 +45,7 @@ from ..show.files import paraview
 from ..show.pairs import pair_history
 from ..show.pictures import shapes
 from ..show.plastic import plastic_zones
+from . import looked_at
 from ._plastic import plastic_quantities, yield_events
 from ._stages import stages, touches
 
@@ -53,6 +54,7 @@ FORM, LOADED = "naghdi-q2", "south-east"
 A, B, AGAIN, C = "A first touch", "B softens", "stiffens again", "C slide-off"
 
 
+@looked_at
 def case(
     friction: Annotated[float, NOT_NEGATIVE, Option(help="Coulomb's coefficient")] = 0.2,
     elastic: Annotated[bool, Option("--elastic", help="no yielding")] = False,

@@ -18,6 +18,7 @@ from ..model.plate import Plate
 from ..model.section import Elastic
 from ..model.shell import Shell
 from ..model.supports import Support, symmetry
+from . import looked_at
 from ._benchmark import Cells, Form, Published, Reading, Steps, at_load, benchmark, members, slopes, surface
 
 RADIUS, HOLE = 10.0, radians(18.0)
@@ -33,6 +34,7 @@ CHART = members({"naghdi-q2": (8, 12, 16), "naghdi-q3": (4, 6, 8, 12), "naghdi-p
 PEERS = [{"driver": "kratos", "arguments": ["hemisphere", "--cells", "24", "--steps", "10", "--solver", "amgcl"]}]
 
 
+@looked_at
 def case(
     cells: Cells = 8,
     form: Form = "naghdi-q3",

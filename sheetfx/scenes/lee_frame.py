@@ -26,11 +26,13 @@ from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
 from ..show.snaps import falls_curve
+from . import looked_at
 
 SIDE, LOAD_FROM_CORNER = 120.0, 24.0
 SECTION, MATERIAL = Rectangle(3.0, 2.0), Elastic(7.2e6, 0.3)
 
 
+@looked_at
 def case(
     elements: Annotated[int, AT_LEAST_1, Option(help="elements on each member, a multiple of 5")] = 20,
     degree: Annotated[int, Choice((1, 2, 3)), Option(help="of the elements: 1 (two nodes) or 2")] = 2,

@@ -12,6 +12,7 @@ from ..model.loads import PointForce
 from ..model.plate import Plate
 from ..model.section import Elastic
 from ..model.shell import Shell
+from . import looked_at
 from ._benchmark import Cells, Form, LinearSteps, Reading, ShearFactor, benchmark, members, slopes
 from .diaphragm_cylinder import eighth
 
@@ -22,6 +23,7 @@ REFERENCE = {"deflection": 1.859e-5}
 CHART = members({"naghdi-q2": (8, 16, 24, 32), "naghdi-q3": (4, 8, 12, 16), "naghdi-p2cr": (16, 24, 32, 48)}, steps=0)
 
 
+@looked_at
 def case(
     cells: Cells = 16,
     form: Form = "naghdi-q3",

@@ -15,6 +15,7 @@ from ..model.plate import Plate
 from ..model.shell import Shell
 from ..path import Until
 from ..record import Record
+from . import looked_at
 from ._benchmark import Cells, FirstArc, Form, Reading, benchmark, members
 from .diaphragm_cylinder import eighth
 
@@ -27,6 +28,7 @@ REFERENCE = {"force_at_50": 815.7, "force_at_100": 1982.2, "force_at_150": 2392.
 CHART = members({"naghdi-q2": (16, 24, 32)})
 
 
+@looked_at
 def case(
     cells: Cells = 24,
     form: Form = "naghdi-q2",

@@ -27,6 +27,7 @@ from ..path import Until
 from ..record import Record
 from ..show.modes import draw_modes, mode_files
 from ..stability.buckling import buckling
+from . import looked_at
 from ._benchmark import Form, surface
 
 SUPPORTED, CLAMPED, FREE = "supported", "clamped", "free"
@@ -38,6 +39,7 @@ EDGES = {
 WIDTH, MODULUS = 1000.0, 210000.0
 
 
+@looked_at
 def case(
     edges: Annotated[str, Choice(tuple(EDGES)),
                      Option(help=f"one of {', '.join(EDGES)}: unloaded edges unless it says loaded; `free` leaves one "

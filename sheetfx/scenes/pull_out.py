@@ -14,6 +14,7 @@ from ..model.plate import Plate
 from ..model.section import Elastic
 from ..model.shell import Shell
 from ..model.supports import symmetry
+from . import looked_at
 from ._benchmark import Cells, Form, Published, Reading, Steps, benchmark, cylinder, members
 
 RADIUS, LENGTH = 4.953, 10.35
@@ -31,6 +32,7 @@ REFERENCE = {"w_A": 2.7655, "u_B": 4.5570, "u_C": 3.2766}
 CHART = members({"naghdi-q2": (8, 12, 16, 24), "naghdi-q3": (6, 8, 12), "naghdi-p2cr": (12, 16, 24, 32)})
 
 
+@looked_at
 def case(
     cells: Cells = 8,
     form: Form = "naghdi-q3",

@@ -23,12 +23,14 @@ from ..record import Record
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
+from . import looked_at
 from ._benchmark import surface
 
 LENGTH = 12.0
 SECTION, MATERIAL = Rectangle(1.0, 0.1), Elastic(1.2e6, 0.0)
 
 
+@looked_at
 def case(
     turns: Annotated[int, AT_LEAST_1, Option(help="full turns of the tip")] = 2,
     elements: Annotated[int, AT_LEAST_1, Option(help="elements on the cantilever")] = 24,

@@ -20,6 +20,7 @@ from ..model.supports import Support, symmetry
 from ..path import Until
 from ..record import Record
 from ..show.plastic import plastic_zones
+from . import looked_at
 from ._benchmark import Cells, FirstArc, Form, Published, Reading, benchmark, cylinder, members
 from ._plastic import Hardening, Yield, material, plastic_quantities, yield_events
 from .lee_frame import quantities
@@ -50,6 +51,7 @@ CHART = members({"naghdi-q2": (4, 6, 8, 12), "naghdi-q3": (2, 3, 4, 6), "naghdi-
 PEERS = [{"driver": "kratos", "arguments": ["roof", "--cells", "16", "--step", "2", "--solver", "amgcl"]}]
 
 
+@looked_at
 def case(
     cells: Cells = 8,
     form: Form = "naghdi-q3",

@@ -26,11 +26,13 @@ from ..model.supports import Support, pin
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
+from . import looked_at
 from .column import quantities
 
 LENGTH = 1.0
 
 
+@looked_at
 def case(
     depth: Annotated[float, POSITIVE, Option(help="depth of the section; members have length 1")] = 1e-3,
     elements: Annotated[int, AT_LEAST_1, Option(help="elements on each member, of degree 1")] = 40,

@@ -14,6 +14,7 @@ from ..model.plate import Plate
 from ..model.section import Elastic
 from ..model.shell import Shell
 from ..model.supports import Support, symmetry
+from . import looked_at
 from ._benchmark import Cells, Form, LinearSteps, Reading, ShearFactor, benchmark, cylinder, members, slopes
 
 RADIUS, LENGTH, HALF_ANGLE = 25.0, 50.0, radians(40.0)
@@ -24,6 +25,7 @@ REFERENCE = {"deflection": 0.3020}
 CHART = members({"naghdi-q2": (4, 8, 12, 16), "naghdi-q3": (2, 4, 6, 8), "naghdi-p2cr": (8, 16, 24, 32)}, steps=0)
 
 
+@looked_at
 def case(
     cells: Cells = 8,
     form: Form = "naghdi-q3",

@@ -16,6 +16,7 @@ from ..model.section import Elastic
 from ..model.shell import Shell
 from ..model.supports import clamp, symmetry
 from ..path import Until
+from . import looked_at
 from ._benchmark import Cells, FirstArc, Form, Published, Reading, benchmark, cylinder, members
 
 RADIUS, LENGTH = 101.6, 304.8
@@ -30,6 +31,7 @@ REFERENCE = {"w_A": 172.0}
 CHART = members({"naghdi-q2": (8, 16, 24, 32), "naghdi-q3": (8, 12, 16), "naghdi-p2cr": (16, 24, 32, 48)})
 
 
+@looked_at
 def case(
     cells: Cells = 12,
     form: Form = "naghdi-q3",

@@ -29,11 +29,13 @@ from ..path import Until
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
+from . import looked_at
 from .lee_frame import quantities
 
 SPAN = 100.0
 
 
+@looked_at
 def case(
     alpha: Annotated[float, POSITIVE, Option(help="rise of the crown over twice the radius of gyration")] = 2.8,
     depth: Annotated[float, POSITIVE, Option(help="depth of the section; the span is 100")] = 0.1,

@@ -15,6 +15,7 @@ from ..model.plate import Plate
 from ..model.section import Elastic
 from ..model.shell import Shell
 from ..model.supports import clamp
+from . import looked_at
 from ._benchmark import Form, Published, Reading, Steps, benchmark, members, surface
 
 INNER, OUTER = 6.0, 10.0
@@ -35,6 +36,7 @@ PEERS = [{"driver": "kratos", "arguments": [
     "slit-annulus", "--cells", "30", "--across", "6", "--steps", "20", "--solver", "sparse_lu"]}]
 
 
+@looked_at
 def case(
     cells: Annotated[int, AT_LEAST_1, Option(help="cells around the plate")] = 15,
     across: Annotated[int, NOT_NEGATIVE,

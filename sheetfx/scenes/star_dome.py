@@ -26,12 +26,14 @@ from ..path import Until
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
+from . import looked_at
 from .lee_frame import quantities
 
 INNER, OUTER = (25.0, 6.216), (43.30, 0.0)
 APEX = 8.216
 
 
+@looked_at
 def case(
     ring: Annotated[float, Option(help="force at each node of the inner ring over that at the apex")] = 0.0,
     to: Annotated[float, POSITIVE, Option(help="deflection of the apex at which the path ends")] = 20.0,

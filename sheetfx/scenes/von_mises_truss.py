@@ -24,9 +24,11 @@ from ..path import Until
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
+from . import looked_at
 from .lee_frame import quantities
 
 
+@looked_at
 def case(
     rise: Annotated[float, POSITIVE, Option(help="height of the apex over half the span")] = 3.0,
     step: Annotated[float, POSITIVE, Option(help="first arc length")] = 0.02,
