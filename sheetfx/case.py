@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from mpi4py import MPI
 
 from .archive import Archive
-from .checks import check
+from .checks import Positive, check
 from .continuation.control import ArcLength, StepRule
 from .continuation.events import Event
 from .continuation.state import State
@@ -49,6 +49,7 @@ class Case:
     buckling : function (path, state) -> buckling loads, for `Record.buckling`; with `Until(steps=0)` they are those
         of the unloaded structure and the only result
     events : what the path looks for beside limit points and bifurcations
+    balance : accuracy of the energy balance that a run tells, see `Record.balance`
     """
 
     scene: Scene
@@ -60,6 +61,7 @@ class Case:
     mixed_points: bool = True
     buckling: Callable[[Path, State], list] = _linear_buckling
     events: Sequence[Event] = ()
+    balance: Positive | None = None
 
     def __post_init__(self):
         check(self)
@@ -111,7 +113,7 @@ def run(case: Case, name: str, parameters: dict, folder: Folder, resume: bool,
         clock = record.path.clock
         quantities = case.quantities(record)
         with clock("output"):
-            energy = record.balance()
+            energy = record.balance(case.balance)
             for picture in case.pictures:
                 with archive.drawing() as unfinished:
                     picture(record, unfinished)

@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 from typer.core import TyperGroup
 
-from ..checks import Like, require
+from ..checks import POSITIVE, Like, require
 from ..scenes import load_case, option_of, scene_names
 
 PLAIN = {"add_completion": False, "pretty_exceptions_enable": False}
@@ -28,6 +28,8 @@ OF_A_FOLDER = Like("a text", lambda name: name is None or isinstance(name, str))
 OUTPUT = option("output", str | None, None, "Folder of the results; default results/NAME.", "-o", "--output",
                 metavar="PATH", rules=[OF_A_FOLDER])
 RESUME = option("resume", bool, False, "Go on with an interrupted run in that folder.", "--resume")
+BALANCE = option("balance", float | None, None, "Accuracy of the energy balance, such as 1e-6; finds more states "
+                 "within steps, in about the time of the path.", "--balance", rules=[POSITIVE])
 TABLES = option("tables", bool, False, "Write reactions, energies and section forces of all states as CSV.", "--tables")
 
 
@@ -42,10 +44,10 @@ class Scenes(TyperGroup):
     @staticmethod
     def runner(name: str, function):
         """A command with the options of a scene's function and those of every run."""
-        def command(output: str | None, resume: bool, tables: bool, **parameters):
-            run_scene(name, function, parameters, output, resume, tables)
+        def command(output: str | None, resume: bool, tables: bool, balance: float | None, **parameters):
+            run_scene(name, function, parameters, output, resume, tables, balance)
 
-        return with_options(command, function, [OUTPUT, RESUME, TABLES])
+        return with_options(command, function, [OUTPUT, RESUME, TABLES, BALANCE])
 
     def list_commands(self, context):
         return scene_names()
@@ -98,7 +100,8 @@ def folder_of(name: str, output: str | None, ending: str = "") -> Path:
     return Path("results") / f"{Path(name).stem}{ending}" if output is None else Path(output)
 
 
-def run_scene(name: str, function, parameters: dict, output: str | None, resume: bool, with_tables: bool) -> None:
+def run_scene(name: str, function, parameters: dict, output: str | None, resume: bool, with_tables: bool,
+              balance: float | None) -> None:
     """Run one scene with progress on the terminal."""
     from ..archive import Interrupted, Stopped
     from ..case import run
@@ -108,7 +111,8 @@ def run_scene(name: str, function, parameters: dict, output: str | None, resume:
     folder = folder_of(name, output)
     with Progress(Path(name).stem, folder) as progress:
         case = function(**parameters)
-        case = replace(case, pictures=[*case.pictures, tables]) if with_tables else case
+        pictures = [*case.pictures, *([tables] if with_tables else [])]
+        case = replace(case, pictures=pictures, balance=balance or case.balance)
         progress.begin(case)
         try:
             summary = run(case, Path(name).stem, parameters, folder, resume, [progress])
