@@ -150,7 +150,9 @@ class Archive:
         wanted = json.loads(json.dumps(parameters | {"processes": self.comm.size}))
         for name, value in json.loads(file.read_text()).items():
             if wanted.get(name) != value:
-                raise ValueError(f"--resume: the run in {self.folder} has {name} = {value}, not {wanted.get(name)}")
+                remedy = f"start it with mpirun -n {value}" if name == "processes" else "give the same"
+                raise ValueError(f"--resume: the run in {self.folder} has {name} = {value}, not {wanted.get(name)}; "
+                                 f"{remedy}, or choose another folder with -o")
 
     @contextmanager
     def drawing(self) -> Iterator[Path]:

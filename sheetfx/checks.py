@@ -60,30 +60,19 @@ class Choice:
 
 
 @dataclass(frozen=True)
-class Like:
-    """What is told by a test of its own, instead of by its type."""
+class Also:
+    """What is asked beside the type, by a test of its own."""
 
     words: str
-    test: Callable[[Any], bool]
-
-    def holds(self, value) -> bool:
-        return bool(self.test(value))
+    holds: Callable[[Any], bool]
 
 
-def _not_zero(value) -> bool:
-    return bool(np.linalg.norm(np.asarray(value, dtype=float)) > 0)
+@dataclass(frozen=True)
+class Like:
+    """What is asked instead of the type, by a test of its own."""
 
-
-ANY_NUMBER = Like("a number", lambda value: _real(value) and not isnan(value))
-MAY_BE_EMPTY = Like("a text", lambda value: isinstance(value, str))
-
-POSITIVE, NOT_NEGATIVE, AT_LEAST_1 = Range(above=0), Range(least=0), Range(least=1)
-Positive = Annotated[float, POSITIVE]
-NotNegative = Annotated[float, NOT_NEGATIVE]
-Unbounded = Annotated[float, ANY_NUMBER]
-Count = Annotated[int, AT_LEAST_1]
-Text = Annotated[str, MAY_BE_EMPTY]
-NONZERO = Like("not zero", _not_zero)
+    words: str
+    holds: Callable[[Any], bool]
 
 
 def _real(value) -> bool:
@@ -98,79 +87,89 @@ def _sequence(value) -> bool:
     return isinstance(value, (AnySequence, np.ndarray)) and not isinstance(value, (str, bytes))
 
 
+def _finite_array(value) -> bool:
+    return _sequence(value) and np.asarray(value).dtype.kind in "fiu" and bool(np.isfinite(value).all())
+
+
+POSITIVE, NOT_NEGATIVE, AT_LEAST_1 = Range(above=0), Range(least=0), Range(least=1)
+NONZERO = Also("not zero", lambda value: np.linalg.norm(np.asarray(value, dtype=float)) > 0)
+Positive = Annotated[float, POSITIVE]
+NotNegative = Annotated[float, NOT_NEGATIVE]
+Unbounded = Annotated[float, Like("a number", lambda value: _real(value) and not isnan(value))]
+Count = Annotated[int, AT_LEAST_1]
+Text = Annotated[str, Like("a text", lambda value: isinstance(value, str))]
+
+
 def _objection(value, annotation) -> str | None:
     """What a value must be and is not, None if it is; anything is where an annotation says nothing."""
-    if get_origin(annotation) is Annotated:
-        return _objection_to_annotated(value, *get_args(annotation))
-    if get_origin(annotation) in (Union, types.UnionType):
-        return _objection_to_all(value, get_args(annotation))
-    if annotation in (None, type(None)):
-        return None if value is None else "None"
-    if annotation in (float, int):
-        number = _real(value) if annotation is float else _whole(value)
-        return ("a number" if annotation is float else "a whole number") if not number else (
-            None if isfinite(value) else "finite")
-    if annotation is bool:
-        return None if isinstance(value, (bool, np.bool_)) else "True or False"
-    if annotation is str:
-        return None if isinstance(value, str) and value else "a text that is not empty"
-    if AnyCallable in (annotation, get_origin(annotation)):
-        return None if callable(value) else "a function"
-    if get_origin(annotation) in (tuple, list, AnySequence):
-        return _objection_to_sequence(value, get_origin(annotation), get_args(annotation))
-    if get_origin(annotation) is AnyMapping:
-        return _objection_to_mapping(value, *get_args(annotation))
-    if annotation is np.ndarray:
-        return None if _sequence(value) and np.asarray(value).dtype.kind in "fiu" and np.isfinite(
-            value).all() else "an array of finite numbers"
-    if isinstance(annotation, type) and annotation not in (object, Any, inspect.Parameter.empty):
+    if annotation in PLAIN:
+        return next((words for words, holds in PLAIN[annotation] if not holds(value)), None)
+    if (nested := NESTED.get(get_origin(annotation))) is not None:
+        return nested(value, get_args(annotation))
+    if isinstance(annotation, type) and annotation not in SAYS_NOTHING:
         return None if isinstance(value, annotation) else f"a {annotation.__name__}"
     return None
 
 
-def _objection_to_annotated(value, annotation, *rules) -> str | None:
-    likes = [rule for rule in rules if isinstance(rule, Like) and rule is not NONZERO]
-    objection = next((rule.words for rule in likes if not rule.holds(value)), None)
-    if not likes:
-        objection = _objection(value, annotation)
-    asked = [rule for rule in rules if isinstance(rule, (Range, Choice)) or rule is NONZERO]
-    if objection is None and value is not None:
-        objection = next((rule.words for rule in asked if not rule.holds(value)), None)
-    return objection
+def _annotated(value, given) -> str | None:
+    annotation, *rules = given
+    likes = [rule for rule in rules if isinstance(rule, Like)]
+    objection = None if likes else _objection(value, annotation)
+    asked = [*likes, *(rule for rule in rules if isinstance(rule, (Range, Choice, Also)) and value is not None)]
+    return objection or next((rule.words for rule in asked if not rule.holds(value)), None)
 
 
-def _objection_to_all(value, annotations) -> str | None:
-    objections = [objection for annotation in annotations if (objection := _objection(value, annotation)) is not None]
+def _one_of_several(value, annotations) -> str | None:
+    """What is nearest to the value: of numbers and sequences what their entries lack, else all kinds there are."""
+    objections = [objection for annotation in annotations if (objection := _objection(value, annotation))]
     if len(objections) < len(annotations):
         return None
-    said = [o for o in objections if o not in ("None", "a number", "a whole number")] if _real(value) else objections
-    close = [o for o in said if not o.startswith(("a ", "None"))] if _real(value) or _sequence(value) else []
-    return " or ".join(dict.fromkeys(close or [o for o in said if o != "None"]))
+    kinds = [o for o in objections if o != "None"]
+    near = [o for o in kinds if not o.startswith("a ")] if _real(value) or _sequence(value) else []
+    return " or ".join(dict.fromkeys(near or kinds))
 
 
-def _objection_to_sequence(value, kind, annotations) -> str | None:
-    of_any_length = kind is not tuple or Ellipsis in annotations
-    inner = annotations[:1] if of_any_length else annotations
-    size = "a sequence" if of_any_length else f"{len(inner)} values"
+def _tuple(value, annotations) -> str | None:
+    if Ellipsis in annotations:
+        return "not empty" if _sequence(value) and not len(value) else _sequence_of(value, annotations)
+    if not _sequence(value) or len(value) != len(annotations):
+        found = f", not {len(value)}" if _sequence(value) else ""
+        return f"{len(annotations)} {'numbers' if annotations[0] in (float, int) else 'values'}{found}"
+    return _entries(zip(value, annotations, strict=True))
+
+
+def _sequence_of(value, annotations) -> str | None:
     if not _sequence(value):
-        numbers = inner and inner[0] in (float, int)
-        return f"{size.removesuffix('values') + 'numbers' if not of_any_length else size + ' of numbers'}" if (
-            numbers) else size
-    if not len(value) and kind is tuple:
-        return "not empty"
-    if not of_any_length and len(value) != len(inner):
-        return f"{len(inner)} values, not {len(value)}"
-    each = inner * len(value) if of_any_length else inner
-    objections = [_objection(v, annotation) for v, annotation in zip(value, each, strict=False)]
-    found = next((o for o in objections if o), None)
+        return f"a sequence{' of numbers' if annotations[0] in (float, int) else ''}"
+    return _entries((v, annotations[0]) for v in value)
+
+
+def _mapping(value, annotations) -> str | None:
+    if not isinstance(value, AnyMapping):
+        return "a mapping from names"
+    return _entries(pair for item in value.items() for pair in zip(item, annotations, strict=True))
+
+
+def _entries(pairs: Iterable[tuple[Any, Any]]) -> str | None:
+    """What the first of values that is not as it must be lacks."""
+    found = next((objection for pair in pairs if (objection := _objection(*pair))), None)
     return found if found in (None, "finite") else f"made of values that are each {found}"
 
 
-def _objection_to_mapping(value, key, inner) -> str | None:
-    if not isinstance(value, AnyMapping):
-        return "a mapping from names"
-    wrong = next((o for k, v in value.items() if (o := _objection(k, key) or _objection(v, inner))), None)
-    return wrong if wrong in (None, "finite") else f"a mapping from names to what is each {wrong}"
+def _function(value, _) -> str | None:
+    return None if callable(value) else "a function"
+
+
+PLAIN: dict[Any, list[tuple[str, Callable[[Any], bool]]]] = {
+    float: [("a number", _real), ("finite", isfinite)], int: [("a whole number", _whole)],
+    bool: [("True or False", lambda value: isinstance(value, (bool, np.bool_)))],
+    str: [("a text that is not empty", lambda value: isinstance(value, str) and bool(value))],
+    AnyCallable: [("a function", callable)], np.ndarray: [("an array of finite numbers", _finite_array)],
+    None: [("None", lambda value: value is None)], type(None): [("None", lambda value: value is None)]}
+NESTED: dict[Any, Callable[[Any, tuple], str | None]] = {
+    Annotated: _annotated, Union: _one_of_several, types.UnionType: _one_of_several, tuple: _tuple,
+    list: _sequence_of, AnySequence: _sequence_of, AnyMapping: _mapping, AnyCallable: _function}
+SAYS_NOTHING = object, Any, inspect.Parameter.empty
 
 
 @cache

@@ -380,3 +380,12 @@ def test_interrupted_command_ends_in_one_line(tmp_path, monkeypatch, capsys):
         cli.main()
     assert capsys.readouterr().err == (
         "sheetfx: error: interrupted; 4 states are kept in here; go on with --resume\n")
+
+
+def test_another_number_of_processes_is_told(tmp_path):
+    """Each process has its own part of the states."""
+    archive = Archive(tmp_path, MPI.COMM_SELF)
+    archive.clear(PARAMETERS)
+    archive.write_json("parameters.json", PARAMETERS | {"processes": 2})
+    with pytest.raises(ValueError, match="has processes = 2, not 1; start it with mpirun -n 2, or choose"):
+        write_run(tmp_path, resume=True)
