@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path as Folder
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from mpi4py import MPI
 
 from .archive import Archive
-from .checks import Positive, check
+from .checks import Positive, check, require
 from .continuation.control import ArcLength, StepRule
 from .continuation.events import Event
 from .continuation.state import State
@@ -112,6 +112,7 @@ def run(case: Case, name: str, parameters: dict, folder: Folder, resume: bool,
             record, status, message = failure.record, "stopped", str(failure)
         clock = record.path.clock
         quantities = case.quantities(record)
+        require("Case", **{"what quantities returns": (quantities, Mapping[str, Any])})
         with clock("output"):
             energy = record.balance(case.balance)
             for picture in case.pictures:

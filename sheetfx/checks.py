@@ -236,6 +236,15 @@ def _signature(function: Callable) -> inspect.Signature:
         return inspect.signature(function)
 
 
+def require_vector(what: str, found: Any, count: int | None = None) -> None:
+    """Refuse what a function of the user's returns where it should return a UFL vector, of a number of components."""
+    shape = getattr(found, "ufl_shape", None)
+    if shape is None or len(shape) != 1 or (count is not None and shape != (count,)):
+        given = f"UFL of shape {shape}" if shape is not None else reprlib.repr(found)
+        size = f" of {count}" if count else ""
+        raise ValueError(f"{what} returns {given}; return a UFL vector{size} (ufl.as_vector)")
+
+
 def require_components(what: str, given: Sequence[float], count: int) -> None:
     """Refuse a vector of another length than the structure's space demands."""
     if len(given) != count:

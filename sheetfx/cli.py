@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+import traceback
 from pathlib import Path
 from typing import Annotated
 
@@ -11,7 +12,7 @@ import typer
 
 from .archive import Stopped
 from .checks import Range, require
-from .scenes import load_case, scene_names
+from .scenes import load_case, of_script, scene_names
 from .studies.diagram_command import diagram_app
 from .studies.run import PLAIN, run_app
 from .studies.study_command import study_app
@@ -24,10 +25,10 @@ app.add_typer(study_app, name="study")
 
 @app.callback()
 def every_command(
-    traceback: Annotated[bool, typer.Option("--traceback", help="Show where in the program an error arose.")] = False,
+    trace: Annotated[bool, typer.Option("--traceback", help="Show where in the program an error arose.")] = False,
 ) -> None:
     """Stability of thin sheet-and-bar structures."""
-    if traceback:
+    if trace:
         os.environ["SHEETFX_TRACEBACK"] = "1"  # for processes that it starts, too
 
 
@@ -117,12 +118,22 @@ def main() -> None:
     except Exception as error:
         if os.environ.get("SHEETFX_TRACEBACK"):
             raise
-        known = isinstance(error, (ValueError, FileNotFoundError, Stopped))
-        said = str(error) if known else f"{type(error).__name__}: {error}; sheetfx --traceback ... shows where"
+        said = _said(error)
         sys.stderr.write(f"sheetfx: error: {said}\n")
         if isinstance(error, Stopped):
             _end_other_processes()
         sys.exit(1 if isinstance(error, Stopped) else 2)
+
+
+def _said(error: Exception) -> str:
+    """An error in one line; what passed through a script of the user's names its line."""
+    files = {Path(frame.filename).resolve() for frame in traceback.extract_tb(error.__traceback__)}
+    script = next((word for word in sys.argv if word.endswith(".py") and Path(word).resolve() in files), None)
+    if script is not None and not isinstance(error, Stopped):
+        return of_script(script, error)
+    if isinstance(error, (ValueError, FileNotFoundError, Stopped)):
+        return str(error)
+    return f"{type(error).__name__}: {error}; sheetfx --traceback ... shows where"
 
 
 def _end_other_processes() -> None:

@@ -368,3 +368,34 @@ def test_one_line_or_a_traceback(tmp_path, monkeypatch, capsys):
         main()
     monkeypatch.delenv("SHEETFX_TRACEBACK")
 
+
+
+class Own(fx.Load):
+    """A load whose work is whatever it is given."""
+
+    def __init__(self, work):
+        self.returned = work
+
+    def work(self, fields):
+        return self.returned
+
+
+def case_of(law=None, strains=None, load=None, **attributes):
+    given = examples()["Beam"] | {name: f for name, f in (("law", law), ("strains", strains)) if f}
+    beam = fx.Beam(**given)
+    scene = fx.Scene([beam], [fx.clamp(beam.mesh, "a")], [load or parts().force], fx.Monitor(beam.mesh, "b", "y"))
+    return fx.Case(scene, fx.LoadControl(0.1, target=0.1), **attributes)
+
+
+@pytest.mark.parametrize(("make", "words"), [
+    (lambda: case_of(law=lambda e, k: None), "Beam: its law '<lambda>' returns None; return a UFL vector of 3"),
+    (lambda: case_of(law=lambda e, k: e[0]), r"Beam: its law '<lambda>' returns UFL of shape \(\); return"),
+    (lambda: case_of(strains=lambda u, r, f: None), "Beam: its strains '<lambda>' returns None; return a UFL"),
+    (lambda: case_of(strains=lambda u, r, f: u), r"Beam: its strains '<lambda>' returns UFL of shape \(2,\); return"),
+    (lambda: case_of(load=Own(3.0)), "Own: work returns 3.0; return a UFL form, which is an expression"),
+    (lambda: case_of(events=[fx.Event("mine", lambda state: None)]), "Event 'mine': what its test returns is None; it"),
+    (lambda: case_of(quantities=lambda record: [1.0]), r"Case: what quantities returns is \[1.0\]; it must be")],
+    ids=["law", "scalar law", "strains", "short strains", "load", "event", "quantities"])
+def test_what_functions_return_is_looked_at(make, words, tmp_path):
+    with pytest.raises(ValueError, match=words):
+        fx.run(make(), "mine", {}, tmp_path / "out", False)

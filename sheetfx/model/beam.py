@@ -11,7 +11,7 @@ import numpy as np
 from mpi4py import MPI
 
 from .. import forms
-from ..checks import Choice, Positive, check, require_components
+from ..checks import Choice, Positive, check, require_components, require_vector
 from ..jit import compiled_expression
 from ..mesh.cellwise import cellwise
 from ..mesh.numbers import as_constants
@@ -202,8 +202,11 @@ class Bar:
 def _of_the_mesh(part: Beam | Bar, u, rotation, stiffness):
     """Strains of the meshed line, and the section law with its stiffness as constants."""
     stiffness = as_constants(part.mesh.domain, stiffness)
-    law = part.section_law
-    return part.strains(u, rotation, part.frame()), law if has_history(law) else lambda e: law(e, stiffness)
+    law, strains = part.section_law, part.strains(u, rotation, part.frame())
+    linear = part.law is forms.section.linear_elastic
+    require_vector(f"{type(part).__name__}: its strains {getattr(part.strains, '__name__', part.strains)!r}", strains,
+                   len(stiffness) if linear else None)
+    return strains, law if has_history(law) else lambda e: law(e, stiffness)
 
 
 def _rule(part: Beam | Bar) -> Rule:

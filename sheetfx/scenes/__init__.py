@@ -46,7 +46,7 @@ def load_case(name: str):
         except SyntaxError as error:
             raise ValueError(f"cannot read the script {name}: {error}; mend that line") from error
         except Exception as error:
-            raise ValueError(_of_script(name, error)) from error
+            raise ValueError(of_script(name, error)) from error
     elif name in scene_names():
         module = importlib.import_module(f"{__name__}.{name.replace('-', '_')}")
     else:
@@ -63,7 +63,7 @@ def _as_command(name: str, function: Callable) -> Callable:
         try:
             case = function(*positional, **named)
         except Exception as error:
-            raise ValueError(_of_script(name, error)) from error
+            raise ValueError(of_script(name, error)) from error
         from ..case import Case
 
         if not isinstance(case, Case):
@@ -81,10 +81,12 @@ def option_of(parameter: inspect.Parameter) -> str:
     return flags[-1] if flags else "--" + parameter.name.replace("_", "-")
 
 
-def _of_script(name: str, error: Exception) -> str:
+def of_script(name: str, error: BaseException) -> str:
     """What happened in a script, and on which of its lines."""
     script = Path(name).resolve()
     lines = [f.lineno for f in traceback.extract_tb(error.__traceback__) if Path(f.filename).resolve() == script]
     where = f", line {lines[-1]}" if lines else ""
+    if isinstance(error, ValueError) and str(error).startswith(f"the script {name}"):
+        return str(error)
     kind = "" if type(error) is ValueError else f"{type(error).__name__}: "
     return f"the script {name}{where}: {kind}{error}; sheetfx --traceback ... shows how it came to that"
