@@ -188,6 +188,7 @@ class Archive:
 
     def states(self) -> list[State]:
         """The states from the first on that every process has kept whole, in order of their steps."""
+        _ = self._run  # told to all processes, of which some may have no state
         mine = list(self._whole())
         return mine[:min(self.comm.allgather(len(mine)))]
 
@@ -224,7 +225,9 @@ class Archive:
     def _put_aside(self, first: int) -> None:
         """States of this process from a step on go to a folder of their own, where there are any; none is deleted."""
         later = sorted(f for f in self._states.glob(f"{STEP}.{self.comm.rank}.npz") if int(f.name[:6]) >= first)
-        wrong = self._load(first) if later else None
+        if not any(self.comm.allgather(bool(later))):
+            return
+        wrong = self._load(first)
         where = f"{self._file(first).relative_to(self.folder)} {wrong}" if isinstance(wrong, str) else ""
         found = list(filter(None, self.comm.allgather(where)))
         for file in later:

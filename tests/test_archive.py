@@ -389,3 +389,18 @@ def test_another_number_of_processes_is_told(tmp_path):
     archive.write_json("parameters.json", PARAMETERS | {"processes": 2})
     with pytest.raises(ValueError, match="has processes = 2, not 1; start it with mpirun -n 2, or choose"):
         write_run(tmp_path, resume=True)
+
+
+def test_process_without_states_of_its_own(tmp_path):
+    """Where one of two has lost its part, both go on from what both have."""
+    result = in_processes(2, tmp_path, "write_run(folder, steps=4)")
+    assert result.returncode == 0, result.stderr
+    for step in range(2, 4):
+        (tmp_path / "states" / f"{step:06d}.1.npz").unlink()
+    result = in_processes(2, tmp_path, "print(write_run(folder, steps=4, resume=True))")
+    assert result.stdout.split() == ["2", "2"], result.stderr
+    assert "states/000002.1.npz is missing; the path goes on from step 1" in result.stderr
+    for file in tmp_path.glob("states/*.1.npz"):
+        file.unlink()
+    result = in_processes(2, tmp_path, "print(write_run(folder, steps=4, resume=True))")
+    assert result.stdout.split() == ["0", "0"] and "000000.1.npz is missing" in result.stderr

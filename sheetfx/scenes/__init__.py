@@ -57,8 +57,7 @@ def load_case(name: str):
 
 
 def _as_command(name: str, function: Callable) -> Callable:
-    """The function of a scene, which calls its parameters as options are called; of a script it refuses what it is not.
-    """
+    """The function of a scene, which calls its parameters as options are; a script's gives a Case or names its line."""
     def made(*positional, **named):
         try:
             case = function(*positional, **named)
