@@ -196,7 +196,8 @@ class Record:
         Parameters
         ----------
         accuracy : of the work over the largest energy, such as 1e-6; takes more states, within steps that are long.
-            None: what the states tell as they are
+            None: what the states tell as they are. The energy of a section law is exact up to degree five; of laws of
+            one's own that bend more it may be off by some millionths
         """
         return balance(self.path.tracer, self.states, accuracy)
 
