@@ -7,12 +7,15 @@ from math import cos, sin
 
 import gmsh
 
+from ..checks import Count, Positive, checked, require_known
 
+
+@checked
 def arc(
-    radius: float,
+    radius: Positive,
     start: float,
     end: float,
-    elements: int,
+    elements: Count,
     points: Mapping[str, float] | None = None,
     name: str = "arch",
 ) -> None:
@@ -27,6 +30,8 @@ def arc(
         between the pieces in proportion to their length
     name : physical group of the curve
     """
+    if start == end:
+        raise ValueError(f"arc: start and end are both {start}; give two angles")
     named = {"start": start, "end": end, **(points or {})}
     angles = sorted(set(named.values()))
     geo = gmsh.model.geo
@@ -58,9 +63,10 @@ def _circle_pieces(radius, centre, tags, a, b, elements, parts):
     return curves
 
 
+@checked
 def frame(
-    nodes: Mapping[str, Sequence[float]],
-    members: Mapping[str, tuple[str, str, int]],
+    nodes: Mapping[str, tuple[float, float] | tuple[float, float, float]],
+    members: Mapping[str, tuple[str, str, Count]],
     releases: Sequence[tuple[str, str]] = (),
 ) -> None:
     """Straight members between named nodes.
@@ -73,6 +79,8 @@ def frame(
     releases : pairs of a member and a node of it, where its end is a point of its own, named "NODE of MEMBER", that
         a joint connects with the node
     """
+    for member, ends_of_member in members.items():
+        require_known(f"frame: node of member {member!r}", ends_of_member[:2], nodes)
     geo = gmsh.model.geo
     tags = {name: geo.addPoint(*x, *([0.0] * (3 - len(x)))) for name, x in nodes.items()}
     for member, node in releases:

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import gmsh
 
+from ..checks import Count, Positive, checked, require_known
 
+
+@checked
 def profile(
-    corners: Mapping[str, Sequence[float]],
-    walls: Mapping[str, tuple[str, str, int]],
-    length: float,
-    cells: int,
+    corners: Mapping[str, tuple[float, float]],
+    walls: Mapping[str, tuple[str, str, Count]],
+    length: Positive,
+    cells: Count,
     triangles: bool = False,
 ) -> None:
     """Walls of a section in the y-z plane, along x from 0 to a length, joined where they share corners.
@@ -27,6 +30,8 @@ def profile(
     cells : number of cells along the length
     triangles : triangular cells
     """
+    for wall, ends_of_wall in walls.items():
+        require_known(f"profile: corner of wall {wall!r}", ends_of_wall[:2], corners)
     geo, ends = gmsh.model.geo, {"start": 0.0, "end": length}
     points = {(name, end): geo.addPoint(x, *corners[name]) for name in corners for end, x in ends.items()}
     lines = {name: geo.addLine(points[name, "start"], points[name, "end"]) for name in corners}

@@ -5,11 +5,13 @@ from __future__ import annotations
 import gmsh
 import numpy as np
 
+from ..checks import Count, checked
 from .surfaces import Lines, around, pieces
 from .tables import SAME_PLACE, Table
 
 
-def structure(table: Table, divisions: int, triangles: bool = True, separate: bool = False) -> None:
+@checked
+def structure(table: Table, divisions: Count, triangles: bool = True, separate: bool = False) -> None:
     """Straight bars and flat panels of a table, which share nodes where they meet.
 
     Groups of curves: each bar ("bar 1-2"), all "bars", and edges of panels without a bar ("edge 1-2"). Groups of

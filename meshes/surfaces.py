@@ -7,10 +7,13 @@ from itertools import pairwise
 
 import gmsh
 
+from ..checks import Count, Positive, checked, require_known
 
+
+@checked
 def rectangle(
-    cells: tuple[int, int],
-    lengths: tuple[float, float] = (1.0, 1.0),
+    cells: tuple[Count, Count],
+    lengths: tuple[Positive, Positive] = (1.0, 1.0),
     triangles: bool = False,
     points: Mapping[str, tuple[float, float]] | None = None,
     name: str = "shell",
@@ -46,14 +49,18 @@ def rectangle(
     for label, corner in corners.items():
         gmsh.model.addPhysicalGroup(0, [corner], name=label)
     for label, place in (points or {}).items():
-        corner = next(corners[c] for c, p in places.items() if p == place)
+        if tuple(place) not in places.values():
+            raise ValueError(f"rectangle: the point {label!r} is at {tuple(place)}; it must be at a corner, one of "
+                             f"{', '.join(map(str, places.values()))}")
+        corner = next(corners[c] for c, p in places.items() if p == tuple(place))
         gmsh.model.addPhysicalGroup(0, [corner], name=label)
 
 
+@checked
 def panels(
-    nodes: Mapping[str, Sequence[float]],
-    faces: Mapping[str, Sequence[str]],
-    cells: int,
+    nodes: Mapping[str, tuple[float, float, float]],
+    faces: Mapping[str, str | Sequence[str]],
+    cells: Count,
     triangles: bool = False,
 ) -> None:
     """Flat panels between named nodes, joined along shared edges.
@@ -66,6 +73,8 @@ def panels(
         are cut in three
     triangles : triangular cells
     """
+    for name, corners in faces.items():
+        require_known(f"panels: node of panel {name!r}", corners, nodes)
     geo = gmsh.model.geo
     used = {name for corners in faces.values() for name in corners}
     tags = {name: geo.addPoint(*x) for name, x in nodes.items() if name in used}

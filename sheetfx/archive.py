@@ -15,22 +15,26 @@ import os
 import re
 import shutil
 import socket
+import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
-from itertools import filterfalse, islice
+from functools import cached_property
+from io import StringIO
+from itertools import count, filterfalse, islice
 from pathlib import Path
+from uuid import uuid4
 
-from .continuation.state import State
+from .continuation.state import ForeignState, State
 
 COLUMNS = ("step", "load", "deflection", "factor", "unstable", "load_rate", "iterations", "factorisations",
            "length", "contact_points", "penetration", "stage")
 ATTRIBUTES = {"unstable": "unstable_modes"}  # columns that are named otherwise in a State
 STEP = 6 * "[0-9]"
-MANIFEST, LIST = "manifest.json", "written by sheetfx"
+MANIFEST, LIST, RUN = "manifest.json", "written by sheetfx", "run"
 # On the manifest from the start, so that a run that is killed leaves no state that is not listed.
 PATTERNS = (MANIFEST, "parameters.json", "path.csv", f"states/{STEP}.*[0-9].npz", f"states/{STEP}.*[0-9].part",
             "summary.json")
-LOCK, UNFINISHED = ".lock", ".pictures.part"
+LOCK, UNFINISHED, ASIDE = ".lock", ".pictures.part", ".aside"
 
 
 def _files(folder: Path) -> Iterator[str]:
@@ -41,11 +45,36 @@ def _files(folder: Path) -> Iterator[str]:
             yield name.as_posix()
 
 
+def _table(states: Iterable[State]) -> str:
+    """The table of a path, with its head."""
+    return ",".join(COLUMNS) + "\r\n" + _rows(states)
+
+
+def _rows(states: Iterable[State]) -> str:
+    text = StringIO(newline="")
+    csv.writer(text).writerows([getattr(state, ATTRIBUTES.get(c, c)) for c in COLUMNS] for state in states)
+    return text.getvalue()
+
+
+def _reason(error: OSError) -> str:
+    """What the system says, as a sentence."""
+    return f"{error.strerror}: {error.filename}" if error.filename else error.strerror or str(error)
+
+
+class Stopped(RuntimeError):
+    """A run that the system has stopped, as a full disk does: says what is kept and how to go on."""
+
+
+class Interrupted(KeyboardInterrupt):
+    """A run that its user has stopped: says what is kept and how to go on."""
+
+
 class Archive:
     """States and tables of one run.
 
-    Each process keeps its own part of a state, so a run resumes on as many processes as it
-    started with. Tables are written by process 0.
+    Each process keeps its own part of a state, so a run resumes on as many processes as it started with. Tables are
+    written by process 0. A state's file says which run it belongs to and which step it is: one that is of another run
+    or step, or cannot be read, ends what a run resumes from and is put aside.
 
     Parameters
     ----------
@@ -65,21 +94,42 @@ class Archive:
         ------
         ValueError
             Where another run is in the folder, `clear` refuses it or, to resume, `check` does.
+        Stopped
+            Where the folder can no longer be written to.
+        Interrupted
+            Where the user stops the run.
         """
+        with ExitStack() as stack:
+            try:
+                states = self._begin(parameters, resume, stack)
+            except OSError as error:
+                raise ValueError(f"{_reason(error)}; choose another folder with -o") from error
+            try:
+                yield states
+            except OSError as error:
+                raise Stopped(f"{_reason(error)}; {self._kept()}, once that is mended") from error
+            except KeyboardInterrupt as error:
+                raise Interrupted(f"interrupted; {self._kept()}") from error
+            self.comm.barrier()
+
+    def _begin(self, parameters: dict, resume: bool, stack: ExitStack) -> list[State]:
         # Looked at before it is locked: a folder that is refused does not get the lock's file.
         if resume:
             self.check(parameters)
         else:
             self._on_process_0(self._refuse_other_files)
-        with ExitStack() as stack:
-            self._on_process_0(lambda: self._lock(stack))
-            if resume:
-                states = self.resume()
-            else:
-                self.clear(parameters)
-                states = []
-            yield states
-            self.comm.barrier()
+        self._on_process_0(lambda: self._lock(stack))
+        if resume:
+            return self.resume()
+        self.clear(parameters)
+        return []
+
+    def _kept(self) -> str:
+        """What is kept, and how to go on; of this process, as others may no longer answer."""
+        whole = sum(1 for _ in self._whole())
+        if not whole:
+            return f"no state is kept in {self.folder}; start again"
+        return f"{whole} states are kept in {self.folder}; go on with --resume"
 
     def clear(self, parameters: dict) -> None:
         """Begin a new run in the folder: delete what an earlier one wrote.
@@ -90,6 +140,7 @@ class Archive:
             Where the folder holds other files; then nothing is deleted.
         """
         self._on_process_0(lambda: self._clear(parameters | {"processes": self.comm.size}))
+        self.__dict__.pop("_run", None)  # that of the run before
 
     def check(self, parameters: dict) -> None:
         """Refuse to resume a run that was started with other parameters."""
@@ -99,7 +150,9 @@ class Archive:
         wanted = json.loads(json.dumps(parameters | {"processes": self.comm.size}))
         for name, value in json.loads(file.read_text()).items():
             if wanted.get(name) != value:
-                raise ValueError(f"--resume: the run in {self.folder} has {name} = {value}, not {wanted.get(name)}")
+                remedy = f"start it with mpirun -n {value}" if name == "processes" else "give the same"
+                raise ValueError(f"--resume: the run in {self.folder} has {name} = {value}, not {wanted.get(name)}; "
+                                 f"{remedy}, or choose another folder with -o")
 
     @contextmanager
     def drawing(self) -> Iterator[Path]:
@@ -115,40 +168,78 @@ class Archive:
 
     def write_json(self, name: str, content: dict) -> None:
         """Write a JSON file that appears complete or not at all."""
+        self._write(name, json.dumps(content, indent=2, default=float) + "\n")
+
+    def _write(self, name: str, text: str) -> None:
         part = self.folder / f".{name}.part"
-        part.write_text(json.dumps(content, indent=2, default=float) + "\n")
-        os.replace(part, self.folder / name)
+        try:
+            part.write_text(text)
+            os.replace(part, self.folder / name)
+        except OSError:
+            part.unlink(missing_ok=True)
+            raise
 
     def __call__(self, state: State) -> None:
         """Keep a state."""
-        state.save(self._file(state.step))
-        self._tabulate(state)
+        state.save(self._file(state.step), self._run)
+        if self.comm.rank == 0:
+            with (self.folder / "path.csv").open("a" if state.step else "w", newline="") as stream:
+                stream.write(_rows([state]) if state.step else _table([state]))
 
     def states(self) -> list[State]:
-        """All states that every process has kept, in order of their steps."""
-        mine = sorted(int(f.name.split(".")[0]) for f in self._states.glob(f"{STEP}.{self.comm.rank}.npz"))
-        count = min(self.comm.allgather(len(mine)))
-        return [State.load_from(self._file(step)) for step in mine[:count]]
+        """The states from the first on that every process has kept whole, in order of their steps."""
+        _ = self._run  # told to all processes, of which some may have no state
+        mine = list(self._whole())
+        return mine[:min(self.comm.allgather(len(mine)))]
+
+    def _whole(self) -> Iterator[State]:
+        """States of this process from the first on, up to one that is not there or not usable."""
+        for step in count():
+            state = self._load(step)
+            if not isinstance(state, State):
+                return
+            yield state
+
+    def _load(self, step: int) -> State | str:
+        """The state of a step, or what is wrong with its file."""
+        file = self._file(step)
+        if not file.exists():
+            return "is missing"
+        try:
+            state = State.load_from(file, self._run)
+        except ForeignState:
+            return "is of another run"
+        except Exception:  # whatever NumPy finds in bytes that are no archive
+            return "cannot be read"
+        return state if state.step == step else f"is that of step {state.step}"
 
     def resume(self) -> list[State]:
-        """States to go on from; the table is cut back to them."""
+        """States to go on from; the table is cut back to them, and what is not whole, or comes later, put aside."""
         self._on_process_0(lambda: self._list({*self._patterns, *self._listed()}))
         states = self.states()
-        for state in states:
-            self._tabulate(state)
+        self._put_aside(len(states))
+        if states:
+            self._on_process_0(lambda: self._write("path.csv", _table(states)))
         return states
+
+    def _put_aside(self, first: int) -> None:
+        """States of this process from a step on go to a folder of their own, where there are any; none is deleted."""
+        later = sorted(f for f in self._states.glob(f"{STEP}.{self.comm.rank}.npz") if int(f.name[:6]) >= first)
+        if not any(self.comm.allgather(bool(later))):
+            return
+        wrong = self._load(first)
+        where = f"{self._file(first).relative_to(self.folder)} {wrong}" if isinstance(wrong, str) else ""
+        found = list(filter(None, self.comm.allgather(where)))
+        for file in later:
+            aside = self.folder / ASIDE / file.name
+            aside.parent.mkdir(exist_ok=True)
+            os.replace(file, aside)
+        if found and self.comm.rank == 0:
+            warnings.warn(f"--resume: {found[0]}; the path goes on from {f'step {first - 1}' if first else 'its start'}"
+                          f", and what came later is put aside in {self.folder / ASIDE}", stacklevel=2)
 
     def _file(self, step: int) -> Path:
         return self._states / f"{step:06d}.{self.comm.rank}.npz"
-
-    def _tabulate(self, state: State) -> None:
-        """Add a line to the table, which begins anew at step 0."""
-        if self.comm.rank == 0:
-            with (self.folder / "path.csv").open("a" if state.step else "w", newline="") as stream:
-                writer = csv.writer(stream)
-                if state.step == 0:
-                    writer.writerow(COLUMNS)
-                writer.writerow([getattr(state, ATTRIBUTES.get(c, c)) for c in COLUMNS])
 
     def _on_process_0(self, action: Callable[[], object]) -> None:
         """Let process 0 act; what it refuses or the system denies it, every process raises."""
@@ -157,19 +248,28 @@ class Archive:
             try:
                 action()
             except (ValueError, OSError) as error:
-                refusal = str(error)
+                refusal = error
         if refusal := self.comm.bcast(refusal):
-            raise ValueError(refusal)
+            raise refusal
 
     def _listed(self) -> list[str]:
         """Patterns of the names on the manifest; none where the folder has no manifest of ours."""
-        try:
-            return json.loads((self.folder / MANIFEST).read_text())[LIST]
-        except (FileNotFoundError, ValueError, KeyError, TypeError):
-            return []
+        return self._manifest().get(LIST, [])
 
-    def _list(self, patterns: Iterable[str]) -> None:
-        self.write_json(MANIFEST, {LIST: sorted(patterns)})
+    def _manifest(self) -> dict:
+        try:
+            found = json.loads((self.folder / MANIFEST).read_text())
+        except (FileNotFoundError, ValueError):
+            return {}
+        return found if isinstance(found, dict) else {}
+
+    @cached_property
+    def _run(self) -> str:
+        """What states of this run are told by; "" for a run of an older version."""
+        return self.comm.bcast(self._manifest().get(RUN, ""))
+
+    def _list(self, patterns: Iterable[str], run: str | None = None) -> None:
+        self.write_json(MANIFEST, {LIST: sorted(patterns), RUN: self._manifest().get(RUN, "") if run is None else run})
 
     def _ours(self) -> Callable[[str], re.Match | None]:
         """Whether the program wrote a file of that name."""
@@ -193,7 +293,7 @@ class Archive:
                 with suppress(OSError):  # not empty, as the folder of the manifest always is
                     os.removedirs((self.folder / name).parent)
         self._states.mkdir(parents=True, exist_ok=True)
-        self._list(self._patterns)
+        self._list(self._patterns, uuid4().hex)
         self.write_json("parameters.json", parameters)
 
     def _make_empty(self, unfinished: Path) -> None:

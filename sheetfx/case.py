@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path as Folder
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from mpi4py import MPI
 
 from .archive import Archive
+from .checks import Positive, check, require
 from .continuation.control import ArcLength, StepRule
 from .continuation.events import Event
 from .continuation.state import State
@@ -48,6 +49,7 @@ class Case:
     buckling : function (path, state) -> buckling loads, for `Record.buckling`; with `Until(steps=0)` they are those
         of the unloaded structure and the only result
     events : what the path looks for beside limit points and bifurcations
+    balance : accuracy of the energy balance that a run tells, see `Record.balance`
     """
 
     scene: Scene
@@ -57,8 +59,12 @@ class Case:
     pictures: Sequence[Callable[[Record, Folder], None]] = ()
     axes: tuple[str, str] = ("deflection (mm)", "load (N)")
     mixed_points: bool = True
-    buckling: Callable[[Path, State], list[BucklingLoad]] = _linear_buckling
+    buckling: Callable[[Path, State], list] = _linear_buckling
     events: Sequence[Event] = ()
+    balance: Positive | None = None
+
+    def __post_init__(self):
+        check(self)
 
 
 def trace(case: Case, listeners: Sequence[Callable[[State], None]] = (), start: Sequence[State] = ()) -> Record:
@@ -106,8 +112,9 @@ def run(case: Case, name: str, parameters: dict, folder: Folder, resume: bool,
             record, status, message = failure.record, "stopped", str(failure)
         clock = record.path.clock
         quantities = case.quantities(record)
+        require("Case", **{"what quantities returns": (quantities, Mapping[str, Any])})
         with clock("output"):
-            energy = record.balance()
+            energy = record.balance(case.balance)
             for picture in case.pictures:
                 with archive.drawing() as unfinished:
                     picture(record, unfinished)

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import os
 import sys
+import traceback
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from .scenes import load_case, scene_names
+from .archive import Stopped
+from .checks import Range, require
+from .scenes import load_case, of_script, scene_names
 from .studies.diagram_command import diagram_app
 from .studies.run import PLAIN, run_app
 from .studies.study_command import study_app
@@ -18,6 +21,15 @@ app = typer.Typer(help="Stability of thin sheet-and-bar structures.", no_args_is
 app.add_typer(run_app, name="run")
 app.add_typer(diagram_app, name="diagram")
 app.add_typer(study_app, name="study")
+
+
+@app.callback()
+def every_command(
+    trace: Annotated[bool, typer.Option("--traceback", help="Show where in the program an error arose.")] = False,
+) -> None:
+    """Stability of thin sheet-and-bar structures."""
+    if trace:
+        os.environ["SHEETFX_TRACEBACK"] = "1"  # for processes that it starts, too
 
 
 @app.command()
@@ -66,11 +78,12 @@ def failure_map(
     traps: Annotated[str | None, typer.Option(help="Names of traps, separated by commas; default all.")] = None,
     methods: Annotated[str | None, typer.Option(help="Names of methods, separated by commas; default all.")] = None,
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder of the results.")] = Path("results/map"),
-    limit: Annotated[float, typer.Option(min=1, help="Seconds that a path may take.")] = 60.0,
+    limit: Annotated[float, typer.Option(help="Seconds that a path may take.")] = 60.0,
 ) -> None:
     """Draw which method of path following passes which trap, and how the others fail."""
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
+    require("map", **{"--limit": (limit, Annotated[float, Range(least=1)])})
     from .studies.failure_map import REFERENCE, choose, failure_map, write_map
     from .studies.map_picture import draw_map
     from .studies.methods import METHODS
@@ -99,11 +112,34 @@ def failure_map(
 
 
 def main() -> None:
-    """Entry point: errors of input are one line that names object, value and remedy."""
+    """Entry point: errors are one line; those of input name object, value and remedy."""
     try:
         app()
-    except (ValueError, FileNotFoundError) as error:
+    except Exception as error:
         if os.environ.get("SHEETFX_TRACEBACK"):
             raise
-        sys.stderr.write(f"sheetfx: error: {error}\n")
-        sys.exit(2)
+        said = _said(error)
+        sys.stderr.write(f"sheetfx: error: {said}\n")
+        if isinstance(error, Stopped):
+            _end_other_processes()
+        sys.exit(1 if isinstance(error, Stopped) else 2)
+
+
+def _said(error: Exception) -> str:
+    """An error in one line; what passed through a script of the user's names its line."""
+    files = {Path(frame.filename).resolve() for frame in traceback.extract_tb(error.__traceback__)}
+    script = next((word for word in sys.argv if word.endswith(".py") and Path(word).resolve() in files), None)
+    if script is not None and not isinstance(error, Stopped):
+        return of_script(script, error)
+    if isinstance(error, (ValueError, FileNotFoundError, Stopped)):
+        return str(error)
+    return f"{type(error).__name__}: {error}; sheetfx --traceback ... shows where"
+
+
+def _end_other_processes() -> None:
+    """Those of an MPI run, which wait for one that the system has stopped."""
+    from mpi4py import MPI
+
+    if MPI.COMM_WORLD.size > 1:
+        sys.stderr.flush()
+        MPI.COMM_WORLD.Abort(1)

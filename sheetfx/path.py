@@ -13,9 +13,9 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from math import copysign, inf, isclose
-from typing import Any
+from typing import Annotated, Any
 
-from .checks import require_positive
+from .checks import Positive, Range, check
 from .continuation.control import ArcLength, DisplacementControl, LoadControl, StepRule
 from .continuation.events import Event, end_at, occurrences
 from .continuation.segment import Jump, Missed
@@ -62,17 +62,15 @@ class Until:
     """
 
     event: Event | Callable[[State], float | bool] | None = None
-    deflection: float | None = None
-    load: float | None = None
-    steps: int = 2000
+    deflection: Positive | None = None
+    load: Positive | None = None
+    steps: Annotated[int, Range(least=0)] = 2000
 
     def __post_init__(self):
-        require_positive(self, "deflection", "load")
-        if self.steps < 0:
-            raise ValueError(f"Until: steps is {self.steps}; it must not be negative")
         if not (self.event is None or isinstance(self.event, Event) or callable(self.event)):
             raise ValueError(f"Until: event is {self.event!r}; it must be an Event or a function of a state (name "
                              "the bounds: Until(deflection=...))")
+        check(self)
 
     @property
     def ending(self) -> Event | None:
@@ -140,6 +138,8 @@ class Path:
         self._earlier = start[-2] if len(start) > 1 else None
         if start:
             self.tracer.back_to(self.control.facing(start[-1]))
+        else:
+            self.tracer.state = self.control.facing(self.tracer.state)
 
     @property
     def control(self) -> StepRule:

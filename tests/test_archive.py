@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import signal
 import socket
 import subprocess
 import sys
@@ -12,7 +13,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from sheetfx.archive import Archive
+from sheetfx.archive import Archive, Interrupted, Stopped
 from sheetfx.continuation.state import State
 
 PARAMETERS = {"elements": 8}
@@ -223,3 +224,183 @@ def test_empty_name_of_a_folder(tmp_path):
     assert result.returncode == 2
     assert result.stderr == "sheetfx: error: -o: the name '' is empty; give the name of a folder, or leave -o out\n"
     assert not list(tmp_path.iterdir())
+
+
+def shallow(folder, resume=False, listeners=(), steps=8):
+    """A run of an arch of four elements to its first limit point and beyond; the loads of its states."""
+    from helpers import shallow_arch
+
+    from sheetfx.case import Case, run
+    from sheetfx.continuation.control import ArcLength
+    from sheetfx.path import Until
+
+    case = Case(shallow_arch(4), ArcLength(0.01), Until(steps=steps))
+    run(case, "arch", PARAMETERS, folder, resume, listeners)
+    return [(s.load, s.deflection) for s in Archive(folder, MPI.COMM_SELF).states()]
+
+
+def at_step(number, action):
+    def listener(state):
+        if state.step == number:
+            action()
+
+    return listener
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("whole") / "run"
+    return folder, shallow(folder)
+
+
+def file_of(folder, step):
+    return folder / "states" / f"{step:06d}.0.npz"
+
+
+def damage(folder, how, other):
+    file, next_one = file_of(folder, 4), file_of(folder, 6)
+    if how == "missing":
+        file.unlink()
+    elif how == "truncated":
+        file.write_bytes(file.read_bytes()[:-200])
+    elif how == "empty":
+        file.write_bytes(b"")
+    elif how == "swapped":
+        content = file.read_bytes()
+        file.write_bytes(next_one.read_bytes())
+        next_one.write_bytes(content)
+    else:
+        shutil.copy(file_of(other, 4), file)
+
+
+@pytest.mark.parametrize(("how", "said"), [
+    ("missing", "is missing"), ("truncated", "cannot be read"), ("empty", "cannot be read"),
+    ("swapped", "is that of step 6"), ("foreign", "is of another run")])
+def test_state_that_is_not_whole_is_named(whole, how, said, tmp_path):
+    """The path goes on from the last whole state before it, as if it had never stopped; nothing is lost."""
+    original, loads = whole
+    other, folder = tmp_path / "other", tmp_path / "run"
+    if how == "foreign":
+        shallow(other, steps=5)
+    shutil.copytree(original, folder)
+    damage(folder, how, other)
+    left = {f.name: f.read_bytes() for f in (folder / "states").iterdir() if int(f.name[:6]) > 3}
+    with pytest.warns(UserWarning, match=f"--resume: states/000004.0.npz {said}; the path goes on from step 3"):
+        resumed = shallow(folder, resume=True)
+    np.testing.assert_allclose(resumed, loads, rtol=1e-12, atol=1e-14)
+    assert {f.name: f.read_bytes() for f in (folder / ".aside").iterdir()} == left
+    assert (folder / "path.csv").read_text().count("\n") == len(loads) + 1
+
+
+def test_run_whose_first_state_is_lost_begins_again(whole, tmp_path):
+    original, loads = whole
+    shutil.copytree(original, tmp_path / "run")
+    file_of(tmp_path / "run", 0).unlink()
+    with pytest.warns(UserWarning, match=r"000000.0.npz is missing; the path goes on from its start"):
+        assert shallow(tmp_path / "run", resume=True) == loads
+
+
+def test_disk_that_is_full(whole, tmp_path):
+    """The kernel refuses the bytes of the fifth state: it is not there, those before are, and the run goes on later."""
+    folder, part = tmp_path / "run", tmp_path / "run" / "states" / "000004.0.part"
+    with pytest.raises(Stopped, match=r"No space left on device: .*/000004.0.npz; 4 states are kept in .*; go on with "
+                                      "--resume, once that is mended"):
+        shallow(folder, listeners=[at_step(3, lambda: part.symlink_to("/dev/full"))])
+    assert sorted(f.name for f in (folder / "states").iterdir()) == [f"00000{n}.0.npz" for n in range(4)]
+    np.testing.assert_allclose(shallow(folder, resume=True), whole[1], rtol=1e-12, atol=1e-14)
+
+
+def test_disk_that_is_full_before_the_table(whole, tmp_path):
+    """The state is kept, its line is not; --resume writes the table anew."""
+    folder = tmp_path / "run"
+
+    def fill():
+        (folder / "path.csv").unlink()
+        (folder / "path.csv").symlink_to("/dev/full")
+
+    with pytest.raises(Stopped, match="No space left on device; 5 states are kept"):
+        shallow(folder, listeners=[at_step(3, fill)])
+    shallow(folder, resume=True)
+    assert (folder / "path.csv").read_bytes() == (whole[0] / "path.csv").read_bytes()
+
+
+def test_disk_that_is_full_for_a_picture(tmp_path):
+    """On all processes, with what is kept."""
+    def draw_on_a_full_disk(archive):
+        with archive.drawing() as folder:
+            (folder / "path.png").symlink_to("/dev/full")
+            (folder / "path.png").write_text("drawn")
+
+    with pytest.raises(Stopped, match="No space left on device; 1 states are kept in .*; go on with --resume, once"):
+        archive = Archive(tmp_path, MPI.COMM_WORLD)
+        with archive.opened(PARAMETERS, False):
+            archive(state(0))
+            draw_on_a_full_disk(archive)
+    assert write_run(tmp_path, resume=True) == 1
+
+
+def test_memory_disk_that_fills_up(tmp_path):
+    """A file system of 64 kB; where the system lets nobody mount one, /dev/full has been tried above."""
+    mounted = tmp_path / "small"
+    mounted.mkdir()
+    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64k", "none", mounted], capture_output=True).returncode:
+        pytest.skip("no right to mount a file system")
+    try:
+        with pytest.raises(Stopped, match="No space left on device.*states are kept in .*; go on with --resume"):
+            shallow(mounted / "run", steps=200)
+        kept = len(Archive(mounted / "run", MPI.COMM_SELF).states())
+        subprocess.run(["mount", "-o", "remount,size=4m", mounted], check=True)
+        assert 0 < kept < len(shallow(mounted / "run", resume=True, steps=kept + 2))
+    finally:
+        subprocess.run(["umount", mounted], check=True)
+
+
+def test_folder_that_cannot_be_written(tmp_path):
+    """Not by root either: a folder of the kernel's."""
+    with pytest.raises(ValueError, match=r": /sys/sheetfx; choose another folder with -o"):
+        write_run(Path("/sys/sheetfx"))
+
+
+def test_interrupted_run_says_how_to_go_on(whole, tmp_path):
+    folder = tmp_path / "run"
+    with pytest.raises(Interrupted, match="interrupted; 4 states are kept in .*; go on with --resume"):
+        shallow(folder, listeners=[at_step(3, lambda: os.kill(os.getpid(), signal.SIGINT))])
+    np.testing.assert_allclose(shallow(folder, resume=True), whole[1], rtol=1e-12, atol=1e-14)
+
+
+def test_interrupted_command_ends_in_one_line(tmp_path, monkeypatch, capsys):
+    from sheetfx import case, cli
+
+    def stop(*_):
+        raise Interrupted("interrupted; 4 states are kept in here; go on with --resume")
+
+    monkeypatch.setattr(case, "run", stop)
+    monkeypatch.setattr("sys.argv", ["sheetfx", "run", "star-dome", "-o", str(tmp_path)])
+    with pytest.raises(SystemExit):
+        cli.main()
+    assert capsys.readouterr().err == (
+        "sheetfx: error: interrupted; 4 states are kept in here; go on with --resume\n")
+
+
+def test_another_number_of_processes_is_told(tmp_path):
+    """Each process has its own part of the states."""
+    archive = Archive(tmp_path, MPI.COMM_SELF)
+    archive.clear(PARAMETERS)
+    archive.write_json("parameters.json", PARAMETERS | {"processes": 2})
+    with pytest.raises(ValueError, match="has processes = 2, not 1; start it with mpirun -n 2, or choose"):
+        write_run(tmp_path, resume=True)
+
+
+def test_process_without_states_of_its_own(tmp_path):
+    """Where one of two has lost its part, both go on from what both have."""
+    result = in_processes(2, tmp_path, "write_run(folder, steps=4)")
+    assert result.returncode == 0, result.stderr
+    for step in range(2, 4):
+        (tmp_path / "states" / f"{step:06d}.1.npz").unlink()
+    result = in_processes(2, tmp_path, "print(write_run(folder, steps=4, resume=True))")
+    assert result.stdout.split() == ["2", "2"], result.stderr
+    assert "states/000002.1.npz is missing; the path goes on from step 1" in result.stderr
+    for file in tmp_path.glob("states/*.1.npz"):
+        file.unlink()
+    result = in_processes(2, tmp_path, "print(write_run(folder, steps=4, resume=True))")
+    assert result.stdout.split() == ["0", "0"] and "000000.1.npz is missing" in result.stderr

@@ -348,5 +348,5 @@ def test_plate_converges(edges):
 def test_path_of_no_steps():
     record = trace(replace(plate_buckling.case(cells=2), until=Until(steps=0)))
     assert [s.step for s in record.states] == [0]
-    with pytest.raises(ValueError, match="negative"):
+    with pytest.raises(ValueError, match="steps is -1; it must be zero or positive"):
         Until(steps=-1)

@@ -113,7 +113,7 @@ def test_misuse_is_named():
     one, other, far = (member((x, 0.0), (x + 1.0, 0.0)) for x in (0.0, 0.0, 5.0))
     with pytest.raises(ValueError, match="joins a mesh to itself"):
         fx.Compatible(one, one)
-    with pytest.raises(ValueError, match="no point or edge named 'top'"):
+    with pytest.raises(ValueError, match="no point, edge or group of cells named 'top'"):
         fx.Compatible(one, other, "top")
 
     def scene(*joints):

@@ -71,6 +71,6 @@ def test_prescribed_loads_do_not_jump_over_the_limit():
     """Beyond the maximum near 206 the arch would snap: a step that finds it there is refused."""
     case = arch_case(**COARSE)
     with pytest.raises(PathFailure) as failure:
-        trace(replace(case, control=LoadControl(step=50.0, smallest=1e-2, target=300.0), until=None))
+        trace(replace(case, control=LoadControl(step=50.0, smallest=1e-2, target=300.0)))
     assert 190.0 < failure.value.record.states[-1].load < 206.5
     assert failure.value.record.states[-1].unstable_modes == 0

@@ -383,12 +383,12 @@ def flat():
     (lambda m, b: fx.Stretch("south-west", along="south", length=0.0), "length is 0.0; it must be positive"),
     (lambda m, b: fx.Stretch("south-west"), "give either its end, or what it goes along and its length"),
     (lambda m, b: fx.Interface(b, "bar", (m, None), "x q"), "Interface at 'bar': no component 'q'"),
-    (lambda m, b: fx.Interface(b, "bar", (m, None), ""), "Interface at 'bar': holds no component"),
+    (lambda m, b: fx.Interface(b, "bar", (m, None), ""), "Interface at 'bar': law is ''; it must be a text that"),
     (lambda m, b: fx.weld(b, "bar", (m, None), enforcement="glue"), "enforcement is 'glue'; it must be one of"),
     (lambda m, b: fx.weld(b, "bar", (bar((0.0, 0.0), (1.0, 0.0), 1, 2), "bar")),
      "weld at 'bar': joins a mesh in 3 with one in 2 dimensions"),
     (lambda m, b: fx.bolt(b, "start", (b, "end")), "axes are 'normal'; give three directions"),
-    (lambda m, b: fx.bolt(b, "start", (b, "end"), axis=(0.0, 0.0, 0.0)), "bolt at 'start': axis is"),
+    (lambda m, b: fx.bolt(b, "start", (b, "end"), axis=(0.0, 0.0, 0.0)), "bolt: axis is"),
 ], ids=lambda value: value[:24] if isinstance(value, str) else "")
 def test_wrong_interfaces_are_named(make, words):
     with pytest.raises(ValueError, match=words):

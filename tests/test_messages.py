@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from math import inf, nan
 
 import pytest
@@ -98,11 +97,3 @@ def unsymmetric(strains, stiffness):
 def test_law_that_is_no_gradient_is_refused():
     with pytest.raises(ValueError, match="Beam: its law 'unsymmetric' is not the gradient of an energy: resultant 0"):
         fx.Beam(line(dimension=2), SECTION, MATERIAL, law=unsymmetric)
-
-
-def test_plate_whose_stiffness_is_not_symmetric_is_refused():
-    matrices = replace(fx.Plate(0.1).stiffness(fx.Elastic(1.0, 0.3)),
-                       membrane=((1.0, 0.5, 0.0), (0.2, 1.0, 0.0), (0.0, 0.0, 0.4)))
-    mesh = fx.read(lambda: fx.meshes.rectangle((1, 1)), 3)
-    with pytest.raises(ValueError, match="Shell: its law 'linear_shell' is not the gradient of an energy"):
-        fx.Shell(mesh, fx.GivenPlate(0.1, matrices))

@@ -338,7 +338,7 @@ def test_unknown_tables_are_refused():
 @pytest.mark.parametrize("build, message", [
     (lambda: meshes.structure(meshes.dome("hex"), 5, triangles=False),
      "5 cells along the edges of panels of three nodes, in quadrilaterals; the number must be even, or the cells"),
-    (lambda: meshes.structure(PANEL_ON_TWO_BARS, 0), "0 cells along their edges; the number must be 1 or more"),
+    (lambda: meshes.structure(PANEL_ON_TWO_BARS, 0), "divisions is 0; it must be at least 1"),
     (lambda: meshes.structure(table(nodes=NODES | {"e": (1, 0, 0)}, bars=[*BARS, ("e", "d")]), 2),
      "bar a-b passes the node e and does not meet it; divide it there"),
     (lambda: meshes.structure(table(nodes=NODES | {"e": (2, 0.5, 0.25)}, bars=[*BARS, ("e", "d")]), 2),

@@ -164,10 +164,10 @@ def test_run_killed_as_it_slides_resumes_to_the_same_path(tmp_path):
 
 
 @pytest.mark.parametrize("how, message", [
-    ({"gap": -0.1}, "gap is -0.1; it must be a number that is not negative"),
-    ({"friction": -0.2}, "friction is -0.2; it must not be negative"),
+    ({"gap": -0.1}, "gap is -0.1; it must be zero or positive"),
+    ({"friction": -0.2}, "friction is -0.2; it must be zero or positive"),
     ({"stiffness": 0.0}, "stiffness is 0.0; it must be positive"),
-    ({"pairs": 0}, "pairs is 0; give a number of at least 1"),
+    ({"pairs": 0}, "pairs is 0; it must be at least 1"),
     ({"face": "butt"}, "face is 'butt', but the first part is no surface"),
     ({"face": "edge"}, "face is 'edge'; it must be one of seat, butt"),
     ({"enforcement": "exact"}, "enforcement is 'exact'"),

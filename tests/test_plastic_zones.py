@@ -78,7 +78,7 @@ def test_arch_with_a_yield_stress():
 
 
 @pytest.mark.parametrize(("case", "options", "message"), [
-    (arch.case, {"yield_stress": 0.0}, "Plastic: yield_stress is 0.0; it must be positive"),
+    (arch.case, {"yield_stress": 0.0}, "arch: yield_stress is 0.0; it must be positive"),
     (arch.case, {"hardening": 1.0}, "hardening is 1.0, but there is no yield stress; add --yield"),
     (arch.case, {"yield_stress": 1.0, "hardening": -8e4}, "at or below minus the modulus"),
     (roof.case, {"cells": 1, "yield_stress": 1.0, "hardening": -1.0}, "layers of a shell need 0 or more"),

@@ -184,7 +184,7 @@ def test_points_that_never_yield_are_elastic(points):
 @pytest.mark.parametrize(("build", "message"), [
     (lambda: Plastic(1.0, 0.3), "Plastic: yield_stress is 0.0; it must be positive"),
     (lambda: Plastic(1.0, 0.3, yield_stress=1.0, hardening=-1.0), "at or below minus the modulus 1.0"),
-    (lambda: Plastic(1.0, 0.3, yield_stress=1.0, kinematic=-0.1), "kinematic is -0.1; it must not be negative"),
+    (lambda: Plastic(1.0, 0.3, yield_stress=1.0, kinematic=-0.1), "kinematic is -0.1; it must be zero or positive"),
     (lambda: Plate(1.0, points=1), "Plate: points is 1; bending needs at least 2 by the rule 'gauss'"),
     (lambda: Plate(1.0, points=4, rule="simpson"), "Simpson's rule needs an odd number"),
     (lambda: Plate(1.0, rule="midpoint"), "Plate: rule is 'midpoint'; it must be one of gauss, lobatto, simpson"),

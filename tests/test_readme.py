@@ -1,7 +1,8 @@
-"""The README's snippets run as they stand and print what they say; its commands have the options that it shows."""
+"""Snippets of the README and the pages run as they stand and print what they say; commands have the options shown."""
 
 from __future__ import annotations
 
+import inspect
 import re
 import shlex
 from contextlib import redirect_stdout
@@ -11,13 +12,23 @@ from pathlib import Path
 import pytest
 import typer
 
+import sheetfx as fx
 from sheetfx.cli import app
 from sheetfx.scenes import scene_names
 
-PAGE = (Path(__file__).parents[1] / "README.md").read_text()
-SNIPPETS = re.findall(r"^```python\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
-COMMANDS = [line for block in re.findall(r"^```sh\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
+ROOT = Path(__file__).parents[1]
+README = ROOT / "README.md"
+PAGES = [README, *sorted((ROOT / "demos" / "pages").glob("*.md"))]
+
+
+def blocks(page: Path, language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```", page.read_text(), re.MULTILINE | re.DOTALL)
+
+
+SNIPPETS = [(page, number) for page in PAGES for number in range(len(blocks(page, "python")))]
+COMMANDS = [line for page in PAGES for block in blocks(page, "sh")
             for line in block.splitlines() if line.startswith("docker/run sheetfx ")]
+OWN = "my_scene.py", "truss.py"  # scripts that readers have written
 
 
 def printed_by(snippet: str) -> str:
@@ -43,22 +54,36 @@ def assert_same_words(found: str, expected: str):
             assert one == other
 
 
-@pytest.mark.parametrize("number", range(len(SNIPPETS)))
-def test_snippets_run_and_print_what_they_say(number, tmp_path, monkeypatch):
+@pytest.mark.parametrize(("page", "number"), SNIPPETS, ids=lambda v: v.stem if isinstance(v, Path) else str(v))
+def test_snippets_run_and_print_what_they_say(page, number, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    found, expected = printed_by(SNIPPETS[number]).splitlines(), announced(SNIPPETS[number])
+    snippet = blocks(page, "python")[number]
+    found, expected = printed_by(snippet).splitlines(), announced(snippet)
     assert found, "nothing is printed"
     for line, said in zip(found, expected, strict=False):
         assert_same_words(line, said)
     assert not expected or len(found) == len(expected)
-    if number == 0:
+    if page == README and number == 0:
         loads = [float(load) for load in re.findall(r"kind='limit', load=([\d.e+-]+)", "\n".join(found))]
-        said = re.search(r"limit points at (\d+) N and (\d+) N", PAGE).groups()
+        said = re.search(r"limit points at (\d+) N and (\d+) N", page.read_text()).groups()
         assert [f"{load:.0f}" for load in loads] == list(said)
 
 
 def test_there_are_snippets_of_all_kinds():
-    assert len(SNIPPETS) >= 6 and sum(bool(announced(s)) for s in SNIPPETS) >= 3 and len(COMMANDS) >= 8
+    of_readme = blocks(README, "python")
+    assert len(of_readme) >= 6 and sum(bool(announced(s)) for s in of_readme) >= 3 and len(COMMANDS) >= 8
+    assert len(SNIPPETS) >= len(of_readme) + 8
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_links_lead_to_files(page):
+    links = re.findall(r"\]\(([^)#:]+)\)", page.read_text())
+    assert [link for link in links if not (page.parent / link).exists()] == []
+
+
+def test_reference_has_all_names():
+    """Each public name has a docstring to show."""
+    assert [name for name in dir(fx) if not inspect.getdoc(getattr(fx, name))] == []
 
 
 @pytest.mark.parametrize("line", COMMANDS)
@@ -71,7 +96,7 @@ def test_commands_exist_with_their_options(line):
         if words[0].startswith("-"):
             break
         name = words.pop(0)
-        if name == "my_scene.py":
+        if name in OWN:
             return
         context = typer.Context(command)
         assert name in command.list_commands(context) or name in scene_names(), name

@@ -363,3 +363,41 @@ def test_most_telling_points_include_first_highest_and_lowest():
     assert len(chosen) <= 5
     assert {points[0], points[1], points[6], points[-1]} <= set(chosen)
     assert most_telling(points, 10) == points
+
+
+@pytest.fixture(scope="module")
+def snapped_dome():
+    """A shallow truss in space past its limit points."""
+    from sheetfx.scenes import star_dome
+
+    return trace(star_dome.case(to=4.0))
+
+
+def test_configurations_of_a_dome_stand_side_by_side(snapped_dome, tmp_path, monkeypatch):
+    """One view for each, coloured by displacement, with the undeformed bars behind; nothing over one another."""
+    drawn = []
+    monkeypatch.setattr(pictures, "draw_states", lambda record, views, file: drawn.extend(views))
+    pictures.shapes(snapped_dome, tmp_path)
+    states = pictures.states_to_draw(snapped_dome, pictures.MOST_VIEWS - 1)
+    assert len(drawn) == len(states) > 2 and [v.title.split("\n")[0] for v in drawn][-1] == "end"
+    for shown, (state, *_) in zip(drawn, states, strict=True):
+        assert shown.beam_values.max() == pytest.approx(state.deflection, rel=0.2)
+        assert np.array_equal(shown.beams_before, drawn[0].beams_before)
+    monkeypatch.undo()
+    pictures.shapes(snapped_dome, tmp_path)
+    assert_picture(tmp_path / "shape.png", (900, 1600))
+
+
+def test_modes_are_drawn_to_a_scale_that_is_told(snapped_dome, tmp_path, monkeypatch):
+    from sheetfx.show import modes
+
+    point = snapped_dome.critical_points[0]
+    shape = modes.shape_of(snapped_dome, snapped_dome.modes(point)[0], "mode")
+    drawn = []
+    monkeypatch.setattr(modes, "draw_views", lambda views, file, manner: drawn.append((views, manner)))
+    modes.draw_shapes(snapped_dome, [shape], tmp_path / "modes.png")
+    (moved,), manner = drawn[0]
+    size = float(np.linalg.norm(np.ptp(shape.beams_before.reshape(-1, 3), axis=0)))
+    largest = np.linalg.norm(moved.beams - moved.beams_before, axis=2).max()
+    assert largest == pytest.approx(modes.SHARE * size, rel=1e-6)
+    assert manner.remarks[0] == f"largest displacement of a mode drawn as {largest:#.4g}".rstrip(".")

@@ -229,9 +229,9 @@ def test_slides_off_the_edge():
 
 
 @pytest.mark.parametrize("how, message", [
-    ({"friction": -0.2}, "friction is -0.2; it must not be negative"),
+    ({"friction": -0.2}, "friction is -0.2; it must be zero or positive"),
     ({"stiffness": 0.0}, "stiffness is 0.0; it must be positive"),
-    ({"samples": 0}, "samples is 0; give a number of at least 1"),
+    ({"samples": 0}, "samples is 0; it must be at least 1"),
     ({"enforcement": "exact"}, "enforcement is 'exact'"),
 ])
 def test_wrong_input_is_named(how, message):

@@ -7,30 +7,28 @@ Along a path of equilibrium states the loads f of a stage do the work
 and what is prescribed does the integral of its force times its distance, by the factor. With q = f . x, where x has
 the multipliers of prescribed motions too, both are [factor W] less the integral of q by the factor. At each state q
 and, from its tangent, the rate of q by the factor are known: Hermite's interpolation through up to four states
-integrates it, by the factor or, about limit points, by q. How far that of fewer states is off tells its accuracy.
+integrates it, by the factor or, about limit points, by q. How far that of fewer states is off tells its accuracy. Where
+that is not enough, states within steps are found and interpolated through as well.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from itertools import pairwise
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.interpolate import KroghInterpolator
 
-from .course import Course
+from .accounts import Account, Accounts
 from .state import State
 from .tracer import Tracer
 
-DEAD = 1e-9  # relative change of loads that is rounding
 WINDOWS = (-1, 3), (0, 3), (-1, 2), (0, 2)  # states about a step that are interpolated through, by falling number
 STEEPEST = 3.0  # tangent of the angle between the path and the chord of a step, in the plane of factor and q
 GAUSS = np.polynomial.legendre.leggauss(8)
 SAFETY = 5.0  # times the accuracy of the work, that it may differ from the stored energy: contact bends paths sharply
+ROUNDS = 8  # of halving pieces of steps
 ROUNDING = 1e-6  # of the largest energy, by which work and stored energy may differ
-UNSURE = 0.01  # of its difference from the rule of a single point, what Gauss's rule along a step may be off
-GAUSS_ALONG = (1 + np.sqrt(0.6) * np.array([-1.0, 0.0, 1.0])) / 2, np.array([5.0, 8.0, 5.0]) / 18
 
 
 @dataclass(frozen=True)
@@ -92,119 +90,39 @@ class Balance:
         return float(max(np.abs(self.work).max(), np.abs(self.stored).max())) or 1.0
 
 
-@dataclass(frozen=True)
-class _Account:
-    """What is known of a state: energies, W of each stage so far, q of the present one and its rate by the factor.
+def balance(tracer: Tracer, states: Sequence[State], accuracy: float | None = None) -> Balance:
+    """The balance along the states of a path; the tracer comes back to where it was.
 
-    Dead loads are those that W was made of in the first state; `unsure` is the accuracy of q since the state before.
+    Parameters
+    ----------
+    accuracy : of the work over the largest energy; states within steps are found where it needs them. None: what the
+        states of the path tell
     """
-
-    state: State
-    parts: list[float]
-    joints: float
-    done: list[float]
-    product: float
-    rate: float
-    dead: bool
-    proportional: bool
-    unsure: float = 0.0
-
-
-def balance(tracer: Tracer, states: Sequence[State]) -> Balance:
-    """The balance along the states of a path; the tracer comes back to where it was."""
     system, works, present = tracer.system, tracer.discretisation.works_of_parts, tracer.state
     untold = {f"{type(c).__name__} does not tell its energy" for c in system.contributions
               if c.stage is None and c not in works and c.energy() is None}
     if any(work.remembers for work in works):
         untold.add("a law with history does not tell what it stores")
-    accounts = list(_accounts(tracer, states))
+    books = Accounts(tracer, states)
+    accounts = books.balanced()
+    for _ in range(ROUNDS if accuracy and not untold else 0):
+        most = accuracy * (np.ptp([sum(a.parts) + a.joints for a in accounts]) or 1.0) / len(accounts)
+        if not books.halve([i for i in range(len(accounts) - 1) if _step(accounts, i)[1] > most]):
+            break
+        accounts = books.balanced()
+    tracer.back_to(present)
     known = all(account.dead or account.proportional for account in accounts)
     if not known:
         untold.add("loads are not proportional to their factor")
-    if not all(account.dead for account in accounts):
-        accounts = list(_followed(tracer, accounts))
-    tracer.back_to(present)
     steps = np.array([_step(accounts, i) for i in range(len(accounts) - 1)]).reshape(-1, 2)
-    work, accuracy = np.concatenate([[(0.0, 0.0)], np.cumsum(steps, axis=0)]).T
-    return Balance(np.array([a.parts for a in accounts]), np.array([a.joints for a in accounts]),
-                   work if known else np.full_like(work, np.nan), accuracy, tuple(sorted(untold)))
+    sums = np.concatenate([[(0.0, 0.0)], np.cumsum(steps, axis=0)])
+    given = [i for i, account in enumerate(accounts) if account.place == 0.0]
+    work, unsure = sums[given].T
+    return Balance(np.array([accounts[i].parts for i in given]), np.array([accounts[i].joints for i in given]),
+                   work if known else np.full_like(work, np.nan), unsure, tuple(sorted(untold)))
 
 
-def _accounts(tracer: Tracer, states: Sequence[State]) -> Iterator[_Account]:
-    system, discretisation, held = tracer.system, tracer.discretisation, tracer.system.multiplier_rows
-    others = [c for c in system.contributions[len(discretisation.scene.parts):] if c.stage is None]
-    turning = system.free_rows(lambda field: field.curved)
-    load, first = system.create_vector(), {}
-    for state in states:
-        system.restore(state.fields)
-        place = system.step_by([np.zeros((len(f.table), f.width)) if f.curved else f.table
-                                for f in system.unknowns.fields]).array
-        done, dead = [], True
-        for stage in range(state.stage + 1):
-            system.load(load, stage)
-            kept = first.setdefault(stage, load.array.copy())
-            dead = dead and _equal(system, load.array, kept) and not system.comm.allreduce(load.array[turning].any())
-            done.append(_product(system, load.array, place, held))
-        product, rate = (_product(system, load.array, by) for by in (place, state.response))
-        yield _Account(state, [np.nan if work.remembers else discretisation.strain_energy(part) for part, work in zip(
-            discretisation.scene.parts, discretisation.works_of_parts, strict=True)],
-            sum(c.energy() or 0.0 for c in others), done, product, rate, dead, dead or _proportional(system, state))
-
-
-def _proportional(system, state: State) -> bool:
-    """Whether the loads of a state's stage are proportional to their factor."""
-    load, other = system.create_vector(), system.create_vector()
-    system.load(load)
-    system.factors.set(state.factor / 2 + 1)
-    system.load(other)
-    system.factors.set(state.factor)
-    return _equal(system, load.array, other.array)
-
-
-def _equal(system, one: np.ndarray, other: np.ndarray) -> bool:
-    change, size = (system.comm.allreduce(float(v @ v)) for v in (one - other, other))
-    return change <= DEAD**2 * size
-
-
-def _product(system, load: np.ndarray, place: np.ndarray, without: np.ndarray | None = None) -> float:
-    if without is not None:
-        place = place.copy()
-        place[without] = 0.0
-    return system.comm.allreduce(float(load @ place))
-
-
-def _followed(tracer: Tracer, accounts: Sequence[_Account]) -> Iterator[_Account]:
-    """Accounts in which W and q are integrals of the loads along the way, which change with the structure."""
-    system, held = tracer.system, tracer.system.multiplier_rows
-    load, done, product = system.create_vector(), np.zeros(accounts[-1].state.stage + 1), 0.0
-    yield replace(accounts[0], done=done.tolist(), product=product)
-    for before, after in pairwise(accounts):
-        last = _measured(tracer, before.state, after.state)
-        course, ends = Course(tracer, before.state, last), {0.0: before.state, last.length: last}
-        powers = []
-        for place, weight in zip(*GAUSS_ALONG, strict=True) if before.state.stage == after.state.stage else ():
-            factor, increment = course.at(place * last.length, ends)
-            _, rate = course.rate_at(place * last.length, ends)
-            with system.additive_increments(frozen=False):
-                system.configure(system.create_vector(increment), before.state.factor + factor)
-                for stage in range(after.state.stage + 1):
-                    system.load(load, stage)
-                    done[stage] += weight * _product(system, load.array, rate, held)
-            powers.append(_product(system, load.array, rate))
-        change = float(np.dot(GAUSS_ALONG[1], powers)) if powers else 0.0
-        product += change
-        yield replace(after, done=done.tolist(), product=product,
-                      unsure=UNSURE * abs(change - powers[1]) if powers else 0.0)
-
-
-def _measured(tracer: Tracer, before: State, after: State) -> State:
-    """A state whose step has the length that the tracer's control gives it; that of its own stage may have another."""
-    tracer.back_to(before)
-    measure, increment = tracer.control.measure, tracer.system.create_vector(after.increment)
-    return replace(after, length=abs(measure(tracer.tangent, increment, after.load_increment)) or after.length)
-
-
-def _step(accounts: Sequence[_Account], i: int) -> tuple[float, float]:
+def _step(accounts: Sequence[Account], i: int) -> tuple[float, float]:
     """Work along the step from a state to the next, and its accuracy."""
     before, after = accounts[i], accounts[i + 1]
     stage, earlier = after.state.stage, before.done
@@ -216,7 +134,7 @@ def _step(accounts: Sequence[_Account], i: int) -> tuple[float, float]:
     return work + after.state.factor * after.done[stage] - before.state.factor * before.done[stage] - integral, accuracy
 
 
-def _integral(accounts: Sequence[_Account], i: int) -> tuple[float, float]:
+def _integral(accounts: Sequence[Account], i: int) -> tuple[float, float]:
     """Integral of q by the factor along a step, and how far interpolation through fewer states is off."""
     stage, found = accounts[i + 1].state.stage, []
     for first, last in WINDOWS:
@@ -233,7 +151,7 @@ def _integral(accounts: Sequence[_Account], i: int) -> tuple[float, float]:
     return value, abs(value - trapezoid) if found else abs(value)
 
 
-def _through(window: Sequence[_Account], step: int) -> float | None:
+def _through(window: Sequence[Account], step: int) -> float | None:
     """Integral along a step of a window by the curve through its states; None: that bends too much for a polynomial.
 
     The curve of q over the factor is a function on axes that are turned so that the first is the chord of the step.

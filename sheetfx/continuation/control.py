@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import copysign, pi, sqrt
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 from petsc4py import PETSc
 
-from ..checks import require_choice, require_positive
+from ..checks import Choice, Count, Like, Positive, Unbounded, check
 from .state import State
 
 SIGNS: dict[str, Callable[[State], Any]] = {
@@ -42,16 +42,15 @@ class StepRule:
     passes_limits : of the class, whether a step can go through an extremum of the load
     """
 
-    step: float | None = None
-    smallest: float = 1e-4
-    largest: float = 8.0
-    iterations: int = 7
-    turn: float = 0.8
-    newton: str = "full"
+    step: Positive | None = None
+    smallest: Positive = 1e-4
+    largest: Positive = 8.0
+    iterations: Count = 7
+    turn: Positive = 0.8
+    newton: Annotated[str, Choice(("full", "modified"))] = "full"
 
     def __post_init__(self):
-        require_positive(self, "step", "smallest", "largest", "iterations", "turn")
-        require_choice(self, "newton", ("full", "modified"))
+        check(self)
 
     @property
     def first(self) -> float:
@@ -106,7 +105,7 @@ class LoadControl(StepRule):
     `fixed` keeps all steps as long as the first, and takes them without looking for other paths in between.
     """
 
-    target: float = 1.0
+    target: Unbounded = 1.0
     fixed: bool = False
     default = 0.1
     passes_limits = False
@@ -153,17 +152,16 @@ class TwoWayRule(StepRule):
         these (4.32)
     """
 
-    sign: str = "projection"
-
-    def __post_init__(self):
-        super().__post_init__()
-        require_choice(self, "sign", SIGNS)
+    sign: Annotated[str, Choice(tuple(SIGNS))] = "projection"
 
     def direction(self, state):
         if self.sign == "determinant" and state.determinant_sign is None:
             raise ValueError(f"{type(self).__name__}: sign 'determinant' needs a factor by MUMPS, which tells it; "
                              "choose 'projection'")
         return copysign(1.0, SIGNS[self.sign](state))
+
+
+MONITORS = Like("a Monitor", lambda monitor: monitor is None or hasattr(monitor, "component"))
 
 
 @dataclass(frozen=True)
@@ -176,7 +174,7 @@ class DisplacementControl(TwoWayRule):
     default : of the class, over the size of the structure
     """
 
-    monitor: object = None
+    monitor: Annotated[object, MONITORS] = None
     default = 0.01
 
     def usual(self, size):
@@ -219,12 +217,8 @@ class ArcLength(TwoWayRule):
     shape : "cylindrical", "spherical" or "elliptical"
     """
 
-    shape: str = "cylindrical"
+    shape: Annotated[str, Choice(("cylindrical", "spherical", "elliptical"))] = "cylindrical"
     default = 0.01
-
-    def __post_init__(self):
-        super().__post_init__()
-        require_choice(self, "shape", ("cylindrical", "spherical", "elliptical"))
 
     def load_weight(self, tangent) -> float:
         """psi^2."""

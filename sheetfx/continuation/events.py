@@ -4,12 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from numbers import Real
+from typing import Annotated
 
+import numpy as np
 from scipy.optimize import brentq
 
+from ..checks import Choice, Like, NotNegative, check, require
 from .segment import Missed, Segment
 from .state import CriticalPoint, State
 
+TOLD = Like("a number, or True or False", lambda value: isinstance(value, Real))
 EXACT = 1e-10  # relative error of the load at an event
 SHORTEST = 1e-6  # of a step, within which a test that is only true or false changes
 
@@ -28,13 +33,17 @@ class Event:
 
     name: str
     test: Callable[[State], float | bool]
-    near: float = 0.0
-    way: int = 0
+    near: NotNegative = 0.0
+    way: Annotated[int, Choice((-1, 0, 1))] = 0
+
+    def __post_init__(self):
+        check(self)
 
     def value(self, state: State) -> float:
         found = self.test(state)
-        if isinstance(found, bool):
+        if isinstance(found, (bool, np.bool_)):
             return 1.0 if found else -1.0
+        require(f"Event {self.name!r}", **{"what its test returns": (found, Annotated[float, TOLD])})
         return float(found)
 
 

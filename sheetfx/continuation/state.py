@@ -59,6 +59,10 @@ class CriticalPoint:
         return f"{self.kind} point" + (f" ({name})" if name else "")
 
 
+class ForeignState(ValueError):
+    """A state of another run."""
+
+
 @dataclass(frozen=True)
 class State:
     """A converged state.
@@ -120,19 +124,37 @@ class State:
         """Rates of load factor and unknowns along the path."""
         return self.load_rate, self.load_rate * self.response
 
-    def save(self, file: Path) -> None:
-        """Write to a NumPy archive; the file appears complete or not at all."""
+    def save(self, file: Path, run: str = "") -> None:
+        """Write to a NumPy archive; the file appears complete or not at all.
+
+        Parameters
+        ----------
+        run : what states of one run have in common; "": not known
+        """
         numbers = {k: v for k, v in asdict(self).items() if k not in ("fields", "increment", "response")}
         part = file.with_suffix(".part")
-        with part.open("wb") as stream:
-            np.savez(stream, numbers=json.dumps(numbers), increment=self.increment, response=self.response,
-                     **{f"field {k}": v for k, v in self.fields.items()})
-        os.replace(part, file)
+        try:
+            with part.open("wb") as stream:
+                np.savez(stream, numbers=json.dumps(numbers), run=run, increment=self.increment,
+                         response=self.response, **{f"field {k}": v for k, v in self.fields.items()})
+            os.replace(part, file)
+        except OSError as error:
+            part.unlink(missing_ok=True)
+            error.filename = error.filename or str(file)
+            raise
 
     @classmethod
-    def load_from(cls, file: Path) -> State:
-        """Read what `save` wrote."""
+    def load_from(cls, file: Path, run: str = "") -> State:
+        """Read what `save` wrote.
+
+        Raises
+        ------
+        ForeignState
+            Where it belongs to another run than the one that is given.
+        """
         with np.load(file) as archive:
+            if run and "run" in archive.files and run != str(archive["run"]):
+                raise ForeignState(f"{file} is of another run")
             numbers = json.loads(str(archive["numbers"]))
             fields = {k.removeprefix("field "): archive[k] for k in archive.files if k.startswith("field ")}
             vectors = {k: archive[k] for k in ("increment", "response")}

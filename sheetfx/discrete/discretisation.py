@@ -18,7 +18,7 @@ from .contact_work import ContactWork
 from .contribution import Contribution
 from .elements import ElementWork
 from .fields import Fields
-from .form_work import FormWork, by_mesh
+from .form_work import FormWork, by_mesh, work_of
 from .kinematics import Kinematics
 from .layer import LayerFields, LayerWork
 from .layout import Layout
@@ -145,7 +145,7 @@ class Discretisation:
     def _of_joints(self) -> Iterator[Contribution]:
         for joint in self.scene.joints:
             yield from joint.contributions(self.fields)
-            for work in by_mesh([joint.work(self.fields)]):
+            for work in by_mesh([work_of(joint, self.fields)]):
                 yield FormWork(self.unknowns, work, smooth=joint.smooth, conservative=joint.conservative)
 
     def monitored(self, monitor: Monitor):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import reprlib
 from collections.abc import Sequence
 
 import numpy as np
@@ -12,6 +13,7 @@ from ufl.algorithms.map_integrands import map_integrands
 
 from .. import compat
 from ..jit import compiled_form
+from ..model.work import Acting
 from .contribution import Contribution, Forces
 from .densities import WAY
 from .layout import Layout
@@ -77,6 +79,21 @@ class FormWork(Contribution):
             field.show(values)
         found = comm.allreduce(float(total))
         return None if np.isnan(found) else found
+
+
+def work_of(acting: Acting, fields) -> ufl.Form | None:
+    """The virtual work of a joint or load.
+
+    Raises
+    ------
+    ValueError
+        Where it is no form.
+    """
+    found = acting.work(fields)
+    if not (found is None or isinstance(found, ufl.Form)):
+        raise ValueError(f"{type(acting).__name__}: work returns {reprlib.repr(found)}; return a UFL form, which is an "
+                         "expression times a measure, or None")
+    return found
 
 
 def by_mesh(works: Sequence) -> list:

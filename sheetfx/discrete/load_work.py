@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from ..model.loads import Load
 from .contribution import Contribution
 from .fields import Fields, NodalForces
-from .form_work import FormWork, by_mesh
+from .form_work import FormWork, by_mesh, work_of
 from .nodal import NodalLoads
 
 
@@ -29,5 +29,5 @@ def _work_of(loads: Sequence[Load], fields: Fields) -> Iterator[Contribution]:
         yield from load.contributions(fields)
     if any(array is not None for array in nodal.arrays):
         yield NodalLoads(nodal.arrays, fields.factor_now, fields.stage, conservative)
-    for work in by_mesh([load.work(fields) for load in loads]):
+    for work in by_mesh([work_of(load, fields) for load in loads]):
         yield FormWork(fields.unknowns, -work, factor=fields.factor, conservative=conservative, stage=fields.stage)

@@ -6,6 +6,7 @@ Shapes are modes, functions of place, measured deviations or random fields, and 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Annotated
 
 import dolfinx
 import numpy as np
@@ -13,7 +14,7 @@ from dolfinx import fem
 from scipy.interpolate import RBFInterpolator
 
 from .. import forms
-from ..checks import require_positive_number
+from ..checks import NOT_NEGATIVE, Count, Positive, checked
 from ..compat import geometry_nodes, moved_mesh
 from ..jit import compiled_expression
 from .reader import NamedMesh
@@ -23,6 +24,7 @@ Shape = fem.Function | Callable[[np.ndarray], np.ndarray]
 FLAT = 1e-8
 
 
+@checked
 def imperfect(mesh: NamedMesh, displacement: Shape | Sequence[Shape],
               amplitude: float | Sequence[float] = 1.0) -> NamedMesh:
     """A mesh like another with all nodes moved by `amplitude` times a displacement.
@@ -44,6 +46,8 @@ def imperfect(mesh: NamedMesh, displacement: Shape | Sequence[Shape],
     """
     old = mesh.domain.geometry
     shapes = displacement if isinstance(displacement, Sequence) else [displacement]
+    if not len(shapes):
+        raise ValueError("imperfect: displacement is empty; give at least one")
     amplitudes = np.atleast_1d(amplitude)
     if len(amplitudes) not in (1, len(shapes)):
         raise ValueError(f"imperfect: {len(amplitudes)} amplitudes for {len(shapes)} displacements; give one for each")
@@ -53,6 +57,7 @@ def imperfect(mesh: NamedMesh, displacement: Shape | Sequence[Shape],
     return NamedMesh(moved_mesh(mesh.domain, x), mesh.cells, mesh.edges, mesh.points)
 
 
+@checked
 def measured(points: np.ndarray, offsets: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
     """Deviations measured at points, as a function of place for `imperfect`.
 
@@ -87,8 +92,9 @@ def measured(points: np.ndarray, offsets: np.ndarray) -> Callable[[np.ndarray], 
     return lambda x: interpolate((x[:, :points.shape[1]] - centre) @ axes.T)
 
 
-def random_field(correlation_length: float, deviation: float = 1.0, seed: int = 0,
-                 waves: int = 1000) -> Callable[[np.ndarray], np.ndarray]:
+@checked
+def random_field(correlation_length: Positive, deviation: Positive = 1.0, seed: Annotated[int, NOT_NEGATIVE] = 0,
+                 waves: Count = 1000) -> Callable[[np.ndarray], np.ndarray]:
     """Random Gaussian deviations along the normal, as a function of place for `imperfect`.
 
     Their mean is zero and their covariance deviation^2 exp(-(distance / correlation_length)^2), with distances in
@@ -108,7 +114,6 @@ def random_field(correlation_length: float, deviation: float = 1.0, seed: int = 
     ValueError
         If a length, the deviation or the number of waves is not positive.
     """
-    require_positive_number("random_field", correlation_length=correlation_length, deviation=deviation, waves=waves)
     generator = np.random.default_rng(seed)
     vectors = generator.normal(scale=np.sqrt(2) / correlation_length, size=(3, waves))
     phases = generator.uniform(0, 2 * np.pi, waves)

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import cos, radians
+from typing import Annotated
 
 import basix
 import numpy as np
 
-from ..checks import require_positive_number
+from ..checks import NONZERO, Positive, check
 from ..compat import geometry_nodes
 from .reader import NamedMesh
 
@@ -66,6 +67,9 @@ class Piece:
         return Piece(self.shape, self.nodes, self.ends[::-1])
 
 
+Vector = tuple[float, float] | tuple[float, float, float]
+
+
 @dataclass(frozen=True)
 class Stretch:
     """A stretch of a line: a weld that is shorter than an edge or a bar.
@@ -80,16 +84,15 @@ class Stretch:
     length : length
     """
 
-    start: str | Sequence[float]
-    end: str | Sequence[float] | None = None
-    along: str | Sequence[float] | None = None
-    length: float | None = None
+    start: str | Vector
+    end: str | Vector | None = None
+    along: str | Annotated[Vector, NONZERO] | None = None
+    length: Positive | None = None
 
     def __post_init__(self):
+        check(self)
         if (self.end is None) == (self.along is None) or (self.along is None) != (self.length is None):
             raise ValueError(f"Stretch from {self.start!r}: give either its end, or what it goes along and its length")
-        if self.length is not None:
-            require_positive_number(f"Stretch from {self.start!r}", length=self.length)
 
     def lines(self, mesh: NamedMesh) -> list[list[Piece]]:
         """Its line, as `lines_of` gives them.

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from mpi4py import MPI
 
+from ..checks import Choice, checked
 from .gmsh_model import DIMENSIONS, Cells, Model, Source, read_model
 from .partition import BarsOnSurfaces
 from .reader import NamedMesh, named_mesh
@@ -35,7 +37,9 @@ class MixedMesh:
         return np.stack(np.intersect1d(*numbers, return_indices=True)[1:], axis=1)
 
 
-def read_mixed(source: Source, bars: Sequence[str], order: int | None = None, place: Callable | None = None,
+@checked
+def read_mixed(source: Source, bars: str | Sequence[str], order: Annotated[int | None, Choice((1, 2, 3))] = None,
+               place: Callable | None = None,
                comm: MPI.Comm = MPI.COMM_WORLD) -> MixedMesh:
     """Meshes of the surfaces and of the bars of one gmsh model in space.
 

@@ -20,7 +20,7 @@ def as_constants(domain, numbers):
     """
     found: list[float] = []
     _map(numbers, lambda n: found.append(n) if n else None)
-    constant = Constant(domain, np.array(found or [0.0]))
+    constant = Constant(domain, np.array(found or [0.0], dtype=float))
     places = iter(range(len(found)))
     return _map(numbers, lambda n: constant[next(places)] if n else 0.0)
 

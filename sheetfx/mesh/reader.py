@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Annotated
 
 import basix
 import numpy as np
@@ -12,6 +13,7 @@ from dolfinx import fem
 from dolfinx.mesh import Mesh
 from mpi4py import MPI
 
+from ..checks import Choice, checked
 from ..compat import geometry_degree, geometry_nodes, gmsh_mesh
 from .gmsh_model import FLAT, Cells, Model, Source, read_model
 from .partition import keep_junctions_whole
@@ -120,6 +122,15 @@ class NamedMesh:
             raise ValueError(f"the mesh has no group of cells named {name!r}; it has {', '.join(self.cells)}")
         return self.cells[name]
 
+    def require(self, owner: str, name: str, *kinds: str) -> None:
+        """Refuse a name that nothing of some kinds has: "point", "edge" or "group of cells"."""
+        named = {"point": self.points, "edge": self.edges, "group of cells": self.cells}
+        known = [n for kind in kinds for n in named[kind]]
+        if name not in known:
+            what = " or ".join(filter(None, (", ".join(kinds[:-1]), kinds[-1])))
+            raise ValueError(f"{owner}: the mesh has no {what} named {name!r}; it has "
+                             f"{', '.join(known) or 'none'}")
+
     def at(self, name: str) -> tuple[int, np.ndarray]:
         """Dimension and entities of a named point or edge (empty where another process has it)."""
         if name in self.points:
@@ -163,7 +174,9 @@ class NamedMesh:
         return np.array([p for p, c in zip(pairs, claims, strict=True) if c not in taken], dtype=np.int32).ravel()
 
 
-def read(source: Source, dimension: int, order: int | None = None, place: Callable | None = None,
+@checked
+def read(source: Source, dimension: Annotated[int, Choice((2, 3))],
+         order: Annotated[int | None, Choice((1, 2, 3))] = None, place: Callable | None = None,
          comm: MPI.Comm = MPI.COMM_WORLD) -> NamedMesh:
     """Mesh of curves, or of surfaces with edges, of a gmsh model.
 

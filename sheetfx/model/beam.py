@@ -5,19 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Annotated
 
 import numpy as np
 from mpi4py import MPI
 
 from .. import forms
-from ..checks import require_components, require_finite
+from ..checks import Choice, Positive, check, require_components, require_vector
 from ..jit import compiled_expression
 from ..mesh.cellwise import cellwise
 from ..mesh.numbers import as_constants
 from ..mesh.quadrature import Rule, gauss
 from ..mesh.reader import NamedMesh
 from .gradient import require_law
-from .history import LawWithHistory, has_history
+from .history import LAW, LawWithHistory, has_history
+from .places import require_group
 from .plasticity import Fibres, Plastic, section_law
 from .section import Elastic, Section
 from .work import Internal, Term
@@ -50,16 +52,16 @@ class Beam:
     section: Section
     material: Elastic
     strains: Callable = forms.beam.simo_reissner
-    law: Callable | LawWithHistory = forms.section.linear_elastic
+    law: Annotated[Callable | LawWithHistory, LAW] = forms.section.linear_elastic
     group: str | None = None
-    degree: int = 2
+    degree: Annotated[int, Choice((1, 2, 3))] = 2
     up: tuple[float, float, float] = (0.0, 0.0, 1.0)
-    shear_rigidity: float = 1.0
+    shear_rigidity: Positive = 1.0
     offset: float | tuple[float, float] = 0.0
 
     def __post_init__(self):
-        if self.degree not in (1, 2, 3):
-            raise ValueError(f"Beam: degree is {self.degree}; it must be 1, 2 or 3")
+        check(self)
+        require_group(self)
         if self.mesh.dimension == 3:
             self._check_up()
         self._check_offset()
@@ -88,7 +90,6 @@ class Beam:
         """Refuse an offset of the wrong space, or beyond the centre of a curve."""
         if np.ravel(self.offset).tolist() != [0.0]:
             require_components("Beam: offset", np.ravel(self.offset), self.mesh.dimension - 1)
-        require_finite(self, "offset")
         domain, (_, length) = self.mesh.domain, self.eccentricity()
         if not isinstance(length, float):
             at_points = compiled_expression(length, _rule(self).points)
@@ -154,12 +155,14 @@ class Bar:
     section: Section
     material: Elastic
     strains: Callable = forms.bar.engineering
-    law: Callable | LawWithHistory = forms.section.linear_elastic
+    law: Annotated[Callable | LawWithHistory, LAW] = forms.section.linear_elastic
     group: str | None = None
     degree = 1
     spaces = ("P", 1), None
 
     def __post_init__(self):
+        check(self)
+        require_group(self)
         if self.mesh.degree != 1:
             raise ValueError(f"Bar: the mesh has curved cells of degree {self.mesh.degree}; "
                              "bars are straight, read it with order 1")
@@ -199,8 +202,11 @@ class Bar:
 def _of_the_mesh(part: Beam | Bar, u, rotation, stiffness):
     """Strains of the meshed line, and the section law with its stiffness as constants."""
     stiffness = as_constants(part.mesh.domain, stiffness)
-    law = part.section_law
-    return part.strains(u, rotation, part.frame()), law if has_history(law) else lambda e: law(e, stiffness)
+    law, strains = part.section_law, part.strains(u, rotation, part.frame())
+    linear = part.law is forms.section.linear_elastic
+    require_vector(f"{type(part).__name__}: its strains {getattr(part.strains, '__name__', part.strains)!r}", strains,
+                   len(stiffness) if linear else None)
+    return strains, law if has_history(law) else lambda e: law(e, stiffness)
 
 
 def _rule(part: Beam | Bar) -> Rule:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
-from ..checks import require_finite
+from ..checks import Choice, NotNegative, Positive, check
 from .beam import Beam
 from .obstacles import RigidCylinder, RigidPlane
 
@@ -30,22 +31,13 @@ class Contact:
 
     beam: Beam
     obstacle: RigidCylinder | RigidPlane
-    points: str = "quadrature"
-    friction: float = 0.0
-    side: int = 0
-    enforcement: str | None = None
-    scale: float | None = None
-    layer: float | None = None
-    approach: tuple[float, ...] = (8.0, 4.0, 2.0, 1.0)
+    points: Annotated[str, Choice(("nodes", "quadrature"))] = "quadrature"
+    friction: NotNegative = 0.0
+    side: Annotated[int, Choice((-1, 0, 1))] = 0
+    enforcement: Annotated[str | None, Choice(("penalty", "uzawa", "semismooth"))] = None
+    scale: Positive | None = None
+    layer: NotNegative | None = None
+    approach: tuple[Positive, ...] = (8.0, 4.0, 2.0, 1.0)
 
     def __post_init__(self):
-        for name, value, known in (("points", self.points, ("nodes", "quadrature")),
-                                   ("enforcement", self.enforcement, (None, "semismooth", "uzawa", "penalty")),
-                                   ("side", self.side, (-1, 0, 1))):
-            if value not in known:
-                raise ValueError(f"Contact: {name} is {value!r}; it must be one of {', '.join(map(str, known))}")
-        require_finite(self, "friction", "layer", "scale", "approach")
-        for name in ("friction", "layer"):
-            value = getattr(self, name)
-            if value is not None and value < 0:
-                raise ValueError(f"Contact: {name} is {value}; it must not be negative")
+        check(self)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .. import forms
-from ..checks import require_components
+from ..checks import check, require_components
 from ..mesh.reader import NamedMesh
 from .beam import Beam
 from .loads import Load
@@ -29,7 +29,9 @@ class FollowerForce(Load):
     conservative = False
 
     def __post_init__(self):
-        self.mesh.facet_measure(self.at)
+        check(self)
+        facets = "point" if self.mesh.domain.topology.dim == 1 else "edge"
+        self.mesh.require(f"FollowerForce at {self.at!r}", self.at, facets)
         require_components(f"FollowerForce at {self.at!r}: force", self.force, self.mesh.dimension)
 
     def work(self, fields):
@@ -56,6 +58,9 @@ class Pressure(Load):
     shell: Shell
     pressure: float
     conservative = False
+
+    def __post_init__(self):
+        check(self)
 
     def work(self, fields):
         frame, u = self.shell.frame(), fields.displacement(self.shell.mesh)
@@ -85,6 +90,7 @@ class LinePressure(Load):
     conservative = False
 
     def __post_init__(self):
+        check(self)
         if self.beam.mesh.dimension != 2:
             raise ValueError("LinePressure: the mesh is in space, where a curve has no one normal; use a LineForce")
 

@@ -8,6 +8,7 @@ import numpy as np
 import ufl
 from dolfinx import fem
 
+from ..checks import require_vector
 from .history import STRAINS, SYMMETRIC, has_history, require_update
 
 STEP = 1e-5  # of differences
@@ -39,7 +40,7 @@ def require_gradient(name: str, law: Callable, stiffness, count: int) -> None:
     strains = STRAINS * np.cos(np.arange(1, count + 1))
     columns = []
     for unit in np.eye(count):
-        ahead, behind = (_values(law, stiffness, strains + sign * STEP * unit) for sign in (1, -1))
+        ahead, behind = (_values(name, law, stiffness, strains + sign * STEP * unit) for sign in (1, -1))
         if ahead is None or behind is None:
             return
         columns.append((ahead - behind) / (2 * STEP))
@@ -55,10 +56,12 @@ def require_gradient(name: str, law: Callable, stiffness, count: int) -> None:
             "derive it from an energy (ufl.diff), or make it symmetric")
 
 
-def _values(law: Callable, stiffness, strains: np.ndarray) -> np.ndarray | None:
+def _values(name: str, law: Callable, stiffness, strains: np.ndarray) -> np.ndarray | None:
     """Resultants as numbers; None where they depend on fields."""
     given = ufl.as_vector([ufl.as_ufl(float(e)) for e in strains])
-    resultants = ufl.algorithms.expand_derivatives(law(given, stiffness))
+    found = law(given, stiffness)
+    require_vector(f"{name}: its law {getattr(law, '__name__', law)!r}", found, len(strains))
+    resultants = ufl.algorithms.expand_derivatives(found)
     if ufl.algorithms.extract_coefficients(resultants):
         return None
     constants = ufl.algorithms.extract_type(resultants, fem.Constant)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..checks import Like
+
 STRAINS = 1e-3  # size of the strains at which a law is looked at
 SYMMETRIC = 1e-4  # relative difference of moduli that is an error of differences
 
@@ -40,6 +42,9 @@ class LawWithHistory:
 def has_history(law) -> bool:
     """Whether a section law is one with history."""
     return hasattr(law, "update")
+
+
+LAW = Like("a function or a law with history", lambda law: callable(law) or has_history(law))
 
 
 def require_update(name: str, law, count: int) -> None:

@@ -9,17 +9,18 @@ import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Annotated
 
 import numpy as np
 
 from .. import forms
-from ..checks import require_choice, require_known_component
+from ..checks import NONZERO, Choice, NotNegative, check, checked, require_known_component
 from ..mesh.lines import Stretch
 from ..mesh.meeting import Meeting, along_lines
 from ..mesh.reader import COMPONENTS, NamedMesh
 from .beam import Bar, Beam
 from .joints import Joint
-from .places import Place, each_of, meeting_of, title_of
+from .places import Place, each_of, meeting_of, require_places, title_of
 from .shell import Shell
 
 STIFF = 1e3  # of a penalty, times the stiffness of the softer part (Herrema et al. 2019, section 4)
@@ -59,13 +60,14 @@ class Interface(Joint):
     to: tuple[NamedMesh, str | None]
     law: str | Callable
     gap: Callable | None = None
-    reach: float = 0.0
-    enforcement: str = "multiplier"
+    reach: NotNegative = 0.0
+    enforcement: Annotated[str, Choice(("multiplier", "penalty"))] = "multiplier"
     axes: Sequence[Sequence[float]] | str | None = None
     name: str = field(default="Interface", kw_only=True)
 
     def __post_init__(self):
-        require_choice(self, "enforcement", ("multiplier", "penalty"))
+        check(self)
+        require_places(self.name, self.mesh, each_of(self.at))
         if self.to == (self.mesh, self.at):
             raise ValueError(f"{self._title}: ties the point to itself; name another point in `to`")
         if self.to[0].dimension != self.mesh.dimension:
@@ -201,6 +203,7 @@ def stiffness_over(part: Shell | Beam | Bar, size: float) -> tuple[float, float]
     return modulus * section.area / size**2, modulus * min(section.second_moments) / size**2
 
 
+@checked
 def weld(mesh: NamedMesh, at: Place, to: tuple[NamedMesh, str | None], **how) -> Interface:
     """Two parts that move and turn together; where they stand apart, rigid links turn with the first (see `link`).
 
@@ -209,7 +212,8 @@ def weld(mesh: NamedMesh, at: Place, to: tuple[NamedMesh, str | None], **how) ->
     return Interface(mesh, at, to, " ".join(COMPONENTS[mesh.dimension]), **{"name": "weld"} | how)
 
 
-def link(mesh: NamedMesh, at: Place, to: tuple[NamedMesh, str | None], reach: float, **how) -> Interface:
+@checked
+def link(mesh: NamedMesh, at: Place, to: tuple[NamedMesh, str | None], reach: NotNegative, **how) -> Interface:
     """Rigid links to a part that stands up to `reach` off the first, and turn with the first: an eccentric weld.
 
     Along a line on a surface the turn about its normal is free. A plate has no stiffness against it on a line: what a
@@ -221,14 +225,16 @@ def link(mesh: NamedMesh, at: Place, to: tuple[NamedMesh, str | None], reach: fl
     return maker(mesh, at, to, reach=reach, **{"name": "link"} | how)
 
 
+@checked
 def hinge(mesh: NamedMesh, at: Place, to: tuple[NamedMesh, str | None], **how) -> Interface:
     """Two parts that move together and turn freely."""
     held = COMPONENTS[mesh.dimension][:mesh.dimension]
     return Interface(mesh, at, to, " ".join(held), **{"name": "hinge"} | how)
 
 
+@checked
 def bolt(mesh: NamedMesh, at: Place, to: tuple[NamedMesh, str | None],
-         axis: Sequence[float] | None = None, **how) -> Interface:
+         axis: Annotated[tuple[float, float, float], NONZERO] | None = None, **how) -> Interface:
     """Two parts that move together and turn freely about one axis, which turns with the first.
 
     Parameters
@@ -237,8 +243,6 @@ def bolt(mesh: NamedMesh, at: Place, to: tuple[NamedMesh, str | None],
     """
     if axis is None:
         return Interface(mesh, at, to, "x y z rx ry", axes="normal", **{"name": "bolt"} | how)
-    if not np.linalg.norm(axis) > 0:
-        raise ValueError(f"bolt at {at!r}: axis is {tuple(axis)}; give a direction")
     columns = np.linalg.qr(np.column_stack((axis, np.eye(3)[np.argsort(np.abs(axis))[:2]].T)))[0]
     axes = np.array([columns[:, 1], columns[:, 2], np.cross(columns[:, 1], columns[:, 2])])
     return Interface(mesh, at, to, "x y z rx ry", axes=axes, **{"name": "bolt"} | how)

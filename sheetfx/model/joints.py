@@ -9,7 +9,7 @@ import numpy as np
 import ufl
 
 from .. import forms
-from ..checks import require_components, require_known_component
+from ..checks import check, require_components, require_known_component
 from ..mesh.reader import COMPONENTS, NamedMesh
 from .beam import Bar, Beam
 from .shell import Shell
@@ -73,10 +73,11 @@ class Spring(Joint):
     law: Callable = forms.interface.linear_spring
 
     def __post_init__(self):
+        check(self)
         known = COMPONENTS[self.mesh.dimension]
         require_known_component(f"Spring at {self.at!r}", self.component, known)
         for end in self._ends:
-            end.mesh.at(end.at)
+            end.mesh.require(f"Spring at {end.at!r}", end.at, "point", "edge")
 
     @property
     def _ends(self) -> list[End]:
@@ -116,6 +117,7 @@ class Foundation(Joint):
     law: Callable = forms.interface.linear_spring
 
     def __post_init__(self):
+        check(self)
         require_components("Foundation: stiffness", self.stiffness, self.part.mesh.dimension)
 
     def work(self, fields):
@@ -139,7 +141,8 @@ class Uniform(Joint):
     component: str
 
     def __post_init__(self):
-        self.mesh.at(self.at)
+        check(self)
+        self.mesh.require(f"Uniform at {self.at!r}", self.at, "point", "edge")
         require_known_component(f"Uniform at {self.at!r}", self.component,
                                 COMPONENTS[self.mesh.dimension][:self.mesh.dimension])
 
@@ -185,10 +188,11 @@ class Compatible(Joint):
     rotations: bool = True
 
     def __post_init__(self):
+        check(self)
         if self.mesh is self.to:
             raise ValueError("Compatible: joins a mesh to itself; name another one in `to`")
-        if self.at is not None and self.at not in self.mesh.cells:
-            self.mesh.at(self.at)
+        if self.at is not None:
+            self.mesh.require(f"Compatible at {self.at!r}", self.at, "point", "edge", "group of cells")
         if self.to.dimension != self.mesh.dimension:
             raise ValueError(f"Compatible: joins a mesh in {self.mesh.dimension} with one in {self.to.dimension} "
                              "dimensions; read both with the same")

@@ -8,7 +8,7 @@ from math import cos, radians, sin
 
 import numpy as np
 
-from ..checks import require_positive
+from ..checks import Positive, check
 from .plate import ShellSection, ShellStiffness
 
 
@@ -26,18 +26,16 @@ class Ply:
     transverse : moduli G13 and G23; None: both G12
     """
 
-    thickness: float
+    thickness: Positive
     angle: float
-    along: float
-    across: float
+    along: Positive
+    across: Positive
     poisson: float
-    shear: float
-    transverse: tuple[float, float] | None = None
+    shear: Positive
+    transverse: tuple[Positive, Positive] | None = None
 
     def __post_init__(self):
-        require_positive(self, "thickness", "along", "across", "shear")
-        if self.transverse is not None and not min(self.transverse) > 0:
-            raise ValueError(f"Ply: transverse is {self.transverse}; both moduli must be positive")
+        check(self)
         if not self.poisson**2 < self.along / self.across:
             raise ValueError(f"Ply: poisson is {self.poisson}; its square must be below along / across = "
                              f"{self.along / self.across:.4g}, or the energy is not positive")
@@ -74,12 +72,12 @@ class Laminate(ShellSection):
     """
 
     plies: Sequence[Ply]
-    shear_factor: float = 5 / 6
-    drilling: float = 1.0
+    shear_factor: Positive = 5 / 6
+    drilling: Positive = 1.0
     thickness: float = field(init=False)
 
     def __post_init__(self):
-        require_positive(self, "shear_factor", "drilling")
+        check(self)
         if not self.plies:
             raise ValueError("Laminate: plies is empty; give at least one Ply")
         object.__setattr__(self, "thickness", sum(ply.thickness for ply in self.plies))

@@ -10,7 +10,7 @@ import ufl
 from dolfinx import fem
 
 from .. import forms
-from ..checks import require_components, require_known_component
+from ..checks import check, require_components, require_known_component
 from ..jit import compiled_form
 from ..mesh.numbers import lift_numbers
 from ..mesh.reader import COMPONENTS, NamedMesh
@@ -46,7 +46,8 @@ class PointForce(Load):
     force: tuple[float, ...]
 
     def __post_init__(self):
-        self.mesh.at(self.at)
+        check(self)
+        self.mesh.require(f"{type(self).__name__} at {self.at!r}", self.at, "point", "edge")
         require_components(f"PointForce at {self.at!r}: force", self.force, self.mesh.dimension)
 
     def at_points(self, forces) -> None:
@@ -69,6 +70,8 @@ class Moment(Load):
     moment: float | tuple[float, float, float]
 
     def __post_init__(self):
+        check(self)
+        self.mesh.require(f"Moment at {self.at!r}", self.at, "point", "edge")
         require_components(f"Moment at {self.at!r}: moment", np.ravel(self.moment), 2 * self.mesh.dimension - 3)
 
     @property
@@ -112,6 +115,7 @@ class LineForce(Load):
     follower: bool = False
 
     def __post_init__(self):
+        check(self)
         if not callable(self.force):
             require_components("LineForce: force", self.force, self.beam.mesh.dimension)
         if self.follower and isinstance(self.beam, Bar):
@@ -154,6 +158,8 @@ class EdgeForce(Load):
     force: tuple[float, float, float]
 
     def __post_init__(self):
+        check(self)
+        self.mesh.require(f"EdgeForce at {self.at!r}", self.at, "edge")
         require_components(f"EdgeForce at {self.at!r}: force", self.force, self.mesh.dimension)
 
     def work(self, fields):
@@ -172,6 +178,7 @@ class SurfaceForce(Load):
     force: tuple[float, float, float]
 
     def __post_init__(self):
+        check(self)
         require_components("SurfaceForce: force", self.force, self.shell.mesh.dimension)
 
     def work(self, fields):
@@ -188,6 +195,11 @@ class ObstacleForce(Load):
 
     obstacle: RigidCylinder | RigidPlane
     force: float
+
+    def __post_init__(self):
+        check(self)
+        if self.obstacle.travel is None:
+            raise ValueError("ObstacleForce: its obstacle has travel None and cannot move; give it a direction")
 
     def at_points(self, forces) -> None:
         forces.add_to_own(self.obstacle, "travel", self.force)
@@ -209,7 +221,8 @@ class PrescribedDisplacement(Load):
     distance: float
 
     def __post_init__(self):
-        self.mesh.at(self.at)
+        check(self)
+        self.mesh.require(f"{type(self).__name__} at {self.at!r}", self.at, "point", "edge")
         require_known_component(f"PrescribedDisplacement of {self.at!r}", self.component,
                                 COMPONENTS[self.mesh.dimension][:self.mesh.dimension])
 
@@ -243,7 +256,8 @@ class PrescribedRotation(Load):
     rotation: float | tuple[float, float, float]
 
     def __post_init__(self):
-        self.mesh.at(self.at)
+        check(self)
+        self.mesh.require(f"{type(self).__name__} at {self.at!r}", self.at, "point", "edge")
         require_components(f"PrescribedRotation at {self.at!r}: rotation", np.ravel(self.rotation),
                            2 * self.mesh.dimension - 3)
 

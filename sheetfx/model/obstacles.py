@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
 from .. import forms
-from ..checks import require_finite, require_positive
+from ..checks import NONZERO, Positive, check
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,13 +19,12 @@ class RigidCylinder:
     travel : direction of its free motion; None: it is fixed
     """
 
-    radius: float
+    radius: Positive
     centre: tuple[float, float]
-    travel: tuple[float, float] | None = None
+    travel: Annotated[tuple[float, float], NONZERO] | None = None
 
     def __post_init__(self):
-        require_positive(self, "radius")
-        require_finite(self, "radius", "centre", "travel")
+        check(self)
 
     def gap(self, x, shift):
         return forms.interface.cylinder_gap(x, self._centre(shift), self.radius)
@@ -41,11 +41,11 @@ class RigidPlane:
     """Rigid half-plane behind `point`; `normal` points to the free side."""
 
     point: tuple[float, float]
-    normal: tuple[float, float]
-    travel: tuple[float, float] | None = None
+    normal: Annotated[tuple[float, float], NONZERO]
+    travel: Annotated[tuple[float, float], NONZERO] | None = None
 
     def __post_init__(self):
-        require_finite(self, "point", "normal", "travel")
+        check(self)
         length = sum(c * c for c in self.normal) ** 0.5
         if abs(length - 1) > 1e-12:
             raise ValueError(f"RigidPlane: normal {self.normal} has length {length}; it must be a unit vector")

@@ -5,18 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
+from typing import Annotated
 
 import numpy as np
 
 from .. import forms
-from ..checks import require_choice, require_finite, require_positive
+from ..checks import NONZERO, Choice, Count, NotNegative, Positive, check, require_components
 from ..mesh.lines import Stretch
 from ..mesh.meeting import Meeting, Side, along_lines, at_pairs
 from ..mesh.projection import Cells
 from ..mesh.reader import NamedMesh
 from .interface import stiffness_over
 from .joints import Joint
-from .places import Place, each_of, meeting_of, title_of
+from .places import Place, each_of, meeting_of, require_places, title_of
 
 FACES = "seat", "butt"
 PARALLEL = 1e-9  # sine of an angle, or an arm over the size of the mesh, that gives no direction
@@ -62,33 +63,28 @@ class PairContact(Joint):
     mesh: NamedMesh
     at: Place
     to: tuple[NamedMesh, str | None]
-    face: str = "seat"
-    toward: Sequence[float] | None = None
-    gap: float | Callable = 0.0
-    friction: float = 0.0
-    cohesion: float = 0.0
-    strength: float = 0.0
+    face: Annotated[str, Choice(FACES)] = "seat"
+    toward: Annotated[Sequence[float], NONZERO] | None = None
+    gap: NotNegative | Callable = 0.0
+    friction: NotNegative = 0.0
+    cohesion: NotNegative = 0.0
+    strength: NotNegative = 0.0
     moving: bool = True
-    pairs: int | None = None
-    stiffness: float | None = None
-    tangential: float | None = None
-    enforcement: str = "penalty"
+    pairs: Count | None = None
+    stiffness: Positive | None = None
+    tangential: Positive | None = None
+    enforcement: Annotated[str, Choice(("penalty", "uzawa"))] = "penalty"
     law: Callable = forms.contact.mohr_coulomb
-    reach: float = 0.0
+    reach: NotNegative = 0.0
     name: str = field(default="PairContact", kw_only=True)
 
     smooth = False
 
     def __post_init__(self):
-        require_choice(self, "face", FACES)
-        require_choice(self, "enforcement", ("penalty", "uzawa"))
-        require_finite(self, "friction", "cohesion", "strength", "stiffness", "tangential", "reach")
-        for name in ("friction", "cohesion", "strength", "reach"):
-            if getattr(self, name) < 0:
-                raise ValueError(f"{self._title}: {name} is {getattr(self, name)}; it must not be negative")
-        require_positive(self, "stiffness", "tangential")
-        if self.pairs is not None and (self.pairs < 1 or self.pairs != int(self.pairs)):
-            raise ValueError(f"{self._title}: pairs is {self.pairs}; give a number of at least 1")
+        check(self)
+        require_places(self.name, self.mesh, each_of(self.at))
+        if self.toward is not None:
+            require_components(f"{self._title}: toward", self.toward, self.mesh.dimension)
         if self.to[0].domain.topology.dim != 1:
             raise ValueError(f"{self._title}: the second part is a surface; give beams or bars, and the surface first")
         if self.to[0].dimension != self.mesh.dimension:
@@ -96,8 +92,6 @@ class PairContact(Joint):
                              f"{self.to[0].dimension}; read both with the same")
         if self.face == "butt" and self.mesh.domain.topology.dim != 2:
             raise ValueError(f"{self._title}: face is 'butt', but the first part is no surface; use 'seat'")
-        if not callable(self.gap) and not (np.isfinite(self.gap) and self.gap >= 0):
-            raise ValueError(f"{self._title}: gap is {self.gap}; it must be a number that is not negative")
         _ = self.axes
 
     @property

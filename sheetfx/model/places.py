@@ -14,6 +14,21 @@ Ends = tuple[NamedMesh, str | None]  # a mesh and what is named on it; None: all
 AlongLines = Callable[[Cells, Cells, Sequence[Sequence[Piece]], str], Meeting]  # parts, lines and title
 
 
+def require_group(part) -> None:
+    """Refuse a part on a group of cells that its mesh does not have."""
+    if part.group is not None:
+        part.mesh.require(f"{type(part).__name__}: group is {part.group!r}", part.group, "group of cells")
+
+
+def require_places(title: str, mesh: NamedMesh, places: Sequence[str | Stretch | None]) -> None:
+    """Refuse names that nothing of a mesh has, and no place at all."""
+    if not places:
+        raise ValueError(f"{title}: at is empty; name a place")
+    for at in places:
+        if isinstance(at, str):
+            mesh.require(title_of(title, at), at, "point", "edge", "group of cells")
+
+
 def each_of(at: Place) -> list[str | Stretch]:
     """The single places of one or several."""
     return [at] if isinstance(at, (str, Stretch)) else list(at)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numba
 import numpy as np
 
-from ..checks import require_finite, require_positive
+from ..checks import NotNegative, Positive
 from ..forms.section import linear_elastic, linear_shell
 from .history import LawWithHistory
 from .plate import Plate
@@ -28,17 +28,12 @@ class Plastic(Elastic):
     kinematic : increase of the back stress by plastic strain in one axis, likewise
     """
 
-    yield_stress: float = 0.0
+    yield_stress: Positive = 0.0
     hardening: float = 0.0
-    kinematic: float = 0.0
+    kinematic: NotNegative = 0.0
 
     def __post_init__(self):
         super().__post_init__()
-        require_positive(self, "yield_stress")
-        require_finite(self, "hardening", "kinematic")
-        if self.kinematic < 0:
-            raise ValueError(f"Plastic: kinematic is {self.kinematic}; it must not be negative, let the yield stress "
-                             "soften by hardening")
         if self.hardening + self.kinematic <= -self.modulus:
             raise ValueError(f"Plastic: hardening + kinematic is {self.hardening + self.kinematic}, at or below minus "
                              f"the modulus {self.modulus}: stress would jump; give a slower softening")

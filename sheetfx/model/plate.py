@@ -3,15 +3,28 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
+from typing import Annotated
 
 import numpy as np
 from scipy.linalg import block_diag
 
-from ..checks import require_positive
+from ..checks import Choice, Like, NotNegative, Positive, check
 from . import layers
 from .section import Elastic
 
 EQUAL = 1e-9  # relative difference of stiffnesses of an isotropic section
+
+
+def _square(value, size: int) -> bool:
+    try:
+        matrix = np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        return False
+    return matrix.shape == (size, size) and bool(np.isfinite(matrix).all())
+
+
+SQUARE = {n: Like(f"{n} rows of {n} finite numbers", partial(_square, size=n)) for n in (2, 3)}
 
 
 @dataclass(frozen=True)
@@ -25,11 +38,11 @@ class ShellStiffness:
     drilling : resistance against rotation about the normal (force / length)
     """
 
-    membrane: tuple
-    coupling: tuple
-    bending: tuple
-    shear: tuple
-    drilling: float
+    membrane: Annotated[tuple, SQUARE[3]]
+    coupling: Annotated[tuple, SQUARE[3]]
+    bending: Annotated[tuple, SQUARE[3]]
+    shear: Annotated[tuple, SQUARE[2]]
+    drilling: NotNegative
 
     @property
     def uncoupled(self) -> np.ndarray:
@@ -73,14 +86,14 @@ class Plate(ShellSection):
     rule : by which they are placed: "gauss", "lobatto" or "simpson" (the last two have layers on the faces)
     """
 
-    thickness: float
-    shear_factor: float = 5 / 6
-    drilling: float = 1.0
+    thickness: Positive
+    shear_factor: Positive = 5 / 6
+    drilling: Positive = 1.0
     points: int = 5
-    rule: str = "gauss"
+    rule: Annotated[str, Choice(layers.RULES)] = "gauss"
 
     def __post_init__(self):
-        require_positive(self, "thickness", "shear_factor", "drilling")
+        check(self)
         layers.require_points(self)
 
     def layers(self) -> tuple[np.ndarray, np.ndarray]:
@@ -108,11 +121,12 @@ class GivenPlate(ShellSection):
     matrices : ShellStiffness
     """
 
-    thickness: float
+    thickness: Positive
     matrices: ShellStiffness
 
     def __post_init__(self):
-        require_positive(self, "thickness")
+        check(self)
+        _require_energy(self.matrices)
 
     def stiffness(self, material=None) -> ShellStiffness:
         return self.matrices
@@ -120,3 +134,22 @@ class GivenPlate(ShellSection):
 
 def _scaled(matrix, factor):
     return tuple(tuple(factor * c for c in row) for row in matrix)
+
+
+def _require_energy(given: ShellStiffness) -> None:
+    """Refuse a stiffness of numbers that is not the second derivative of an energy, or of a negative one."""
+    check(given)
+    for name in ("membrane", "coupling", "bending", "shear"):
+        matrix = np.array(getattr(given, name), dtype=float)
+        if np.abs(matrix - matrix.T).max() > EQUAL * np.abs(matrix).max():
+            raise ValueError(f"ShellStiffness: {name} is {matrix.tolist()}; it must be symmetric, as the second "
+                             "derivative of an energy is")
+    # Lengths are divided by one that makes both diagonals alike, so that rounding is small against either.
+    membrane, coupling, bending = (np.array(m) for m in (given.membrane, given.coupling, given.bending))
+    length = np.sqrt(np.trace(bending) / np.trace(membrane)) if np.trace(membrane) > 0 < np.trace(bending) else 1.0
+    whole = np.block([[membrane, coupling / length], [coupling / length, bending / length**2]])
+    for what, matrix in (("membrane, coupling and bending", whole), ("shear", np.array(given.shear))):
+        lowest = np.linalg.eigvalsh(matrix)[0]
+        if lowest < -EQUAL * np.abs(matrix).max():
+            raise ValueError(f"ShellStiffness: {what} are not positive: some strains have a negative energy (least "
+                             f"eigenvalue {lowest:.4g}); check the signs, and that couplings are small enough")

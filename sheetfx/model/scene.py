@@ -5,9 +5,9 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Annotated, Any
 
-from ..checks import require_known_component
+from ..checks import NONZERO, Count, Like, check, require_known_component
 from ..mesh.reader import COMPONENTS, NamedMesh
 from .beam import Bar, Beam
 from .contact import Contact
@@ -15,6 +15,9 @@ from .joints import Joint
 from .loads import Load, Moment, PrescribedDisplacement
 from .shell import Shell
 from .supports import Support
+
+TO_A_TARGET = Like("a LoadControl with the target 1, which ends at the full loads",
+                   lambda control: control is None or hasattr(control, "target"))
 
 
 @dataclass(frozen=True)
@@ -24,11 +27,16 @@ class Monitor:
     on: object
     at: str | None = None
     component: str | None = None
-    sign: float = 1.0
+    sign: Annotated[float, NONZERO] = 1.0
 
     def __post_init__(self):
+        check(self)
         if isinstance(self.on, NamedMesh):
-            self.on.at(self.at or "")
+            at = self.at or ""
+            self.on.require(f"Monitor at {self.at!r}", at, "point", "edge")
+            if (count := self.on.count(at)) != 1:
+                raise ValueError(f"Monitor at {self.at!r}: has {count} vertices, of which one displacement would be "
+                                 "the sum; name a point")
             require_known_component(f"Monitor at {self.at!r}", self.component or "", COMPONENTS[self.on.dimension])
         elif getattr(self.on, "travel", None) is None:
             raise ValueError(f"Monitor: {self.on!r} does not travel; name a point and a component of a mesh, or an "
@@ -49,11 +57,12 @@ class Stage:
 
     loads: Sequence[Load]
     name: str = "preload"
-    control: Any = None
+    control: Annotated[Any, TO_A_TARGET] = None
 
     def __post_init__(self):
+        check(self)
         if not self.loads:
-            raise ValueError(f"Stage {self.name!r}: no load; give at least one")
+            raise ValueError(f"Stage {self.name!r}: loads is empty; give at least one")
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,17 +87,23 @@ class Scene:
     loads: Sequence[Load]
     monitor: Monitor
     contacts: Sequence[Contact] = field(default_factory=tuple)
-    symmetry_factor: int = 1
+    symmetry_factor: Count = 1
     joints: Sequence[Joint] = field(default_factory=tuple)
     stages: Sequence[Stage] = field(default_factory=tuple)
 
     def __post_init__(self):
+        check(self)
         if not self.parts:
-            raise ValueError("Scene: no structure; give at least one beam, bar or shell")
+            raise ValueError("Scene: parts is empty; give at least one beam, bar or shell")
+        for name in ("parts", "contacts", "joints"):
+            given = list(map(id, getattr(self, name)))
+            if twice := [one for one in getattr(self, name) if given.count(id(one)) > 1]:
+                raise ValueError(f"Scene: {name} has the same {type(twice[0]).__name__} twice; leave one out")
         if not self.loads:
-            raise ValueError("Scene: no load; give at least one")
+            raise ValueError("Scene: loads is empty; give at least one")
         if not self.supports and not self.joints:
-            raise ValueError("Scene: the structure has no support and can move freely; add a support")
+            raise ValueError("Scene: supports is empty: the structure has no support and can move freely; add "
+                             "a support")
         self._check_prescribed()
         for mesh in self.meshes:
             self._check_spaces([part for part in self.parts if part.mesh is mesh])

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import pi, tanh
+from typing import Annotated
 
 import numpy as np
 
-from ..checks import require_finite, require_positive
+from ..checks import NotNegative, Positive, Range, check, checked
 from . import layers
 
 
@@ -23,14 +24,12 @@ class Elastic:
     density : mass per volume, for vibrations; None: not given
     """
 
-    modulus: float
-    poisson: float = 0.3
-    density: float | None = None
+    modulus: Positive
+    poisson: Annotated[float, Range(above=-1, most=0.5)] = 0.3
+    density: Positive | None = None
 
     def __post_init__(self):
-        require_positive(self, "modulus", "density")
-        if not -1 < self.poisson <= 0.5:
-            raise ValueError(f"Elastic: poisson is {self.poisson}; it must lie above -1 and not above 0.5")
+        check(self)
 
     @property
     def shear_modulus(self) -> float:
@@ -89,13 +88,13 @@ class Rectangle(Section):
     points : fibres along each side, by Gauss's rule, of a plastic material
     """
 
-    width: float
-    depth: float
-    shear_factor: float = 5 / 6
+    width: Positive
+    depth: Positive
+    shear_factor: Positive = 5 / 6
     points: int = 5
 
     def __post_init__(self):
-        require_positive(self, "width", "depth")
+        check(self)
         layers.require_points(self)
 
     def fibres(self):
@@ -126,13 +125,13 @@ class Tube(Section):
     points : fibres on a quarter of the circumference, and as dense through the wall, of a plastic material
     """
 
-    diameter: float
-    thickness: float
-    shear_factor: float = 0.5
+    diameter: Positive
+    thickness: Positive
+    shear_factor: Positive = 0.5
     points: int = 5
 
     def __post_init__(self):
-        require_positive(self, "diameter", "thickness")
+        check(self)
         layers.require_points(self)
         if 2 * self.thickness > self.diameter:
             raise ValueError(f"Tube: thickness {self.thickness} is more than half the diameter {self.diameter}")
@@ -162,7 +161,8 @@ class Tube(Section):
         return 2 * self.second_moments[0]
 
 
-def round_bar(diameter: float, points: int = 5) -> Tube:
+@checked
+def round_bar(diameter: Positive, points: int = 5) -> Tube:
     """Solid round section."""
     return Tube(diameter, diameter / 2, shear_factor=0.9, points=points)
 
@@ -180,12 +180,12 @@ class FibreList(Section):
     """
 
     places: tuple[tuple[float, float], ...]
-    areas: tuple[float, ...]
-    torsion: float
-    shear_factor: float = 5 / 6
+    areas: tuple[Positive, ...]
+    torsion: Positive
+    shear_factor: Positive = 5 / 6
 
     def __post_init__(self):
-        require_positive(self, "torsion", "shear_factor")
+        check(self)
         places, areas = np.asarray(self.places, float), np.asarray(self.areas, float)
         if places.shape != (len(areas), 2) or not (areas > 0).all():
             raise ValueError(f"FibreList: places has shape {places.shape}, with areas {areas.tolist()}; give a pair of "
@@ -225,13 +225,12 @@ class Flanged(Section):
     """
 
     bar: Section
-    width: float
-    thickness: float
+    width: Positive
+    thickness: Positive
     offset: float = 0.0
 
     def __post_init__(self):
-        require_positive(self, "width", "thickness")
-        require_finite(self, "offset")
+        check(self)
 
     @property
     def depth(self):
@@ -277,7 +276,8 @@ class Flanged(Section):
         return (self.bar.shear_factor * self.bar.area + 5 / 6 * self._flange) / self.area
 
 
-def effective_width(span: float, thickness: float, own: float, panels: float) -> float:
+@checked
+def effective_width(span: Positive, thickness: Positive, own: NotNegative, panels: NotNegative) -> float:
     """Width of panels that works with a bar as its flange: min(span / 3, own + 12 thickness, own + panels).
 
     The rule of codes for composite beams (thesis, eq. 5.1; GB 50017), in which the two halves of the panels count with

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Annotated
 
 import basix
 import numpy as np
@@ -12,13 +13,15 @@ import ufl
 from dolfinx import fem
 
 from .. import forms
+from ..checks import NONZERO, check
 from ..compat import geometry_degree
 from ..mesh.cellwise import cellwise
 from ..mesh.numbers import as_constants
 from ..mesh.quadrature import Rule, extrapolation, gauss, simplex
 from ..mesh.reader import NamedMesh
 from .gradient import require_law
-from .history import LawWithHistory, has_history
+from .history import LAW, LawWithHistory, has_history
+from .places import require_group
 from .plasticity import section_law
 from .plate import Plate, ShellSection
 from .section import Elastic
@@ -51,6 +54,9 @@ class ShellForm:
     low: Rule
     full: Rule
     facets: bool = False
+
+    def __post_init__(self):
+        check(self)
 
     def shares(self, frame, thickness):
         """Shares of the full rule in the energies of the membrane, and of shear and drilling; at most 1.
@@ -123,12 +129,14 @@ class Shell:
     material: Elastic | None = None
     form: str | ShellForm = "naghdi-q2"
     strains: Callable | None = None
-    law: Callable | LawWithHistory = forms.section.linear_shell
+    law: Annotated[Callable | LawWithHistory, LAW] = forms.section.linear_shell
     group: str | None = None
     offset: float = 0.0
-    axis: Sequence[float] | Callable | None = None
+    axis: Annotated[tuple[float, float, float], NONZERO] | Callable | None = None
 
     def __post_init__(self):
+        check(self)
+        require_group(self)
         if self.material is None and isinstance(self.section, Plate):
             raise ValueError(f"Shell: material is None, but {self.section} needs one; give an Elastic, or the "
                              "stiffness by a GivenPlate")

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
+from ..checks import NONZERO, Text, check, checked, require_known_component
 from ..mesh.reader import COMPONENTS, NamedMesh
 
 
@@ -39,15 +41,15 @@ class Support:
 
     mesh: NamedMesh
     at: str
-    fixed: str
+    fixed: Text
     axes: Sequence[Sequence[float]] | Callable | None = None
 
     def __post_init__(self):
+        check(self)
         known = COMPONENTS[self.mesh.dimension]
-        self.mesh.at(self.at)
+        self.mesh.require(f"Support at {self.at!r}", self.at, "point", "edge")
         for name in self.fixed.split():
-            if name not in known:
-                raise ValueError(f"Support at {self.at!r}: no component {name!r}; choose from {' '.join(known)}")
+            require_known_component(f"Support at {self.at!r}", name, known)
         if self.axes is not None and self.mesh.dimension != 3:
             raise ValueError(f"Support at {self.at!r}: axes are for structures in space")
 
@@ -60,17 +62,21 @@ class Support:
         return axes
 
 
+@checked
 def clamp(mesh: NamedMesh, at: str) -> Support:
     """All displacements and rotations fixed."""
     return Support(mesh, at, " ".join(COMPONENTS[mesh.dimension]))
 
 
+@checked
 def pin(mesh: NamedMesh, at: str) -> Support:
     """All displacements fixed."""
     return Support(mesh, at, " ".join(c for c in COMPONENTS[mesh.dimension] if not c.startswith("r")))
 
 
-def symmetry(mesh: NamedMesh, at: str, normal: str | Sequence[float] = "x") -> Support:
+@checked
+def symmetry(mesh: NamedMesh, at: str,
+             normal: str | Annotated[tuple[float, float, float], NONZERO] = "x") -> Support:
     """Structure cut by a plane: no displacement along its normal, rotation about the normal only.
 
     Parameters

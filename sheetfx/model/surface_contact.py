@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Annotated
 
 import numpy as np
 
 from .. import forms
-from ..checks import require_choice, require_finite, require_positive
+from ..checks import NONZERO, Choice, Count, NotNegative, Positive, check
 from ..mesh.lines import Stretch
 from ..mesh.projection import Cells, cells_at
 from ..mesh.reader import NamedMesh
@@ -17,7 +18,7 @@ from ..mesh.samples import Samples, merged, samples_of
 from .interface import stiffness_over
 from .joints import Joint
 from .pair_contact import ELASTIC_SLIP, PARALLEL, PENETRATION, STIFF
-from .places import title_of
+from .places import require_places, title_of
 from .shell import Shell
 
 
@@ -53,29 +54,22 @@ class SurfaceContact(Joint):
     mesh: NamedMesh
     at: str | Stretch | Sequence[str | Stretch] | None
     to: tuple[NamedMesh, str | None]
-    toward: Sequence[float] | None = None
-    distance: float | None = None
-    friction: float = 0.0
-    overhang: float | None = None
-    samples: int = 2
-    stiffness: float | None = None
-    tangential: float | None = None
-    enforcement: str = "uzawa"
+    toward: Annotated[tuple[float, float, float], NONZERO] | None = None
+    distance: NotNegative | None = None
+    friction: NotNegative = 0.0
+    overhang: NotNegative | None = None
+    samples: Count = 2
+    stiffness: Positive | None = None
+    tangential: Positive | None = None
+    enforcement: Annotated[str, Choice(("penalty", "uzawa"))] = "uzawa"
     law: Callable = forms.contact.mohr_coulomb
     name: str = field(default="SurfaceContact", kw_only=True)
 
     smooth = False
 
     def __post_init__(self):
-        require_choice(self, "enforcement", ("penalty", "uzawa"))
-        require_finite(self, "toward", "distance", "friction", "overhang", "stiffness", "tangential")
-        for name in ("distance", "friction", "overhang"):
-            value = getattr(self, name)
-            if value is not None and value < 0:
-                raise ValueError(f"{self._title}: {name} is {value}; it must not be negative")
-        require_positive(self, "stiffness", "tangential")
-        if self.samples < 1 or self.samples != int(self.samples):
-            raise ValueError(f"{self._title}: samples is {self.samples}; give a number of at least 1")
+        check(self)
+        require_places(self.name, self.mesh, self._places)
         if self.to[0].domain.topology.dim != 2 or self.to[0].dimension != 3:
             raise ValueError(f"{self._title}: the second part is no surface in space; give shells there, or use a "
                              "PairContact with curves")

@@ -12,6 +12,7 @@ from typer import Option
 
 from .. import meshes
 from ..case import Case
+from ..checks import AT_LEAST_1, NOT_NEGATIVE, POSITIVE, Choice
 from ..continuation.control import LoadControl, StepRule
 from ..mesh.reader import NamedMesh, read
 from ..model.scene import Monitor, Scene
@@ -25,12 +26,14 @@ from ..show.evaluate import communicator, last_state_kept, unit_of
 from ..show.files import paraview
 from ..show.pictures import shapes
 
-Cells = Annotated[int, Option(min=1, help="cells along each side of the modelled part")]
-Form = Annotated[str, Option(help=f"of the shell: {', '.join(FORMS)}")]
-Steps = Annotated[int, Option(min=1, help="load steps")]
-ShearFactor = Annotated[float, Option(help="on the transverse shear stiffness; with 200 the shell is shear-rigid")]
-FirstArc = Annotated[float, Option(help="first arc length")]
-LinearSteps = Annotated[int, Option(min=0, help="load steps of the nonlinear path; 0: the linear response alone")]
+Cells = Annotated[int, AT_LEAST_1, Option(help="cells along each side of the modelled part")]
+Form = Annotated[str, Choice(tuple(FORMS)), Option(help=f"of the shell: {', '.join(FORMS)}")]
+Steps = Annotated[int, AT_LEAST_1, Option(help="load steps")]
+ShearFactor = Annotated[float, POSITIVE,
+                        Option(help="on the transverse shear stiffness; with 200 the shell is shear-rigid")]
+FirstArc = Annotated[float, POSITIVE, Option(help="first arc length")]
+LinearSteps = Annotated[int, NOT_NEGATIVE,
+                        Option(help="load steps of the nonlinear path; 0: the linear response alone")]
 
 HIGHEST_GEOMETRY = 3  # of gmsh's quadrilaterals in DOLFINx
 

@@ -6,6 +6,7 @@ from typing import Annotated
 
 from typer import Option
 
+from ..checks import POSITIVE
 from ..continuation.events import Event
 from ..continuation.yielding import NAME, first_yield
 from ..model.plasticity import Plastic
@@ -14,7 +15,7 @@ from ..model.section import Elastic
 from ..record import Record
 from ..show.evaluate import last_state_kept
 
-Yield = Annotated[float | None, Option("--yield", help="yield stress (von Mises); default: elastic")]
+Yield = Annotated[float | None, POSITIVE, Option("--yield", help="yield stress (von Mises); default: elastic")]
 Hardening = Annotated[float, Option(help="increase of the yield stress by plastic strain, with --yield")]
 
 
@@ -22,7 +23,7 @@ def material(modulus: float, poisson: float, yield_stress: float | None, hardeni
     """Elastic, or plastic where a yield stress is given."""
     if yield_stress is None:
         if hardening:
-            raise ValueError(f"hardening is {hardening}, but there is no yield stress; add --yield")
+            raise ValueError(f"--hardening is {hardening}, but there is no yield stress; add --yield")
         return Elastic(modulus, poisson)
     return Plastic(modulus, poisson, yield_stress=yield_stress, hardening=hardening)
 

@@ -11,6 +11,7 @@ from typer import Option
 
 from .. import meshes
 from ..case import Case
+from ..checks import AT_LEAST_1, NOT_NEGATIVE, POSITIVE, Choice, Range
 from ..continuation.control import ArcLength
 from ..mesh.reader import NamedMesh, read
 from ..model.beam import Beam
@@ -27,27 +28,33 @@ from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
 from ..show.plastic import plastic_zones
+from . import looked_at
 from ._plastic import Hardening, Yield, material, plastic_quantities, yield_events
 
 RADIUS, WIDTH, MODULUS = 3380.6, 25.4, 72395.0
 FIBRES = 10  # an even number: one on the axis would let a section flow that has no stiffness left
 
 
+@looked_at
 def case(
-    ratio: Annotated[float, Option(help="radius of the punch over that of the arch")] = 1.0,
+    ratio: Annotated[float, POSITIVE, Option(help="radius of the punch over that of the arch")] = 1.0,
     no_punch: Annotated[bool, Option("--no-punch", help="point load instead of the punch")] = False,
-    friction: Annotated[float, Option(help="Coulomb's coefficient between arch and punch")] = 0.0,
-    half_angle: Annotated[float, Option(help="half of the arch's opening angle, degrees")] = 7.338,
-    thickness: Annotated[float, Option(help="depth of the section, mm")] = 4.7625,
-    elements: Annotated[int, Option(help="elements on half the arch")] = 320,
-    degree: Annotated[int, Option(help="of the elements: 1 (two nodes) or 2")] = 2,
-    contact: Annotated[str, Option(help="contact points: nodes or quadrature")] = "quadrature",
-    layer: Annotated[float | None, Option(help="contact layer, mm (0: exact); default as thin as is smooth")] = None,
-    enforcement: Annotated[str | None, Option(help="penalty, uzawa or semismooth; default the fastest")] = None,
+    friction: Annotated[float, NOT_NEGATIVE, Option(help="Coulomb's coefficient between arch and punch")] = 0.0,
+    half_angle: Annotated[float, Range(above=0, most=180),
+                          Option(help="half of the arch's opening angle, degrees")] = 7.338,
+    thickness: Annotated[float, POSITIVE, Option(help="depth of the section, mm")] = 4.7625,
+    elements: Annotated[int, AT_LEAST_1, Option(help="elements on half the arch")] = 320,
+    degree: Annotated[int, Choice((1, 2, 3)), Option(help="of the elements: 1 (two nodes) or 2")] = 2,
+    contact: Annotated[str, Choice(("nodes", "quadrature")),
+                       Option(help="contact points: nodes or quadrature")] = "quadrature",
+    layer: Annotated[float | None, NOT_NEGATIVE,
+                     Option(help="contact layer, mm (0: exact); default as thin as is smooth")] = None,
+    enforcement: Annotated[str | None, Choice(("penalty", "uzawa", "semismooth")),
+                           Option(help="penalty, uzawa or semismooth; default the fastest")] = None,
     full: Annotated[bool, Option("--full", help="the whole arch instead of its symmetric half")] = False,
     imperfection: Annotated[float, Option(help="amplitude of an antisymmetric imperfection, mm (with --full)")] = 0.0,
-    to: Annotated[float, Option(help="deflection of the crown at which the path ends, mm")] = 40.0,
-    step: Annotated[float, Option(help="first arc length")] = 0.005,
+    to: Annotated[float, POSITIVE, Option(help="deflection of the crown at which the path ends, mm")] = 40.0,
+    step: Annotated[float, POSITIVE, Option(help="first arc length")] = 0.005,
     yield_stress: Yield = None,
     hardening: Hardening = 0.0,
 ) -> Case:
@@ -66,8 +73,6 @@ def case(
     if no_punch:
         loads = [PointForce(mesh, "crown", (0.0, -1.0 / symmetry_factor))]
     else:
-        if not ratio > 0:
-            raise ValueError(f"arch: ratio is {ratio}; it must be positive (for no punch use --no-punch)")
         radius = ratio * RADIUS
         top = crown_height(mesh)
         punch = RigidCylinder(radius, (0.0, top + radius), travel=(0.0, -1.0))
@@ -89,12 +94,9 @@ def case(
 
 def arch_model(half_angle: float, elements: int, degree: int, full: bool, imperfection: float = 0.0) -> NamedMesh:
     """Mesh of the arch, or of its half from the crown, with the points start, crown and end."""
-    if not 0 < half_angle <= 180:
-        raise ValueError(f"arch: half angle is {half_angle} degrees; it must lie between 0 and 180")
-    if elements < 1:
-        raise ValueError(f"arch: elements is {elements}; at least 1 is needed")
     if imperfection and not full:
-        raise ValueError("arch: an antisymmetric imperfection needs the whole arch; add --full")
+        raise ValueError(f"arch: imperfection is {imperfection}, but an antisymmetric one needs the whole arch; add "
+                         "--full")
     angle = radians(half_angle)
     start, count = (-angle, 2 * elements) if full else (0.0, elements)
     mesh = read(lambda: meshes.arc(RADIUS, start, angle, count, {"crown": 0.0}), 2, min(degree, 2))

@@ -15,6 +15,7 @@ from typer import Option
 
 from .. import meshes
 from ..case import Case
+from ..checks import AT_LEAST_1, NONZERO, Choice
 from ..continuation.control import LoadControl
 from ..mesh.reader import read
 from ..model.beam import Beam
@@ -26,6 +27,7 @@ from ..record import Record
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
+from . import looked_at
 
 RADIUS = 100.0
 
@@ -39,18 +41,16 @@ class PolarSection(Rectangle):
         return sum(self.second_moments)
 
 
+@looked_at
 def case(
-    elements: Annotated[int, Option(help="elements on the bend")] = 32,
-    degree: Annotated[int, Option(help="of the elements: 1 (two nodes) or 2")] = 2,
-    force: Annotated[float, Option(help="tip force out of the plane")] = 600.0,
-    steps: Annotated[int, Option(help="load steps")] = 6,
+    elements: Annotated[int, AT_LEAST_1, Option(help="elements on the bend")] = 32,
+    degree: Annotated[int, Choice((1, 2, 3)), Option(help="of the elements: 1 (two nodes) or 2")] = 2,
+    force: Annotated[float, NONZERO, Option(help="tip force out of the plane")] = 600.0,
+    steps: Annotated[int, AT_LEAST_1, Option(help="load steps")] = 6,
     plain_tangent: Annotated[bool, Option("--plain-tangent", help="Newton's tangent without mixed points")] = False,
     polar: Annotated[bool, Option("--polar", help="polar moment 1/6 as torsion constant, not Saint-Venant's")] = False,
 ) -> Case:
     """Bathe and Bolourchi's bend: bending, twist and large rotations in space."""
-    for name, value in (("elements", elements), ("steps", steps)):
-        if value < 1:
-            raise ValueError(f"bend: {name} is {value}; at least 1 is needed")
     mesh = read(lambda: meshes.arc(RADIUS, -pi / 2, -pi / 4, elements), 3, min(degree, 2))
     section = (PolarSection if polar else Rectangle)(1.0, 1.0)
     beam = Beam(mesh, section, Elastic(1e7, 0.0), degree=degree, up=(0.0, 0.0, 1.0))

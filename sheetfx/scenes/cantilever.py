@@ -7,11 +7,13 @@ from typing import Annotated
 from typer import Option
 
 from ..case import Case
+from ..checks import NONZERO, POSITIVE
 from ..model.loads import EdgeForce
 from ..model.plate import Plate
 from ..model.section import Elastic
 from ..model.shell import Shell
 from ..model.supports import clamp
+from . import looked_at
 from ._benchmark import Cells, Form, Published, Reading, Steps, benchmark, members, surface
 
 LENGTH, WIDTH = 10.0, 1.0
@@ -26,11 +28,12 @@ REFERENCE = {"u_tip": 3.2897, "w_tip": 6.7002}
 CHART = members({"naghdi-q2": (2, 4, 8, 16), "naghdi-q3": (1, 2, 4, 8), "naghdi-p2cr": (4, 8, 16, 32)})
 
 
+@looked_at
 def case(
     cells: Cells = 8,
     form: Form = "naghdi-q3",
-    thickness: Annotated[float, Option(help="of the strip; it is 10 long and 1 wide")] = 0.1,
-    load: Annotated[float, Option(help="end shear at the end of the path")] = 4.0,
+    thickness: Annotated[float, POSITIVE, Option(help="of the strip; it is 10 long and 1 wide")] = 0.1,
+    load: Annotated[float, NONZERO, Option(help="end shear at the end of the path")] = 4.0,
     steps: Steps = 2,
 ) -> Case:
     """Cantilever strip bent by an end shear of fixed direction, with one cell across its width."""

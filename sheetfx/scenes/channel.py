@@ -21,7 +21,7 @@ from typer import Option
 
 from .. import meshes
 from ..case import Case
-from ..checks import require_positive_number
+from ..checks import POSITIVE, Range
 from ..continuation.control import ArcLength
 from ..mesh.reader import read
 from ..model.loads import PointForce
@@ -35,6 +35,7 @@ from ..record import Record
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
+from . import looked_at
 from ._benchmark import Form, Reading, slopes
 
 LENGTH, WEB, FLANGE, THICKNESS, MODULUS, POISSON = 36.0, 6.0, 2.0, 0.05, 1e7, 0.333
@@ -43,15 +44,15 @@ LOADED = "upper corner at end"
 READING = {"deflection": Reading(LOADED, "z", -1.0)}
 
 
+@looked_at
 def case(
-    cells: Annotated[int, Option(min=6, help="cells along the beam")] = 36,
+    cells: Annotated[int, Range(least=6), Option(help="cells along the beam")] = 36,
     across: Annotated[tuple[int, int], Option(help="cells across web and flange; 0: cells / 6 and / 18")] = (0, 0),
     form: Form = "naghdi-q2",
-    to: Annotated[float, Option(help="deflection under the force at which the path ends")] = 1.5,
-    step: Annotated[float, Option(help="first arc length")] = 0.02,
+    to: Annotated[float, POSITIVE, Option(help="deflection under the force at which the path ends")] = 1.5,
+    step: Annotated[float, POSITIVE, Option(help="first arc length")] = 0.02,
 ) -> Case:
     """Channel-section cantilever: it twists, and its compressed flange buckles at a limit point."""
-    require_positive_number("channel", to=to, step=step)
     if min(across) < 0:
         raise ValueError(f"channel: across is {across[0]} and {across[1]}; numbers of cells must not be negative")
     web, flange = across[0] or max(1, round(cells / 6)), across[1] or max(1, round(cells / 18))

@@ -13,7 +13,7 @@ from typer import Option
 
 from .. import meshes
 from ..case import Case
-from ..checks import require_positive_number
+from ..checks import AT_LEAST_1, POSITIVE, Choice
 from ..continuation.control import LoadControl
 from ..mesh.reader import read
 from ..model.beam import Beam
@@ -25,24 +25,23 @@ from ..record import Record
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
+from . import looked_at
 
 LENGTH = 1.0
 ENDS = {"pinned-pinned": ("x y", "y"), "clamped-free": ("x y rz", ""), "clamped-pinned": ("x y rz", "y"),
         "clamped-clamped": ("x y rz", "y rz")}
 
 
+@looked_at
 def case(
-    ends: Annotated[str, Option(help=f"of the column: {', '.join(ENDS)}")] = "pinned-pinned",
-    depth: Annotated[float, Option(help="depth of the section; the length is 1")] = 0.01,
-    elements: Annotated[int, Option(help="elements on the column")] = 12,
-    degree: Annotated[int, Option(help="of the elements: 1 (two nodes) or 2")] = 2,
-    to: Annotated[float, Option(help="load over Euler's at which the path ends")] = 10.0,
-    step: Annotated[float, Option(help="first step of the load, over Euler's")] = 0.5,
+    ends: Annotated[str, Choice(tuple(ENDS)), Option(help=f"of the column: {', '.join(ENDS)}")] = "pinned-pinned",
+    depth: Annotated[float, POSITIVE, Option(help="depth of the section; the length is 1")] = 0.01,
+    elements: Annotated[int, AT_LEAST_1, Option(help="elements on the column")] = 12,
+    degree: Annotated[int, Choice((1, 2, 3)), Option(help="of the elements: 1 (two nodes) or 2")] = 2,
+    to: Annotated[float, POSITIVE, Option(help="load over Euler's at which the path ends")] = 10.0,
+    step: Annotated[float, POSITIVE, Option(help="first step of the load, over Euler's")] = 0.5,
 ) -> Case:
     """Perfect column: the path is straight, and every critical point is a bifurcation."""
-    require_positive_number("column", depth=depth, elements=elements, to=to, step=step)
-    if ends not in ENDS:
-        raise ValueError(f"column: ends is {ends!r}; it must be one of {', '.join(ENDS)}")
     nodes = {"base": (0.0, 0.0), "top": (LENGTH, 0.0)}
     mesh = read(lambda: meshes.frame(nodes, {"column": ("base", "top", elements)}), 2)
     section = Rectangle(1.0, depth)

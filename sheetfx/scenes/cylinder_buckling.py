@@ -16,6 +16,7 @@ from scipy.linalg import eigh
 from typer import Option
 
 from ..case import Case
+from ..checks import AT_LEAST_1, POSITIVE
 from ..model.loads import EdgeForce
 from ..model.plate import Plate
 from ..model.scene import Monitor, Scene
@@ -26,21 +27,21 @@ from ..path import Until
 from ..record import Record
 from ..show.modes import draw_modes, mode_files
 from ..stability.buckling import buckling
+from . import looked_at
 from ._benchmark import Form, surface
 
 RADIUS, MATERIAL = 1000.0, Elastic(70000.0, 0.3)
 
 
+@looked_at
 def case(
-    ratio: Annotated[float, Option(help="radius over thickness")] = 500.0,
-    halves: Annotated[float, Option(help="length, in half waves of the axisymmetric mode")] = 2.0,
+    ratio: Annotated[float, POSITIVE, Option(help="radius over thickness")] = 500.0,
+    halves: Annotated[float, POSITIVE, Option(help="length, in half waves of the axisymmetric mode")] = 2.0,
     cells: Annotated[tuple[int, int], Option(help="cells around a quarter and along")] = (24, 4),
     form: Form = "naghdi-q3",
-    count: Annotated[int, Option(min=1, help="number of buckling loads")] = 8,
+    count: Annotated[int, AT_LEAST_1, Option(help="number of buckling loads")] = 8,
 ) -> Case:
     """Quarter of an axially compressed cylinder: modes with an even number of waves around."""
-    if not ratio > 0 or not halves > 0:
-        raise ValueError("cylinder-buckling: ratio and halves must be positive")
     thickness = RADIUS / ratio
     length = halves * pi * RADIUS / axisymmetric_wave(ratio)
 

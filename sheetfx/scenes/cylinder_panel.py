@@ -14,7 +14,7 @@ import numpy as np
 from typer import Option
 
 from ..case import Case
-from ..checks import require_positive_number
+from ..checks import POSITIVE
 from ..continuation.control import ArcLength
 from ..model.loads import EdgeForce
 from ..model.plate import Plate
@@ -26,22 +26,23 @@ from ..path import Until
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
+from . import looked_at
 from ._benchmark import Form, surface
 from .column import quantities
 
 RADIUS, POISSON = 1.0, 0.3
 
 
+@looked_at
 def case(
-    ratio: Annotated[float, Option(help="radius over thickness")] = 100.0,
-    length: Annotated[float, Option(help="half the length over the radius")] = 0.5,
+    ratio: Annotated[float, POSITIVE, Option(help="radius over thickness")] = 100.0,
+    length: Annotated[float, POSITIVE, Option(help="half the length over the radius")] = 0.5,
     cells: Annotated[tuple[int, int], Option(help="cells around and along")] = (10, 6),
     form: Form = "naghdi-q3",
-    to: Annotated[float, Option(help="load over the classical one at which the path ends")] = 0.9,
-    step: Annotated[float, Option(help="first arc length")] = 2e-4,
+    to: Annotated[float, POSITIVE, Option(help="load over the classical one at which the path ends")] = 0.9,
+    step: Annotated[float, POSITIVE, Option(help="first arc length")] = 2e-4,
 ) -> Case:
     """Axially compressed panel: several bifurcations within a few percent of the classical load."""
-    require_positive_number("cylinder-panel", ratio=ratio, length=length, to=to, step=step)
     thickness, quarter = RADIUS / ratio, pi / 2
 
     def place(x, y):

@@ -19,6 +19,7 @@ from typer import Option
 
 from .. import meshes
 from ..case import Case
+from ..checks import POSITIVE, Choice, Range
 from ..continuation.control import ArcLength
 from ..mesh.reader import read
 from ..model.beam import Beam
@@ -31,26 +32,23 @@ from ..record import Record
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
+from . import looked_at
 
 RADIUS, MODULUS = 100.0, 1.2e6
 
 
+@looked_at
 def case(
-    opening: Annotated[float, Option(help="opening angle, degrees")] = 215.0,
+    opening: Annotated[float, Range(above=0, below=360), Option(help="opening angle, degrees")] = 215.0,
     hinged: Annotated[bool, Option("--hinged", help="on two hinges, half the arch, to 200 EI / R^2")] = False,
-    elements: Annotated[int, Option(help="elements on what is modelled")] = 60,
-    degree: Annotated[int, Option(help="of the elements: 1 (two nodes) or 2")] = 2,
-    depth: Annotated[float, Option(help="depth of the section; the arch's radius is 100")] = 0.5,
-    to: Annotated[float, Option(help="deflection of the crown at which the path ends")] = 125.0,
-    step: Annotated[float, Option(help="first arc length")] = 0.05,
+    elements: Annotated[int, Range(least=2), Option(help="elements on what is modelled")] = 60,
+    degree: Annotated[int, Choice((1, 2, 3)), Option(help="of the elements: 1 (two nodes) or 2")] = 2,
+    depth: Annotated[float, Range(above=0, below=RADIUS / 10),
+                     Option(help="depth of the section; the arch's radius is 100")] = 0.5,
+    to: Annotated[float, POSITIVE, Option(help="deflection of the crown at which the path ends")] = 125.0,
+    step: Annotated[float, POSITIVE, Option(help="first arc length")] = 0.05,
 ) -> Case:
     """Deep arch under a point load; clamped and hinged it buckles at P R^2 / EI = 8.9728."""
-    if elements < 2:
-        raise ValueError(f"deep-arch: elements is {elements}; at least 2 are needed, one on each side of the crown")
-    if not 0 < depth < RADIUS / 10:
-        raise ValueError(f"deep-arch: depth is {depth}; a slender arch needs one between 0 and {RADIUS / 10:g}")
-    if not 0 < opening < 360:
-        raise ValueError(f"deep-arch: opening is {opening} degrees; it must lie between 0 and 360")
     half, symmetry_factor = radians(opening / 2), 2 if hinged else 1
     mesh = read(lambda: meshes.arc(RADIUS, 0.0 if hinged else -half, half, elements, {"crown": 0.0}), 2,
                  min(degree, 2))

@@ -8,6 +8,7 @@ from typing import Annotated
 from typer import Option
 
 from ..case import Case
+from ..checks import POSITIVE
 from ..continuation.control import ArcLength
 from ..mesh.reader import NamedMesh
 from ..model.loads import PointForce
@@ -16,6 +17,7 @@ from ..model.section import Elastic
 from ..model.shell import Shell
 from ..model.supports import Support, symmetry
 from ..path import Until
+from . import looked_at
 from ._benchmark import Cells, FirstArc, Form, Published, Reading, benchmark, cylinder, members
 
 READINGS = {"w_A": Reading("A", "z", -1.0), "u_B": Reading("B", "y")}
@@ -42,11 +44,12 @@ def eighth(form: str, cells: int, radius: float) -> tuple[NamedMesh, list[Suppor
                    Support(mesh, "east", "y z")]
 
 
+@looked_at
 def case(
     cells: Cells = 16,
     form: Form = "naghdi-q3",
-    thickness: Annotated[float, Option(help="of the shell; the radius is 100")] = 1.0,
-    load: Annotated[float, Option(help="each of the two forces at the end of the path")] = 12000.0,
+    thickness: Annotated[float, POSITIVE, Option(help="of the shell; the radius is 100")] = 1.0,
+    load: Annotated[float, POSITIVE, Option(help="each of the two forces at the end of the path")] = 12000.0,
     step: FirstArc = 0.02,
 ) -> Case:
     """Pinched cylinder with end diaphragms: folds under the forces. One eighth is modelled.

@@ -18,7 +18,7 @@ from typer import Option
 
 from .. import meshes
 from ..case import Case
-from ..checks import require_positive_number
+from ..checks import AT_LEAST_1, NOT_NEGATIVE, POSITIVE, Choice
 from ..continuation.control import ArcLength
 from ..mesh.mixed import read_mixed
 from ..mesh.reader import NamedMesh, read
@@ -38,6 +38,7 @@ from ..show.evaluate import last_state_kept
 from ..show.files import paraview
 from ..show.pairs import pair_history
 from ..show.pictures import shapes
+from . import looked_at
 from ._benchmark import Form
 from ._dome_contact import FACES_OF_PANELS, TIES, joints, separate_panels
 
@@ -61,38 +62,39 @@ class Dome:
     joints: list[Joint]
 
 
+@looked_at
 def case(
     geometry: Annotated[str, Option(help=f"of the nodes: {', '.join(meshes.tables.DOMES)}, or a file, see "
                                          "`meshes.read_table`")] = "hex",
-    model: Annotated[str, Option(help="panels and bars `coupled` along their edges, welded near the corners and in "
-                                      "`contact` elsewhere, bars with the effective `flange` of panels, or `bars` "
-                                      "alone")] = "coupled",
-    divisions: Annotated[int, Option(min=1, help="cells along each bar; even for quadrilaterals")] = 6,
+    model: Annotated[str, Choice(MODELS),
+                     Option(help="panels and bars `coupled` along their edges, welded near the corners and in "
+                                 "`contact` elsewhere, bars with the effective `flange` of panels, or `bars` "
+                                 "alone")] = "coupled",
+    divisions: Annotated[int, AT_LEAST_1, Option(help="cells along each bar; even for quadrilaterals")] = 6,
     form: Form = "naghdi-q2",
     offset: Annotated[float, Option(help="of the panels' mid-surfaces above the axes of the bars, mm")] = 0.0,
     held: Annotated[str, Option(help="components that supports hold at the corners")] = "x y z",
-    faces: Annotated[str, Option(help="that touch: panels lie on bars (`seat`), their edges push against bars "
-                                      "(`butt`), or `both`")] = "both",
-    weld: Annotated[float, Option(help="length of the welds from each corner of a panel along its edges, mm")] = 200.0,
-    tie: Annotated[str, Option(help="of rotations in the welds: all (`weld`), all but that in the panel's plane "
-                                    "(`bolt`), or none (`hinge`)")] = "weld",
-    gap: Annotated[float, Option(help="initial gap, mm")] = 0.1,
-    friction: Annotated[float, Option(help="Coulomb's coefficient of contact")] = 0.0,
-    pairs: Annotated[int | None, Option(help="of points along each edge; default three in each piece of cells")] = None,
-    stiffness: Annotated[float | None, Option(help="of a pair, N/mm, or without --pairs of contact, N/mm for each mm "
-                                                   "of edge; default by the panels' own")] = None,
-    enforcement: Annotated[str, Option(help="of contact: `penalty` or `uzawa`")] = "penalty",
-    to: Annotated[float, Option(help="deflection of the apex at which the path ends, mm")] = 45.0,
-    step: Annotated[float | None, Option(help="first arc length; default chosen by the structure")] = None,
+    faces: Annotated[str, Choice(tuple(FACES_OF_PANELS)),
+                     Option(help="that touch: panels lie on bars (`seat`), their edges push against bars (`butt`), or "
+                                 "`both`")] = "both",
+    weld: Annotated[float, POSITIVE,
+                    Option(help="length of the welds from each corner of a panel along its edges, mm")] = 200.0,
+    tie: Annotated[str, Choice(tuple(TIES)),
+                   Option(help="of rotations in the welds: all (`weld`), all but that in the panel's plane (`bolt`), "
+                               "or none (`hinge`)")] = "weld",
+    gap: Annotated[float, NOT_NEGATIVE, Option(help="initial gap, mm")] = 0.1,
+    friction: Annotated[float, NOT_NEGATIVE, Option(help="Coulomb's coefficient of contact")] = 0.0,
+    pairs: Annotated[int | None, AT_LEAST_1,
+                     Option(help="of points along each edge; default three in each piece of cells")] = None,
+    stiffness: Annotated[float | None, POSITIVE,
+                         Option(help="of a pair, N/mm, or without --pairs of contact, N/mm for each mm of edge; "
+                                     "default by the panels' own")] = None,
+    enforcement: Annotated[str, Choice(("penalty", "uzawa")),
+                           Option(help="of contact: `penalty` or `uzawa`")] = "penalty",
+    to: Annotated[float, POSITIVE, Option(help="deflection of the apex at which the path ends, mm")] = 45.0,
+    step: Annotated[float | None, POSITIVE, Option(help="first arc length; default chosen by the structure")] = None,
 ) -> Case:
     """Dome of panels on bars: the load at which its rising path bifurcates, and where it goes from there."""
-    if model not in MODELS:
-        raise ValueError(f"dome: model is {model!r}; it must be one of {', '.join(MODELS)}")
-    if faces not in FACES_OF_PANELS:
-        raise ValueError(f"dome: faces is {faces!r}; it must be one of {', '.join(FACES_OF_PANELS)}")
-    if tie not in TIES:
-        raise ValueError(f"dome: tie is {tie!r}; it must be one of {', '.join(TIES)}")
-    require_positive_number("dome", to=to)
     table = meshes.dome(geometry)
     for name in ("apex", "corners"):
         if name not in table.sets:

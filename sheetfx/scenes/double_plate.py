@@ -23,7 +23,7 @@ from typer import Option
 
 from .. import meshes
 from ..case import Case
-from ..checks import require_positive_number
+from ..checks import NOT_NEGATIVE, POSITIVE, Range
 from ..continuation.control import ArcLength
 from ..continuation.events import Event
 from ..continuation.sliding import first_touch, slide_off
@@ -45,6 +45,7 @@ from ..show.files import paraview
 from ..show.pairs import pair_history
 from ..show.pictures import shapes
 from ..show.plastic import plastic_zones
+from . import looked_at
 from ._plastic import plastic_quantities, yield_events
 from ._stages import stages, touches
 
@@ -53,19 +54,17 @@ FORM, LOADED = "naghdi-q2", "south-east"
 A, B, AGAIN, C = "A first touch", "B softens", "stiffens again", "C slide-off"
 
 
+@looked_at
 def case(
-    friction: Annotated[float, Option(help="Coulomb's coefficient")] = 0.2,
+    friction: Annotated[float, NOT_NEGATIVE, Option(help="Coulomb's coefficient")] = 0.2,
     elastic: Annotated[bool, Option("--elastic", help="no yielding")] = False,
-    gap: Annotated[float, Option(help="between the plates in mm")] = 20.0,
-    overlap: Annotated[float, Option(help="of the plates in mm")] = 40.0,
-    cells: Annotated[int, Option(min=4, help="cells along each plate")] = 16,
+    gap: Annotated[float, POSITIVE, Option(help="between the plates in mm")] = 20.0,
+    overlap: Annotated[float, Range(above=0, below=LENGTH), Option(help="of the plates in mm")] = 40.0,
+    cells: Annotated[int, Range(least=4), Option(help="cells along each plate")] = 16,
     line_load: Annotated[bool, Option("--line-load", help="spread the force along the free end")] = False,
-    step: Annotated[float, Option(help="first arc length")] = 0.01,
+    step: Annotated[float, POSITIVE, Option(help="first arc length")] = 0.01,
 ) -> Case:
     """Double plate: stages A, B and C of its path, contact force and slip."""
-    require_positive_number("double-plate", gap=gap, step=step)
-    if not 0 < overlap < LENGTH:
-        raise ValueError(f"double-plate: overlap is {overlap}; it must be between 0 and {LENGTH:g}")
     material = Elastic(MODULUS, POISSON) if elastic else Plastic(MODULUS, POISSON, yield_stress=YIELD)
     return plates(material, friction, gap, overlap, cells, line_load, step)
 

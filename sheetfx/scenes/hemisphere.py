@@ -12,11 +12,13 @@ import numpy as np
 from typer import Option
 
 from ..case import Case
+from ..checks import NONZERO, POSITIVE
 from ..model.loads import PointForce
 from ..model.plate import Plate
 from ..model.section import Elastic
 from ..model.shell import Shell
 from ..model.supports import Support, symmetry
+from . import looked_at
 from ._benchmark import Cells, Form, Published, Reading, Steps, at_load, benchmark, members, slopes, surface
 
 RADIUS, HOLE = 10.0, radians(18.0)
@@ -32,11 +34,12 @@ CHART = members({"naghdi-q2": (8, 12, 16), "naghdi-q3": (4, 6, 8, 12), "naghdi-p
 PEERS = [{"driver": "kratos", "arguments": ["hemisphere", "--cells", "24", "--steps", "10", "--solver", "amgcl"]}]
 
 
+@looked_at
 def case(
     cells: Cells = 8,
     form: Form = "naghdi-q3",
-    thickness: Annotated[float, Option(help="of the shell; the radius is 10")] = 0.04,
-    load: Annotated[float, Option(help="each of the four forces at the end of the path")] = 400.0,
+    thickness: Annotated[float, POSITIVE, Option(help="of the shell; the radius is 10")] = 0.04,
+    load: Annotated[float, NONZERO, Option(help="each of the four forces at the end of the path")] = 400.0,
     steps: Steps = 2,
 ) -> Case:
     """Pinched hemisphere: large rotations, hardly any stretching."""

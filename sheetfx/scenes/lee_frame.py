@@ -12,6 +12,7 @@ from typer import Option
 
 from .. import meshes
 from ..case import Case
+from ..checks import AT_LEAST_1, POSITIVE, Choice
 from ..continuation.control import ArcLength
 from ..mesh.reader import read
 from ..model.beam import Beam
@@ -25,16 +26,18 @@ from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
 from ..show.snaps import falls_curve
+from . import looked_at
 
 SIDE, LOAD_FROM_CORNER = 120.0, 24.0
 SECTION, MATERIAL = Rectangle(3.0, 2.0), Elastic(7.2e6, 0.3)
 
 
+@looked_at
 def case(
-    elements: Annotated[int, Option(help="elements on each member, a multiple of 5")] = 20,
-    degree: Annotated[int, Option(help="of the elements: 1 (two nodes) or 2")] = 2,
-    to: Annotated[float, Option(help="deflection under the load at which the path ends")] = 95.0,
-    step: Annotated[float, Option(help="first arc length")] = 0.02,
+    elements: Annotated[int, AT_LEAST_1, Option(help="elements on each member, a multiple of 5")] = 20,
+    degree: Annotated[int, Choice((1, 2, 3)), Option(help="of the elements: 1 (two nodes) or 2")] = 2,
+    to: Annotated[float, POSITIVE, Option(help="deflection under the load at which the path ends")] = 95.0,
+    step: Annotated[float, POSITIVE, Option(help="first arc length")] = 0.02,
 ) -> Case:
     """Lee's frame without shear: limits of 18556.7 and -9414.4, with a snap-back between them."""
     if elements < 5 or elements % 5:

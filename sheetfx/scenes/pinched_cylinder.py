@@ -7,10 +7,12 @@ from typing import Annotated
 from typer import Option
 
 from ..case import Case
+from ..checks import NONZERO, POSITIVE
 from ..model.loads import PointForce
 from ..model.plate import Plate
 from ..model.section import Elastic
 from ..model.shell import Shell
+from . import looked_at
 from ._benchmark import Cells, Form, LinearSteps, Reading, ShearFactor, benchmark, members, slopes
 from .diaphragm_cylinder import eighth
 
@@ -21,11 +23,12 @@ REFERENCE = {"deflection": 1.859e-5}
 CHART = members({"naghdi-q2": (8, 16, 24, 32), "naghdi-q3": (4, 8, 12, 16), "naghdi-p2cr": (16, 24, 32, 48)}, steps=0)
 
 
+@looked_at
 def case(
     cells: Cells = 16,
     form: Form = "naghdi-q3",
-    thickness: Annotated[float, Option(help="of the shell; the radius is 300")] = 3.0,
-    load: Annotated[float, Option(help="each of the two forces")] = 1.0,
+    thickness: Annotated[float, POSITIVE, Option(help="of the shell; the radius is 300")] = 3.0,
+    load: Annotated[float, NONZERO, Option(help="each of the two forces")] = 1.0,
     shear_factor: ShearFactor = 5 / 6,
     steps: LinearSteps = 1,
 ) -> Case:

@@ -7,6 +7,7 @@ from typing import Annotated
 from typer import Option
 
 from ..case import Case
+from ..checks import AT_LEAST_1, POSITIVE
 from ..continuation.control import ArcLength
 from ..model.loads import PointForce
 from ..model.plasticity import Plastic
@@ -14,6 +15,7 @@ from ..model.plate import Plate
 from ..model.shell import Shell
 from ..path import Until
 from ..record import Record
+from . import looked_at
 from ._benchmark import Cells, FirstArc, Form, Reading, benchmark, members
 from .diaphragm_cylinder import eighth
 
@@ -28,13 +30,14 @@ PEERS = [{"driver": "kratos",
           "arguments": ["plastic-cylinder", "--cells", "24", "--step", "1", "--solver", "sparse_lu"]}]
 
 
+@looked_at
 def case(
     cells: Cells = 24,
     form: Form = "naghdi-q2",
-    layers: Annotated[int, Option(help="layers through the thickness, by Gauss's rule")] = 5,
-    yield_stress: Annotated[float, Option("--yield", help="yield stress")] = 24.3,
+    layers: Annotated[int, AT_LEAST_1, Option(help="layers through the thickness, by Gauss's rule")] = 5,
+    yield_stress: Annotated[float, POSITIVE, Option("--yield", help="yield stress")] = 24.3,
     hardening: Annotated[float, Option(help="increase of the yield stress by plastic strain")] = 300.0,
-    to: Annotated[float, Option(help="deflection under a force at which the path ends")] = 200.0,
+    to: Annotated[float, POSITIVE, Option(help="deflection under a force at which the path ends")] = 200.0,
     step: FirstArc = 0.02,
 ) -> Case:
     """Pinched cylinder that flows and folds: the force at deflections of 50, 100, 150 and 200. One eighth is modelled.

@@ -16,6 +16,7 @@ from scipy.linalg import eigh
 from typer import Option
 
 from ..case import Case
+from ..checks import AT_LEAST_1, POSITIVE, Choice, Range
 from ..model.loads import EdgeForce
 from ..model.plate import Plate
 from ..model.scene import Monitor, Scene
@@ -26,6 +27,7 @@ from ..path import Until
 from ..record import Record
 from ..show.modes import draw_modes, mode_files
 from ..stability.buckling import buckling
+from . import looked_at
 from ._benchmark import Form, surface
 
 SUPPORTED, CLAMPED, FREE = "supported", "clamped", "free"
@@ -37,21 +39,19 @@ EDGES = {
 WIDTH, MODULUS = 1000.0, 210000.0
 
 
+@looked_at
 def case(
-    edges: Annotated[str, Option(help=f"one of {', '.join(EDGES)}: unloaded edges unless it says loaded; `free` "
-                                      "leaves one of them, `clamped-free` clamps the other")] = "simply-supported",
-    aspect: Annotated[float, Option(help="length along the load over width")] = 1.0,
-    cells: Annotated[int, Option(help="cells across the width")] = 8,
+    edges: Annotated[str, Choice(tuple(EDGES)),
+                     Option(help=f"one of {', '.join(EDGES)}: unloaded edges unless it says loaded; `free` leaves one "
+                                 "of them, `clamped-free` clamps the other")] = "simply-supported",
+    aspect: Annotated[float, POSITIVE, Option(help="length along the load over width")] = 1.0,
+    cells: Annotated[int, AT_LEAST_1, Option(help="cells across the width")] = 8,
     form: Form = "naghdi-q3",
-    slenderness: Annotated[float, Option(help="width over thickness")] = 1000.0,
-    poisson: Annotated[float, Option(help="Poisson's ratio")] = 0.3,
-    count: Annotated[int, Option(min=1, help="number of buckling loads")] = 6,
+    slenderness: Annotated[float, POSITIVE, Option(help="width over thickness")] = 1000.0,
+    poisson: Annotated[float, Range(above=-1, most=0.5), Option(help="Poisson's ratio")] = 0.3,
+    count: Annotated[int, AT_LEAST_1, Option(help="number of buckling loads")] = 6,
 ) -> Case:
     """Plate 1000 mm wide: factor k of its buckling load k pi^2 D / b^2, against theory."""
-    if edges not in EDGES:
-        raise ValueError(f"plate-buckling: edges is {edges!r}; it must be one of {', '.join(EDGES)}")
-    if not aspect > 0 or not slenderness > 0:
-        raise ValueError("plate-buckling: aspect and slenderness must be positive")
     mesh = surface(form, (max(1, round(cells * aspect)), cells), lambda x, y: (aspect * WIDTH * x, WIDTH * y, 0.0), {})
     thickness = WIDTH / slenderness
     shell = Shell(mesh, Plate(thickness), Elastic(MODULUS, poisson), form=form)

@@ -8,11 +8,13 @@ from typing import Annotated
 from typer import Option
 
 from ..case import Case
+from ..checks import NONZERO, POSITIVE
 from ..model.loads import PointForce
 from ..model.plate import Plate
 from ..model.section import Elastic
 from ..model.shell import Shell
 from ..model.supports import symmetry
+from . import looked_at
 from ._benchmark import Cells, Form, Published, Reading, Steps, benchmark, cylinder, members
 
 RADIUS, LENGTH = 4.953, 10.35
@@ -30,11 +32,12 @@ REFERENCE = {"w_A": 2.7655, "u_B": 4.5570, "u_C": 3.2766}
 CHART = members({"naghdi-q2": (8, 12, 16, 24), "naghdi-q3": (6, 8, 12), "naghdi-p2cr": (12, 16, 24, 32)})
 
 
+@looked_at
 def case(
     cells: Cells = 8,
     form: Form = "naghdi-q3",
-    thickness: Annotated[float, Option(help="of the shell; the radius is 4.953")] = 0.094,
-    load: Annotated[float, Option(help="each of the two forces at the end of the path")] = 40000.0,
+    thickness: Annotated[float, POSITIVE, Option(help="of the shell; the radius is 4.953")] = 0.094,
+    load: Annotated[float, NONZERO, Option(help="each of the two forces at the end of the path")] = 40000.0,
     steps: Steps = 10,
 ) -> Case:
     """Cylinder pulled flat: bending first, then stretching. One eighth is modelled.

@@ -9,6 +9,7 @@ from typer import Option
 
 from .. import meshes
 from ..case import Case
+from ..checks import AT_LEAST_1, Choice
 from ..continuation.control import LoadControl
 from ..mesh.reader import NamedMesh, read
 from ..model.beam import Beam
@@ -22,24 +23,24 @@ from ..record import Record
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
+from . import looked_at
 from ._benchmark import surface
 
 LENGTH = 12.0
 SECTION, MATERIAL = Rectangle(1.0, 0.1), Elastic(1.2e6, 0.0)
 
 
+@looked_at
 def case(
-    turns: Annotated[int, Option(help="full turns of the tip")] = 2,
-    elements: Annotated[int, Option(help="elements on the cantilever")] = 24,
-    degree: Annotated[int, Option(help="of the elements: 1 (two nodes) or 2")] = 2,
+    turns: Annotated[int, AT_LEAST_1, Option(help="full turns of the tip")] = 2,
+    elements: Annotated[int, AT_LEAST_1, Option(help="elements on the cantilever")] = 24,
+    degree: Annotated[int, Choice((1, 2, 3)), Option(help="of the elements: 1 (two nodes) or 2")] = 2,
     spatial: Annotated[bool, Option("--spatial", help="in space instead of in the plane")] = False,
-    form: Annotated[str | None, Option(help=f"shell instead of a beam: {', '.join(FORMS)}")] = None,
-    steps: Annotated[int, Option(help="load steps to a full turn")] = 10,
+    form: Annotated[str | None, Choice(tuple(FORMS)),
+                    Option(help=f"shell instead of a beam: {', '.join(FORMS)}")] = None,
+    steps: Annotated[int, AT_LEAST_1, Option(help="load steps to a full turn")] = 10,
 ) -> Case:
     """Cantilever rolled into circles: after each full turn the tip is back at the clamp."""
-    for name, value in (("turns", turns), ("elements", elements), ("steps", steps)):
-        if value < 1:
-            raise ValueError(f"roll-up: {name} is {value}; at least 1 is needed")
     moment = 2 * pi * turns * SECTION.stiffness(MATERIAL, 2)[2] / LENGTH
     part, supports, load = _shell(form, elements, moment) if form else _beam(degree, elements, moment, spatial)
     mesh = part.mesh

@@ -11,6 +11,7 @@ from typing import Annotated
 from typer import Option
 
 from ..case import Case
+from ..checks import POSITIVE
 from ..continuation.control import ArcLength
 from ..model.loads import PointForce
 from ..model.plate import Plate
@@ -19,6 +20,7 @@ from ..model.supports import Support, symmetry
 from ..path import Until
 from ..record import Record
 from ..show.plastic import plastic_zones
+from . import looked_at
 from ._benchmark import Cells, FirstArc, Form, Published, Reading, benchmark, cylinder, members
 from ._plastic import Hardening, Yield, material, plastic_quantities, yield_events
 from .lee_frame import quantities
@@ -49,11 +51,12 @@ CHART = members({"naghdi-q2": (4, 6, 8, 12), "naghdi-q3": (2, 3, 4, 6), "naghdi-
 PEERS = [{"driver": "kratos", "arguments": ["roof", "--cells", "16", "--step", "2", "--solver", "amgcl"]}]
 
 
+@looked_at
 def case(
     cells: Cells = 8,
     form: Form = "naghdi-q3",
-    thickness: Annotated[float, Option(help="of the roof in mm; 12.7 and 6.35 are published")] = 12.7,
-    to: Annotated[float, Option(help="deflection of the crown in mm at which the path ends")] = 30.0,
+    thickness: Annotated[float, POSITIVE, Option(help="of the roof in mm; 12.7 and 6.35 are published")] = 12.7,
+    to: Annotated[float, POSITIVE, Option(help="deflection of the crown in mm at which the path ends")] = 30.0,
     step: FirstArc = 0.02,
     yield_stress: Yield = None,
     hardening: Hardening = 0.0,

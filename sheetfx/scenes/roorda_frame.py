@@ -15,7 +15,7 @@ from typer import Option
 
 from .. import meshes
 from ..case import Case
-from ..checks import require_positive_number
+from ..checks import AT_LEAST_1, POSITIVE
 from ..continuation.control import LoadControl
 from ..mesh.reader import read
 from ..model.beam import Beam
@@ -26,19 +26,20 @@ from ..model.supports import Support, pin
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
+from . import looked_at
 from .column import quantities
 
 LENGTH = 1.0
 
 
+@looked_at
 def case(
-    depth: Annotated[float, Option(help="depth of the section; members have length 1")] = 1e-3,
-    elements: Annotated[int, Option(help="elements on each member, of degree 1")] = 40,
-    to: Annotated[float, Option(help="force on the corner over Euler's load at which the path ends")] = 2.0,
-    step: Annotated[float, Option(help="first step of the load, over Euler's")] = 0.2,
+    depth: Annotated[float, POSITIVE, Option(help="depth of the section; members have length 1")] = 1e-3,
+    elements: Annotated[int, AT_LEAST_1, Option(help="elements on each member, of degree 1")] = 40,
+    to: Annotated[float, POSITIVE, Option(help="force on the corner over Euler's load at which the path ends")] = 2.0,
+    step: Annotated[float, POSITIVE, Option(help="first step of the load, over Euler's")] = 0.2,
 ) -> Case:
     """Roorda's frame, perfect: the load falls on one side of the bifurcation and rises on the other."""
-    require_positive_number("roorda-frame", depth=depth, elements=elements, to=to, step=step)
     nodes = {"base": (0.0, 0.0), "corner": (0.0, LENGTH), "end": (LENGTH, LENGTH), "foot": (LENGTH, 0.0)}
     members = {"column": ("base", "corner", elements), "beam": ("corner", "end", elements), "strut": ("foot", "end", 1)}
     mesh = read(lambda: meshes.frame(nodes, members), 2)

@@ -8,11 +8,13 @@ from typing import Annotated
 from typer import Option
 
 from ..case import Case
+from ..checks import NONZERO, POSITIVE
 from ..model.loads import SurfaceForce
 from ..model.plate import Plate
 from ..model.section import Elastic
 from ..model.shell import Shell
 from ..model.supports import Support, symmetry
+from . import looked_at
 from ._benchmark import Cells, Form, LinearSteps, Reading, ShearFactor, benchmark, cylinder, members, slopes
 
 RADIUS, LENGTH, HALF_ANGLE = 25.0, 50.0, radians(40.0)
@@ -23,11 +25,12 @@ REFERENCE = {"deflection": 0.3020}
 CHART = members({"naghdi-q2": (4, 8, 12, 16), "naghdi-q3": (2, 4, 6, 8), "naghdi-p2cr": (8, 16, 24, 32)}, steps=0)
 
 
+@looked_at
 def case(
     cells: Cells = 8,
     form: Form = "naghdi-q3",
-    thickness: Annotated[float, Option(help="of the roof; its radius is 25")] = 0.25,
-    load: Annotated[float, Option(help="weight per area")] = 90.0,
+    thickness: Annotated[float, POSITIVE, Option(help="of the roof; its radius is 25")] = 0.25,
+    load: Annotated[float, NONZERO, Option(help="weight per area")] = 90.0,
     shear_factor: ShearFactor = 5 / 6,
     steps: LinearSteps = 1,
 ) -> Case:

@@ -8,6 +8,7 @@ from typing import Annotated
 from typer import Option
 
 from ..case import Case
+from ..checks import POSITIVE
 from ..continuation.control import ArcLength
 from ..model.loads import PointForce
 from ..model.plate import Plate
@@ -15,6 +16,7 @@ from ..model.section import Elastic
 from ..model.shell import Shell
 from ..model.supports import clamp, symmetry
 from ..path import Until
+from . import looked_at
 from ._benchmark import Cells, FirstArc, Form, Published, Reading, benchmark, cylinder, members
 
 RADIUS, LENGTH = 101.6, 304.8
@@ -29,11 +31,12 @@ REFERENCE = {"w_A": 172.0}
 CHART = members({"naghdi-q2": (8, 16, 24, 32), "naghdi-q3": (8, 12, 16), "naghdi-p2cr": (16, 24, 32, 48)})
 
 
+@looked_at
 def case(
     cells: Cells = 12,
     form: Form = "naghdi-q3",
-    thickness: Annotated[float, Option(help="of the shell; the radius is 101.6")] = 3.0,
-    load: Annotated[float, Option(help="force at the end of the path")] = 2000.0,
+    thickness: Annotated[float, POSITIVE, Option(help="of the shell; the radius is 101.6")] = 3.0,
+    load: Annotated[float, POSITIVE, Option(help="force at the end of the path")] = 2000.0,
     step: FirstArc = 0.02,
 ) -> Case:
     """Pinched semi-cylinder: its free end folds under the force. One half is modelled.

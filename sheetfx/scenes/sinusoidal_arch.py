@@ -17,7 +17,7 @@ from typer import Option
 
 from .. import meshes
 from ..case import Case
-from ..checks import require_positive_number
+from ..checks import AT_LEAST_1, POSITIVE, Choice
 from ..continuation.control import ArcLength
 from ..mesh.reader import read
 from ..model.beam import Beam
@@ -29,20 +29,21 @@ from ..path import Until
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
+from . import looked_at
 from .lee_frame import quantities
 
 SPAN = 100.0
 
 
+@looked_at
 def case(
-    alpha: Annotated[float, Option(help="rise of the crown over twice the radius of gyration")] = 2.8,
-    depth: Annotated[float, Option(help="depth of the section; the span is 100")] = 0.1,
-    elements: Annotated[int, Option(help="elements on the arch, an even number")] = 24,
-    degree: Annotated[int, Option(help="of the elements: 1 (two nodes) or 2")] = 2,
-    step: Annotated[float, Option(help="first arc length over the rise and span")] = 0.02,
+    alpha: Annotated[float, POSITIVE, Option(help="rise of the crown over twice the radius of gyration")] = 2.8,
+    depth: Annotated[float, POSITIVE, Option(help="depth of the section; the span is 100")] = 0.1,
+    elements: Annotated[int, AT_LEAST_1, Option(help="elements on the arch, an even number")] = 24,
+    degree: Annotated[int, Choice((1, 2, 3)), Option(help="of the elements: 1 (two nodes) or 2")] = 2,
+    step: Annotated[float, POSITIVE, Option(help="first arc length over the rise and span")] = 0.02,
 ) -> Case:
     """Sinusoidal arch: limit points and sideways bifurcations, in an order that depends on the rise."""
-    require_positive_number("sinusoidal-arch", alpha=alpha, depth=depth, step=step)
     if elements < 2 or elements % 2:
         raise ValueError(f"sinusoidal-arch: elements is {elements}; a node at the crown needs an even number")
     gyration = depth / sqrt(12)

@@ -9,11 +9,13 @@ import numpy as np
 from typer import Option
 
 from ..case import Case
+from ..checks import AT_LEAST_1, NONZERO, NOT_NEGATIVE, POSITIVE
 from ..model.loads import EdgeForce
 from ..model.plate import Plate
 from ..model.section import Elastic
 from ..model.shell import Shell
 from ..model.supports import clamp
+from . import looked_at
 from ._benchmark import Form, Published, Reading, Steps, benchmark, members, surface
 
 INNER, OUTER = 6.0, 10.0
@@ -34,12 +36,14 @@ PEERS = [{"driver": "kratos", "arguments": [
     "slit-annulus", "--cells", "30", "--across", "6", "--steps", "20", "--solver", "sparse_lu"]}]
 
 
+@looked_at
 def case(
-    cells: Annotated[int, Option(min=1, help="cells around the plate")] = 15,
-    across: Annotated[int, Option(min=0, help="cells across its width; 0: a fifth of those around, at least 2")] = 0,
+    cells: Annotated[int, AT_LEAST_1, Option(help="cells around the plate")] = 15,
+    across: Annotated[int, NOT_NEGATIVE,
+                      Option(help="cells across its width; 0: a fifth of those around, at least 2")] = 0,
     form: Form = "naghdi-q3",
-    thickness: Annotated[float, Option(help="of the plate; its radii are 6 and 10")] = 0.03,
-    load: Annotated[float, Option(help="force per length of the free side of the slit")] = 0.8,
+    thickness: Annotated[float, POSITIVE, Option(help="of the plate; its radii are 6 and 10")] = 0.03,
+    load: Annotated[float, NONZERO, Option(help="force per length of the free side of the slit")] = 0.8,
     steps: Steps = 5,
 ) -> Case:
     """Slit annular plate, one side of the slit clamped and the other lifted by more than its outer radius."""

@@ -14,7 +14,7 @@ from typer import Option
 
 from .. import meshes
 from ..case import Case
-from ..checks import require_positive_number
+from ..checks import POSITIVE
 from ..continuation.control import ArcLength
 from ..mesh.reader import read
 from ..model.beam import Bar
@@ -26,19 +26,20 @@ from ..path import Until
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
+from . import looked_at
 from .lee_frame import quantities
 
 INNER, OUTER = (25.0, 6.216), (43.30, 0.0)
 APEX = 8.216
 
 
+@looked_at
 def case(
     ring: Annotated[float, Option(help="force at each node of the inner ring over that at the apex")] = 0.0,
-    to: Annotated[float, Option(help="deflection of the apex at which the path ends")] = 20.0,
-    step: Annotated[float, Option(help="first arc length")] = 0.005,
+    to: Annotated[float, POSITIVE, Option(help="deflection of the apex at which the path ends")] = 20.0,
+    step: Annotated[float, POSITIVE, Option(help="first arc length")] = 0.005,
 ) -> Case:
     """Star dome: limit points, simple and double bifurcations of the path that keeps all symmetries."""
-    require_positive_number("star-dome", to=to)
     nodes, members = dome()
     mesh = read(lambda: meshes.frame(nodes, {name: (*ends, 1) for name, ends in members.items()}), 3)
     loads = [PointForce(mesh, "apex", (0.0, 0.0, -1.0))]

@@ -12,7 +12,7 @@ from typer import Option
 
 from .. import meshes
 from ..case import Case
-from ..checks import require_positive_number
+from ..checks import POSITIVE
 from ..continuation.control import ArcLength
 from ..mesh.reader import read
 from ..model.beam import Bar
@@ -24,15 +24,16 @@ from ..path import Until
 from ..show.curves import path_curve
 from ..show.files import paraview
 from ..show.pictures import shapes
+from . import looked_at
 from .lee_frame import quantities
 
 
+@looked_at
 def case(
-    rise: Annotated[float, Option(help="height of the apex over half the span")] = 3.0,
-    step: Annotated[float, Option(help="first arc length")] = 0.02,
+    rise: Annotated[float, POSITIVE, Option(help="height of the apex over half the span")] = 3.0,
+    step: Annotated[float, POSITIVE, Option(help="first arc length")] = 0.02,
 ) -> Case:
     """Two bars: bifurcations and limit points in turn, while the apex is pressed down to its mirror image."""
-    require_positive_number("von-mises-truss", rise=rise)
     nodes = {"left": (-1.0, 0.0), "apex": (0.0, rise), "right": (1.0, 0.0)}
     mesh = read(lambda: meshes.frame(nodes, {"one": ("left", "apex", 1), "other": ("apex", "right", 1)}), 2)
     return Case(

@@ -27,4 +27,4 @@ def draw_critical_modes(record: Record, folder: Folder, name: str = "critical_mo
         told = f"\n{100 * share:.0f} % of its energy in beams" if 0 < sum(beams) < len(beams) else ""
         drawn += [shape_of(record, mode, f"{point.title}: {with_unit(point.load, force)}{told}") for mode in modes]
     if drawn and communicator(record).rank == 0:
-        save_picture(lambda file: draw_shapes(drawn[:MOST], file), Folder(folder) / name)
+        save_picture(lambda file: draw_shapes(record, drawn[:MOST], file), Folder(folder) / name)

@@ -3,24 +3,24 @@
 from __future__ import annotations
 
 import csv
-from dataclasses import dataclass
+from dataclasses import replace
 from pathlib import Path as Folder
 
 import numpy as np
 from dolfinx import fem
 from dolfinx.io import VTKFile
+from scipy.spatial import cKDTree
 
 from ..record import Record
 from ..stability.buckling import BucklingLoad
 from ..stability.modes import mode_displacement
 from .display import save_picture
-from .evaluate import Curves, communicator
+from .evaluate import Curves, communicator, unit_of, with_unit
 from .surfaces import Surface, surfaces
-from .views import lines
+from .views import Manner, View, draw_views
 
 WIDTH, HEIGHT, ROW, COLUMNS, MOST = 1600, 900, 450, 3, 9  # in pixels: of pictures, least and of each row
-SHARE = 0.04
-UNDEFORMED, CURVE = "#9a9a9a", "#0b4f8a"
+SHARE = 0.05  # of the structure's size, by which its modes are moved
 COLUMNS_OF_TABLE = ("factor", "load", "increment", "cluster", "multiplicity", "residual")
 
 
@@ -32,7 +32,7 @@ def draw_modes(record: Record, folder: Folder, name: str = "modes.png") -> None:
     """
     shapes = [shape_of(record, load.mode, _title(load)) for load in record.buckling()[:MOST]]
     if communicator(record).rank == 0:
-        save_picture(lambda file: draw_shapes(shapes, file), Folder(folder) / name)
+        save_picture(lambda file: draw_shapes(record, shapes, file), Folder(folder) / name)
 
 
 def _title(load: BucklingLoad) -> str:
@@ -59,61 +59,29 @@ def mode_files(record: Record, folder: Folder) -> None:
                 stream.write_function(function, float(number))
 
 
-@dataclass
-class ModeShape:
-    """A mode as it is drawn, its places moved by the mode: title, surfaces, curves before and after."""
-
-    title: str
-    surfaces: list[Surface]
-    curves: tuple[np.ndarray, np.ndarray]
-
-    @property
-    def undeformed(self) -> np.ndarray:
-        """All undeformed places, (n, 3)."""
-        return np.concatenate([*(s.undeformed for s in self.surfaces), self.curves[0].reshape(-1, 3)])
-
-    @property
-    def flat(self) -> bool:
-        """Whether all lies in the plane of x and y, and stays there."""
-        current = [*(s.current for s in self.surfaces), self.curves[1].reshape(-1, 3)]
-        return not np.ptp(np.concatenate([self.undeformed, *current])[:, 2])
-
-
-def shape_of(record: Record, mode: np.ndarray, title: str) -> ModeShape | None:
-    """A mode on process 0, None elsewhere."""
+def shape_of(record: Record, mode: np.ndarray, title: str) -> View | None:
+    """A mode on process 0, None elsewhere; displacements are those of `mode_displacement`, the largest 1."""
     displacements = {mesh: mode_displacement(record.path, mesh, mode) for mesh in record.case.scene.meshes}
     found, curves = surfaces(record, displacements), Curves(record, displacements).evaluate()
-    return None if found is None else ModeShape(title, found, curves)
+    if found is None or curves is None:
+        return None
+    before, after = curves
+    return View(title, [replace(s, values=_along_normals(s)) for s in found], after, None, before)
 
 
-def draw_shapes(shapes: list[ModeShape], file: Folder) -> None:
-    """Draw modes side by side, moved by a small part of the structure's size."""
-    import pyvista
-
-    size = SHARE * np.linalg.norm(np.ptp(shapes[0].undeformed, axis=0))
-    rows, columns = -(-len(shapes) // COLUMNS), min(COLUMNS, len(shapes))
-    height = max(HEIGHT, ROW * rows)
-    plotter = pyvista.Plotter(off_screen=True, shape=(rows, columns), window_size=(WIDTH, height), border=False)
-    for i, shape in enumerate(shapes):
-        plotter.subplot(i // COLUMNS, i % COLUMNS)
-        for surface in shape.surfaces:
-            _add_surface(plotter, surface, size)
-        before, after = shape.curves
-        if len(before):
-            plotter.add_mesh(lines(before), color=UNDEFORMED, line_width=2)
-            plotter.add_mesh(lines(before + size * (after - before)), color=CURVE, line_width=4)
-        plotter.add_text(shape.title, font_size=11, color="black")
-        plotter.view_xy() if shape.flat else plotter.view_isometric()
-        plotter.camera.zoom(min(1.2, WIDTH / columns / (height / rows)))
-    plotter.set_background("white")
-    plotter.screenshot(file)
-    plotter.close()
-
-
-def _add_surface(plotter, surface: Surface, size: float) -> None:
+def _along_normals(surface: Surface) -> np.ndarray:
+    """Displacement along the normals of a surface, over the largest, at its places."""
     mesh = surface.mesh(surface.undeformed).compute_normals(cell_normals=False, split_vertices=False)
     values = np.einsum("ni,ni->n", mesh["displacement"], mesh["Normals"])
-    mesh.points = mesh.points + size * mesh["displacement"]
-    limit = float(np.abs(values).max()) or 1.0
-    plotter.add_mesh(mesh, scalars=values, cmap="coolwarm", clim=(-limit, limit), show_scalar_bar=False,
-                     ambient=0.25, diffuse=0.75, smooth_shading=True)
+    return values[cKDTree(mesh.points).query(surface.undeformed)[1]] / (np.abs(values).max() or 1.0)
+
+
+def draw_shapes(record: Record, shapes: list[View], file: Folder) -> None:
+    """Draw modes side by side, to one scale, which moves them by a small part of the structure's size."""
+    scale = SHARE * float(np.linalg.norm(np.ptp(shapes[0].undeformed, axis=0)))
+    rows = -(-len(shapes) // COLUMNS)
+    moved = with_unit(scale, unit_of(record.case.axes[0]))
+    draw_views([shape.moved(scale) for shape in shapes], file, Manner(
+        "displacement along the normal, over the largest",
+        [f"largest displacement of a mode drawn as {moved}", "grey: undeformed"], "coolwarm", (-1.0, 1.0), False,
+        (WIDTH, max(HEIGHT, ROW * rows))))

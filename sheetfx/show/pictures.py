@@ -26,7 +26,7 @@ from .evaluate import (
 )
 from .layout import Sheet
 from .surfaces import has_surfaces
-from .views import draw_views, view
+from .views import draw_states, view
 
 SIZE, MOST_VIEWS = (1600, 900), 6
 CLOSE = 0.005  # of the largest deflection and load, states that are drawn once
@@ -58,18 +58,19 @@ class Shape:
 def shapes(record: Record, folder: Folder, name: str = "shape.png") -> None:
     """Draw the structure undeformed, at critical points and at the last state (process 0 writes the file).
 
-    Surfaces are drawn side by side, one view to each state; curves all in one view. A critical point is drawn in its
+    Surfaces are drawn side by side, one view to each state, and so are curves in space that have several; other curves
+    all in one view. A critical point is drawn in its
     own state; if that does not converge again at the end of its step, and the legend tells where. Points that are close
     to each other are drawn once. The picture is left out with a warning where there is no X server and Xvfb is missing.
     """
-    if has_surfaces(record):
-        _draw_surfaces(record, Folder(folder) / name)
+    spatial = record.case.scene.parts[0].mesh.dimension == 3
+    if has_surfaces(record) or (spatial and len(states_to_draw(record)) > 1):
+        _draw_side_by_side(record, Folder(folder) / name)
         return
     undeformed, drawn = _collect(record)
     if communicator(record).rank > 0:
         return
     friction = any(c.friction for c in record.case.scene.contacts)
-    spatial = record.case.scene.parts[0].mesh.dimension == 3
     sheet = Sheet(SIZE, spatial, unit_of(record.case.axes[0]), record.case.scene.symmetry_factor,
                   entries=3 if record.case.scene.contacts else int(spatial))
     sheet.line("undeformed", UNDEFORMED, undeformed, width=2.5)
@@ -86,7 +87,7 @@ def shapes(record: Record, folder: Folder, name: str = "shape.png") -> None:
     save_picture(sheet.save, Folder(folder) / name)
 
 
-def _draw_surfaces(record: Record, file: Folder) -> None:
+def _draw_side_by_side(record: Record, file: Folder) -> None:
     views = []
     with last_state_kept(record):
         for state, label, _, _ in states_to_draw(record, MOST_VIEWS - 1):
@@ -94,7 +95,7 @@ def _draw_surfaces(record: Record, file: Folder) -> None:
             lines = label.split("; ")
             views.append(view(record, "\n".join(lines if len(lines) > 1 else label.split(": ", 1))))
     if communicator(record).rank == 0:
-        save_picture(lambda place: draw_views(record, views, place), file)
+        save_picture(lambda place: draw_states(record, views, place), file)
 
 
 def _collect(record: Record) -> tuple[np.ndarray | None, list[Shape]]:

@@ -15,7 +15,7 @@ from .display import save_picture
 from .evaluate import POINTS_PER_CELL, Curves, communicator, last_state_kept, unit_of
 from .pictures import MOST_VIEWS, states_to_draw
 from .surfaces import has_surfaces, surfaces
-from .views import COLOUR_MAP, OUTLINE, View, draw_views
+from .views import COLOUR_MAP, OUTLINE, View, draw_states
 
 MEANING = "share of the thickness or section that has flowed"
 
@@ -39,7 +39,7 @@ def plastic_zones(record: Record, folder: Folder, name: str = "plastic.png") -> 
     if communicator(record).rank > 0:
         return
     if shells:
-        save_picture(lambda file: draw_views(record, [v for v, _ in found], file, MEANING), Folder(folder) / name)
+        save_picture(lambda file: draw_states(record, [v for v, _ in found], file, MEANING), Folder(folder) / name)
     else:
         draw_plastic_curves(record, found).savefig(Folder(folder) / name, dpi=100)
 

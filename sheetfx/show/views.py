@@ -1,8 +1,9 @@
-"""Views of deformed surfaces side by side, to one scale and from one side."""
+"""Views of deformed structures side by side, to one scale and from one side."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path as Folder
 
@@ -13,7 +14,7 @@ from .evaluate import Curves, unit_of
 from .layout import EXAGGERATIONS
 from .surfaces import Surface, surfaces
 
-SIZE, DPI, OVERSAMPLING = np.array([1600, 900]), 100, 2
+SIZE, DPI, OVERSAMPLING = (1600, 900), 100, 2
 BAR, BOTTOM, TITLE = 170, 40, 56
 COLOUR_MAP, LINE, OUTLINE, BEAM = "viridis", "#1a1a1a", "#8c8c8c", "#c4432b"
 MOST_CELLS_WITH_EDGES, FOLD = 2000, 30.0
@@ -23,56 +24,114 @@ PREFERENCE, SHALLOW, RISE = 1.1, 0.12, 0.3
 
 @dataclass
 class View:
-    """A state to draw: its title, surfaces, and beams (cells, points, 3) with what colours them, if anything."""
+    """A state or a mode to draw.
+
+    Attributes
+    ----------
+    beams : current places of curves, (cells, points, 3); None: there are none
+    beam_values : what colours them, (cells, points); None: they have one colour
+    beams_before : their undeformed places, to be drawn; None: they are not
+    """
 
     title: str
     surfaces: list[Surface]
     beams: np.ndarray | None
     beam_values: np.ndarray | None = None
+    beams_before: np.ndarray | None = None
 
     @property
     def places(self) -> np.ndarray:
         """All places to be seen, (n, 3)."""
-        lines = [] if self.beams is None else [self.beams.reshape(-1, 3)]
+        lines = [b.reshape(-1, 3) for b in (self.beams, self.beams_before) if b is not None]
         return np.concatenate([p for s in self.surfaces for p in (s.undeformed, s.current)] + lines)
+
+    @property
+    def undeformed(self) -> np.ndarray:
+        """All undeformed places that are known, (n, 3)."""
+        lines = [] if self.beams_before is None else [self.beams_before.reshape(-1, 3)]
+        return np.concatenate([*(s.undeformed for s in self.surfaces), *lines])
+
+    @property
+    def colours(self) -> list[np.ndarray]:
+        """All that is drawn as colours."""
+        return [*(s.colours for s in self.surfaces), *([] if self.beam_values is None else [self.beam_values])]
+
+    def moved(self, scale: float) -> View:
+        """The same with displacements drawn to another scale."""
+        beams = self.beams if self.beams is None or self.beams_before is None else (
+            self.beams_before + scale * (self.beams - self.beams_before))
+        return replace(self, beams=beams, surfaces=[
+            replace(s, current=s.undeformed + scale * (s.current - s.undeformed)) for s in self.surfaces])
+
+
+@dataclass(frozen=True)
+class Manner:
+    """How views are drawn.
+
+    Attributes
+    ----------
+    meaning : of colours
+    remarks : at the foot
+    colour_map, limits : of colours; limits None: from zero to the largest
+    exaggerated : whether heights of shallow structures are
+    size : of the picture in pixels
+    """
+
+    meaning: str
+    remarks: Sequence[str] = ()
+    colour_map: str = COLOUR_MAP
+    limits: tuple[float, float] | None = None
+    exaggerated: bool = True
+    size: tuple[int, int] = SIZE
 
 
 def view(record: Record, title: str) -> View | None:
     """What is shown of the current fields, on process 0; None elsewhere."""
     beams = any(part.mesh.domain.topology.dim == 1 for part in record.case.scene.parts)
     found, curves = surfaces(record), Curves(record).evaluate() if beams else None
-    return None if found is None else View(title, found, None if curves is None else curves[1])
+    if found is None:
+        return None
+    if curves is None or found:
+        return View(title, found, None if curves is None else curves[1])
+    before, now = curves
+    return View(title, found, now, np.linalg.norm(now - before, axis=2), before)
 
 
-def draw_views(record: Record, views: list[View], file: Folder, meaning: str = "") -> None:
-    """Draw states, surfaces coloured by the size of displacement or what `meaning` says; needs an X server."""
+def draw_states(record: Record, views: list[View], file: Folder, meaning: str = "") -> None:
+    """Draw states, coloured by the size of displacement or what `meaning` says; needs an X server."""
+    unit, factor = unit_of(record.case.axes[0]), record.case.scene.symmetry_factor
+    parts = [f"one of {factor} equal parts"] if factor > 1 else []
+    draw_views(views, file, Manner(meaning or (f"displacement ({unit})" if unit else "displacement"),
+                                   [*parts, "grey: before deformation"]))
+
+
+def draw_views(views: list[View], file: Folder, manner: Manner) -> None:
+    """Draw views side by side; needs an X server."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
     from matplotlib.figure import Figure
 
-    camera = Camera(views)
-    columns, rows = camera.fit(len(views))
-    norm = Normalize(0, max(s.colours.max() for v in views for s in v.surfaces) or 1.0)
-    figure = Figure(figsize=SIZE / DPI, dpi=DPI)
+    camera, size = Camera(views, manner.exaggerated), np.array(manner.size)
+    columns, rows = camera.fit(len(views), manner.size)
+    norm = Normalize(*(manner.limits or (0, max(c.max() for v in views for c in v.colours) or 1.0)))
+    figure = Figure(figsize=size / DPI, dpi=DPI)
     FigureCanvasAgg(figure)
-    cell = np.array([SIZE[0] - BAR, SIZE[1] - BOTTOM]) // (columns, rows)
+    cell = np.array([size[0] - BAR, size[1] - BOTTOM]) // (columns, rows)
     for i, shown in enumerate(views):
-        corner = i % columns * cell[0], SIZE[1] - (i // columns + 1) * cell[1]
-        axes = figure.add_axes((*(corner / SIZE), *(camera.pixels / SIZE)))
-        axes.imshow(_render(shown, camera, norm), interpolation="antialiased", aspect="auto")
+        corner = i % columns * cell[0], size[1] - (i // columns + 1) * cell[1]
+        axes = figure.add_axes((*(corner / size), *(camera.pixels / size)))
+        axes.imshow(_render(shown, camera, norm, manner.colour_map), interpolation="antialiased", aspect="auto")
         axes.set_axis_off()
         axes.set_title(shown.title, fontsize=14 if columns < 3 else 11)
     fit_titles(figure, cell[0])
-    bar_axes = figure.add_axes((1 - 0.7 * BAR / SIZE[0], 0.2, 0.015, 0.6))
-    bar = figure.colorbar(ScalarMappable(norm, COLOUR_MAP), cax=bar_axes)
-    unit = unit_of(record.case.axes[0])
-    bar.set_label(meaning or (f"displacement ({unit})" if unit else "displacement"), fontsize=13)
-    bar.ax.tick_params(labelsize=11)
-    symmetry_factor = record.case.scene.symmetry_factor
-    notes = [f"one of {symmetry_factor} equal parts" if symmetry_factor > 1 else "", "grey: edges before deformation",
-             f"heights (z) x {camera.exaggeration}" if camera.exaggeration > 1 else ""]
-    figure.text(0.99, 0.015, "; ".join(n for n in notes if n), ha="right", fontsize=11, color="#555555")
+    if any(v.colours for v in views):
+        bar_axes = figure.add_axes((1 - 0.7 * BAR / size[0], 0.2, 0.015, 0.6))
+        bar = figure.colorbar(ScalarMappable(norm, manner.colour_map), cax=bar_axes)
+        bar.set_label(manner.meaning, fontsize=13)
+        bar.ax.tick_params(labelsize=11)
+    notes = [*manner.remarks, *([f"heights (z) x {camera.exaggeration}"] if camera.exaggeration > 1 else [])]
+    figure.text(0.99, 0.015, "; ".join(notes), ha="right", fontsize=11, color="#555555")
     figure.savefig(file, dpi=DPI)
 
 
@@ -87,6 +146,8 @@ def fit_titles(figure, width: float) -> None:
 class Camera:
     """A parallel projection, from the side that shows most of the surfaces, that all views share.
 
+    What lies in the plane of x and y, and stays there, is seen from above.
+
     Attributes
     ----------
     exaggeration : of heights along z where the structure is shallow
@@ -94,22 +155,25 @@ class Camera:
     pixels : size of each view, after `fit`
     """
 
-    def __init__(self, views: list[View]):
+    def __init__(self, views: list[View], exaggerated: bool = True):
         self.exaggeration = 1
         places = np.concatenate([v.places for v in views])
         extent = np.ptp(places, axis=0)
-        if 0 < extent[2] < SHALLOW * max(extent[:2]):
+        if exaggerated and 0 < extent[2] < SHALLOW * max(extent[:2]):
             self.exaggeration = max([1, *(e for e in EXAGGERATIONS if e * extent[2] <= RISE * max(extent[:2]))])
-        area = np.concatenate([self._areas(s) for v in views for s in v.surfaces])
+        self.frame = self._frame(views) if extent[2] else np.eye(3)
+        across = self.place(places) @ self.frame.T
+        self._low, self._high = across.min(axis=0), across.max(axis=0)
+
+    def _frame(self, views: list[View]) -> np.ndarray:
+        area = np.concatenate([np.zeros((1, 3)), *(self._areas(s) for v in views for s in v.surfaces)])
         seen = [np.abs(area @ side).sum() for side in SIDES]
         best = int(np.argmax(seen))
-        back = SIDES[0 if seen[best] < PREFERENCE * seen[0] else best]
+        back = SIDES[0 if seen[best] <= PREFERENCE * seen[0] else best]
         back = back / np.linalg.norm(back)
         right = np.cross([0.0, 0.0, 1.0], back)
         right /= np.linalg.norm(right)
-        self.frame = np.array([right, np.cross(back, right), back])
-        across = self.place(places) @ self.frame.T
-        self._low, self._high = across.min(axis=0), across.max(axis=0)
+        return np.array([right, np.cross(back, right), back])
 
     def _areas(self, surface: Surface) -> np.ndarray:
         a, b, c = (self.place(surface.current)[surface.faces[:, i]] for i in range(3))
@@ -119,12 +183,12 @@ class Camera:
         """Places in the drawing, heights exaggerated."""
         return places * (1, 1, self.exaggeration)
 
-    def fit(self, count: int) -> tuple[int, int]:
-        """Columns and rows in which `count` views are largest."""
-        size, best = (self._high - self._low)[:2], 0.0
+    def fit(self, count: int, picture: tuple[int, int] = SIZE) -> tuple[int, int]:
+        """Columns and rows in which `count` views are largest, in a picture of a size in pixels."""
+        size, best = np.maximum((self._high - self._low)[:2], 1e-9), 0.0
         for columns in range(1, count + 1):
             rows = -(-count // columns)
-            pixels = np.array([SIZE[0] - BAR, SIZE[1] - BOTTOM]) // (columns, rows) - (0, TITLE)
+            pixels = np.array([picture[0] - BAR, picture[1] - BOTTOM]) // (columns, rows) - (0, TITLE)
             if min(pixels / size) > best:
                 best, self.pixels, grid = min(pixels / size), pixels, (columns, rows)
         self.scale = 1.06 * self.pixels[1] / best / 2
@@ -145,7 +209,7 @@ class Camera:
         return self.place(places) + np.linalg.norm(self._high - self._low) / 500 * self.frame[2]
 
 
-def _render(shown: View, camera: Camera, norm) -> np.ndarray:
+def _render(shown: View, camera: Camera, norm, colour_map: str) -> np.ndarray:
     """A view without its title, pixels (rows, columns, 3)."""
     import pyvista
 
@@ -155,17 +219,20 @@ def _render(shown: View, camera: Camera, norm) -> np.ndarray:
     for surface in shown.surfaces:
         outline = surface.mesh(camera.place(surface.undeformed)).extract_feature_edges(feature_angle=FOLD)
         plotter.add_mesh(outline, color=OUTLINE, line_width=1.2 * OVERSAMPLING, lighting=False)
-        plotter.add_mesh(surface.mesh(camera.place(surface.current)), scalars="colours", cmap=COLOUR_MAP,
+        plotter.add_mesh(surface.mesh(camera.place(surface.current)), scalars="colours", cmap=colour_map,
                          clim=(norm.vmin, norm.vmax), show_scalar_bar=False, smooth_shading=True,
                          split_sharp_edges=True, feature_angle=FOLD, ambient=0.35, specular=0.1)
         if len(surface.borders) <= MOST_CELLS_WITH_EDGES:
             plotter.add_mesh(surface.edges(camera.forward(surface.current)), color=LINE, opacity=0.5,
                              line_width=0.6 * OVERSAMPLING, lighting=False)
-    if shown.beams is not None:
+    if shown.beams_before is not None and len(shown.beams_before):
+        plotter.add_mesh(lines(camera.place(shown.beams_before)), color=OUTLINE, line_width=1.5 * OVERSAMPLING,
+                         lighting=False)
+    if shown.beams is not None and len(shown.beams):
         mesh, colours = lines(camera.forward(shown.beams)), {"color": BEAM}
         if shown.beam_values is not None:
             mesh["colours"] = shown.beam_values.ravel()
-            colours = {"scalars": "colours", "cmap": COLOUR_MAP, "clim": (norm.vmin, norm.vmax),
+            colours = {"scalars": "colours", "cmap": colour_map, "clim": (norm.vmin, norm.vmax),
                        "show_scalar_bar": False}
         plotter.add_mesh(mesh, line_width=4 * OVERSAMPLING, lighting=False, **colours)
     camera.aim(plotter)

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.interpolate import RBFInterpolator
 from scipy.optimize import brentq, minimize_scalar, root
 
-from ..checks import require_positive_number
+from ..checks import Positive, require
 from ..continuation.state import CriticalPoint, State
 from ..continuation.tracer import tracer_of
 from .critical import state_at, step_of
@@ -83,7 +83,7 @@ def branches(path, states: Sequence[State], point: CriticalPoint, amplitude: flo
         For a limit point, if the amplitude is not positive, or if the states around the point are not given.
     NoBranch
     """
-    require_positive_number("branches", amplitude=amplitude)
+    require("branches", amplitude=(amplitude, Positive))
     tracer = tracer_of(path)
     if point.kind != "bifurcation":
         raise ValueError(f"branches: a {point.kind} point (load {point.load:.6g}) has no branches; "

@@ -18,7 +18,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from .. import forms
-from ..checks import require_positive_number
+from ..checks import Count, require
 from ..continuation.linear import DirectSolver
 from ..continuation.spectrum import lowest, nearest_pairs
 from ..continuation.state import State
@@ -70,7 +70,7 @@ def frequencies(path, state: State, count: int = 6) -> list[Vibration]:
     ValueError
         If a part has no density, the count is not positive, or there is friction.
     """
-    require_positive_number("frequencies", count=count)
+    require("frequencies", count=(count, Count))
     discretisation = path.discretisation
     if not (discretisation.system.conservative or discretisation.system.smooth):
         raise ValueError("frequencies: with friction small motions have none; use a contact without it")

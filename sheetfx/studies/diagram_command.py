@@ -6,18 +6,19 @@ import os
 
 import typer
 
-from .run import RESUME, Scenes, folder_of, option, with_options
+from ..checks import POSITIVE
+from .run import OF_A_FOLDER, RESUME, Scenes, folder_of, option, with_options
 
 OWN = [
     option("levels", int, 1, "Levels of branches: 1, those of the primary path; 2, theirs too.", "--levels", min=0),
     option("max_load", float | None, None, "Load at which every path ends; default as the scene's path.",
-           "--max-load", min=0),
+           "--max-load", rules=[POSITIVE]),
     option("max_deflection", float | None, None, "Deflection at which every path ends, likewise.", "--max-deflection",
-           min=0),
+           rules=[POSITIVE]),
     option("max_steps", int, 200, "Steps of each path.", "--max-steps", min=1),
     option("processes", int, len(os.sched_getaffinity(0)), "Branches traced at a time.", "--processes", min=1),
     option("output", str | None, None, "Folder of the results; default results/NAME-diagram.", "-o", "--output",
-           metavar="PATH"),
+           metavar="PATH", rules=[OF_A_FOLDER]),
     RESUME,
 ]
 

@@ -11,20 +11,25 @@ from typing import Annotated
 import typer
 from typer.core import TyperGroup
 
-from ..scenes import load_case, scene_names
+from ..checks import POSITIVE, Like, require
+from ..scenes import load_case, option_of, scene_names
 
 PLAIN = {"add_completion": False, "pretty_exceptions_enable": False}
 
 
-def option(name: str, annotation, default, help_text: str, *flags: str, **settings) -> inspect.Parameter:
-    """A parameter of a command that is an option."""
+def option(name: str, annotation, default, help_text: str, *flags: str, rules: Sequence = (),
+           **settings) -> inspect.Parameter:
+    """A parameter of a command that is an option; `rules` are of `checks`."""
     return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[
-        annotation, typer.Option(*flags, help=help_text, **settings)])
+        annotation, *rules, typer.Option(*flags, help=help_text, **settings)])
 
 
+OF_A_FOLDER = Like("a text", lambda name: name is None or isinstance(name, str))  # "" is refused by `folder_of`
 OUTPUT = option("output", str | None, None, "Folder of the results; default results/NAME.", "-o", "--output",
-                metavar="PATH")
+                metavar="PATH", rules=[OF_A_FOLDER])
 RESUME = option("resume", bool, False, "Go on with an interrupted run in that folder.", "--resume")
+BALANCE = option("balance", float | None, None, "Accuracy of the energy balance, such as 1e-6; finds more states "
+                 "within steps, in about the time of the path.", "--balance", rules=[POSITIVE])
 TABLES = option("tables", bool, False, "Write reactions, energies and section forces of all states as CSV.", "--tables")
 
 
@@ -39,10 +44,10 @@ class Scenes(TyperGroup):
     @staticmethod
     def runner(name: str, function):
         """A command with the options of a scene's function and those of every run."""
-        def command(output: str | None, resume: bool, tables: bool, **parameters):
-            run_scene(name, function, parameters, output, resume, tables)
+        def command(output: str | None, resume: bool, tables: bool, balance: float | None, **parameters):
+            run_scene(name, function, parameters, output, resume, tables, balance)
 
-        return with_options(command, function, [OUTPUT, RESUME, TABLES])
+        return with_options(command, function, [OUTPUT, RESUME, TABLES, BALANCE])
 
     def list_commands(self, context):
         return scene_names()
@@ -77,9 +82,15 @@ def run_group(listing: Annotated[bool, typer.Option("--list", help="Print the na
 def with_options(command, function, own: Sequence[inspect.Parameter]):
     """A command that takes the parameters of a scene's function as options, and some of its own."""
     parameters = inspect.signature(function, eval_str=True).parameters.values()
-    command.__signature__ = inspect.Signature([
+
+    def looked_at(**options):
+        for parameter in own:
+            require("sheetfx", **{option_of(parameter): (options[parameter.name], parameter.annotation)})
+        command(**options)
+
+    looked_at.__signature__ = inspect.Signature([
         *(p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in parameters), *own])
-    return command
+    return looked_at
 
 
 def folder_of(name: str, output: str | None, ending: str = "") -> Path:
@@ -89,8 +100,10 @@ def folder_of(name: str, output: str | None, ending: str = "") -> Path:
     return Path("results") / f"{Path(name).stem}{ending}" if output is None else Path(output)
 
 
-def run_scene(name: str, function, parameters: dict, output: str | None, resume: bool, with_tables: bool) -> None:
+def run_scene(name: str, function, parameters: dict, output: str | None, resume: bool, with_tables: bool,
+              balance: float | None) -> None:
     """Run one scene with progress on the terminal."""
+    from ..archive import Interrupted, Stopped
     from ..case import run
     from ..show.progress import Progress
     from ..show.tables import tables
@@ -98,9 +111,13 @@ def run_scene(name: str, function, parameters: dict, output: str | None, resume:
     folder = folder_of(name, output)
     with Progress(Path(name).stem, folder) as progress:
         case = function(**parameters)
-        case = replace(case, pictures=[*case.pictures, tables]) if with_tables else case
+        pictures = [*case.pictures, *([tables] if with_tables else [])]
+        case = replace(case, pictures=pictures, balance=balance or case.balance)
         progress.begin(case)
-        summary = run(case, Path(name).stem, parameters, folder, resume, [progress])
+        try:
+            summary = run(case, Path(name).stem, parameters, folder, resume, [progress])
+        except Interrupted as interruption:
+            raise Stopped(str(interruption)) from interruption
         progress.report(summary)
     if summary["status"] != "finished":
         raise typer.Exit(1)

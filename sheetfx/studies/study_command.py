@@ -9,7 +9,7 @@ from typing import Any
 
 import typer
 
-from .run import RESUME, Scenes, folder_of, option, run_app, with_options
+from .run import OF_A_FOLDER, RESUME, Scenes, folder_of, option, run_app, with_options
 
 OWN = [
     option("vary", list[str] | None, None, "An option of the scene and its values, separated by commas; repeat it for "
@@ -17,7 +17,7 @@ OWN = [
     option("jobs", int, len(os.sched_getaffinity(0)), "Runs at a time, each on one thread.", "--jobs", min=1),
     option("pictures", bool, False, "Let every run draw the pictures of its scene too.", "--pictures"),
     option("output", str | None, None, "Folder of the results; default results/NAME-study.", "-o", "--output",
-           metavar="PATH"),
+           metavar="PATH", rules=[OF_A_FOLDER]),
     RESUME,
 ]
 
