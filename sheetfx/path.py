@@ -12,11 +12,12 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from math import copysign, inf, isclose
+from math import copysign, inf, isclose, pi
 from typing import Annotated, Any
 
 from .checks import Positive, Range, check
 from .continuation.control import ArcLength, DisplacementControl, LoadControl, StepRule
+from .continuation.corner import around_corner
 from .continuation.events import Event, end_at, occurrences
 from .continuation.segment import Jump, Missed
 from .continuation.state import CriticalPoint, State
@@ -28,6 +29,7 @@ from .stability.flutter import Flutter
 from .stability.verdict import searched
 
 AT_BOUND = 1e-6  # relative distance from a bound at which a path has reached it
+CORNERED = 1 / 16  # of a step, length with which it fails where the path is taken to have a corner
 
 
 class PathFailure(ArithmeticError):
@@ -197,12 +199,18 @@ class Path:
 
     def _step(self, before: State) -> State:
         """One converged step, shortened as often as needed, with the critical points inside it."""
-        length = self.control.clip(before.next_length or self.tracer.first, before.factor)
+        length = wanted = self.control.clip(before.next_length or self.tracer.first, before.factor)
         largest = self.control.largest * self.tracer.usual
         while (taken := self._try(before, length)) is None:
+            shortest = length / 2 < self.control.smallest * self.tracer.shortest
+            if shortest or length <= CORNERED * wanted < 2 * length:
+                taken = self._around_corner(before, wanted)
+                if taken is not None:
+                    length = taken[0].length
+                    break
+            if shortest:
+                raise self._failure(before, length / 2)
             length /= 2
-            if length < self.control.smallest * self.tracer.shortest:
-                raise self._failure(before, length)
         after, points = taken
         growth = self.control.growth(after.hardest)
         after = replace(after, next_length=min(largest, length * growth), critical=points)
@@ -212,11 +220,18 @@ class Path:
     def _try(self, before: State, length: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:
         """A step with its critical points; None and back to its start if it does not converge or leaves its branch."""
         after, self._refusal = self._to_bound(before, length) or self.tracer.attempt(length), ""
-        if after is None:
-            return None
+        return None if after is None else self._searched(before, after, self.control.turn)
+
+    def _around_corner(self, before: State, wanted: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:
+        after = around_corner(self.tracer, before, wanted)
+        return None if after is None else self._searched(before, after, pi)
+
+    def _searched(self, before: State, after: State,
+                  largest_turn: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:
+        """A step with its critical points; None and back to its start if it turns too far or leaves its branch."""
         try:
             turn = self.tracer.turn(before, after)
-            if turn <= self.control.turn:
+            if turn <= largest_turn:
                 points = locate(self.tracer, self._earlier, before, after, self._others)
                 return self._with_events(before, after, points)
             self._refusal = f"it turns off the path by {turn:.2g} radians, more than {self.control.turn:g}"

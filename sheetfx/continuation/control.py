@@ -57,6 +57,11 @@ class StepRule:
         """Length of the first step."""
         return self.default if self.step is None else self.step
 
+    @property
+    def most_iterations(self) -> int:
+        """Iterations after which a step is cut."""
+        return 20 if self.newton == "full" else 100
+
     def usual(self, size: float) -> float:
         """Length of the first step for a structure of a size, where nothing asks for a shorter one."""
         return self.first

@@ -36,7 +36,7 @@ class Tracer(Measuring):
 
     def __init__(self, discretisation: Discretisation, control: StepRule, prefix: str):
         self.discretisation, self.system, self.control = discretisation, discretisation.system, control
-        self.snes = create(self.system.comm, self.system, prefix, most_iterations(control))
+        self.snes = create(self.system.comm, self.system, prefix, control.most_iterations)
         self.stepper = self.snes.getPythonContext()
         self.enforcement = Enforcement(self.system)
         self._elimination = self.enforcement.elimination(self.stepper.linear)
@@ -81,6 +81,10 @@ class Tracer(Measuring):
         """
         return self._attempted(self.control, self.tangent, length, guess)
 
+    def attempt_along(self, solution: PETSc.Vec, sign: float, length: float) -> State | None:
+        """Try one step along a response to the load, or back along it, that is not the one of the current state."""
+        return self._attempted(self.control, replace(self.tangent, solution=solution), length, sign=sign)
+
     def attempt_by(self, control: StepRule, length: float) -> State | None:
         """Try one step by another control, of the monitored displacement where it is one of displacements.
 
@@ -99,7 +103,7 @@ class Tracer(Measuring):
         return None
 
     def _attempted(self, control: StepRule, tangent: LoadResponse, length: float,
-                   guess: tuple[float, np.ndarray] | None = None) -> State | None:
+                   guess: tuple[float, np.ndarray] | None = None, sign: float | None = None) -> State | None:
         start, before, spent = self.state, self.total_factorisations, self.iterations
         self._count.start_from(start, self.x)
         alone = self.system.comm.size == 1 and self.control.newton == "full"
@@ -109,7 +113,7 @@ class Tracer(Measuring):
             if eliminates:
                 self.factorise_at(start)
             if guess is None:
-                load_increment = control.predict(length, control.direction(start), tangent)
+                load_increment = control.predict(length, sign or control.direction(start), tangent)
                 self.stepper.begin(control, tangent, length, load_increment)
             else:
                 self.stepper.begin(control, tangent, length, *guess)
@@ -170,7 +174,7 @@ class Tracer(Measuring):
     def enter(self, stage: int, control: StepRule) -> State:
         """Begin a load stage at the current state: its load factor varies from zero, that of the last one stays."""
         if control.newton != self.control.newton:
-            self.snes.setTolerances(max_it=most_iterations(control))
+            self.snes.setTolerances(max_it=control.most_iterations)
         self.control, self.tangent.functional = control, self._controlled(control)
         before, spent = self.state, self.total_factorisations
         self.system.factors.enter(stage, 0.0)
@@ -318,11 +322,6 @@ class Tracer(Measuring):
         work = self._load.dot(self.x)
         chord = self.stepper.load_increment * self._reference[1] / work if work else inf
         return ends[0] * ends[1] < 0 and not min(ends) < chord < max(ends)
-
-
-def most_iterations(control: StepRule) -> int:
-    """Iterations after which a step is cut."""
-    return 20 if control.newton == "full" else 100
 
 
 def tracer_of(path) -> Tracer:

@@ -1,0 +1,59 @@
+"""Steps around corners of a path, at which something begins or ceases to touch or to slip.
+
+Ahead of a corner another tangent holds than behind it. Where the structure has lost stability with it the path leads on
+at an angle of more than ninety degrees from where it came, with a load that turns: Newton's iteration from the tangent
+behind the corner, or along the one ahead but forwards, hops between both. It converges from a prediction along the
+tangent ahead of the corner, in whichever sense contacts go on as they are there.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from petsc4py import PETSc
+
+from .state import State
+
+LENGTHS = 1 / 16, 1 / 4, 1.0  # of a step, those that are tried
+LEAST = 1 / 8  # of the usual first step, that step: beside a corner steps have become short
+AHEAD = 0.5  # of these, distance at which the tangent is that of the other side
+BACK = 0.95  # cosine of the angle with the step before, from which a step goes back where it came from
+
+
+def around_corner(tracer, before: State, wanted: float) -> State | None:
+    """A step from a state that lies at a corner of the path; None, and back at the state, if none is found.
+
+    Parameters
+    ----------
+    wanted : length of the step that was tried first
+    """
+    if tracer.system.smooth or not before.length:
+        return None
+    step = max(wanted, LEAST * tracer.usual)
+    for length in (share * step for share in LENGTHS):
+        solution, forwards = _ahead(tracer, before, AHEAD * length)
+        for sign in (forwards, -forwards):
+            tracer.back_to(before)
+            after = tracer.attempt_along(solution, sign, length)
+            if after is not None and _leads_on(tracer, before, after):
+                return after
+    tracer.back_to(before)
+    return None
+
+
+def _ahead(tracer, before: State, distance: float) -> tuple[PETSc.Vec, float]:
+    """Response to the load at a distance along the tangent, and the sign of the load with which it leads on."""
+    tracer.back_to(before)
+    load, x = before.tangent
+    system, solution = tracer.system, tracer.system.create_vector()
+    tracer.x.array[:] = distance * x
+    system.configure(tracer.x, before.factor + distance * load)
+    system.extrapolate_stress()
+    tracer.stepper.factorise(tracer.snes, tracer.x)
+    tracer.stepper.linear.solve(tracer.load_vector(), solution)
+    return solution, float(np.sign(tracer.inner((0.0, solution.array), (0.0, x)))) or 1.0
+
+
+def _leads_on(tracer, before: State, after: State) -> bool:
+    """Whether a step does not go back along the one before."""
+    one, other = before.direction, after.direction
+    return tracer.inner(one, other) > -BACK * tracer.distance(*one) * tracer.distance(*other)
