@@ -31,8 +31,8 @@ QUICK = bool(os.environ.get("SHEETFX_QUICK"))
 # %% [markdown]
 # ## The weak form
 #
-# The virtual work of the arch is $\int N \cdot \delta\Gamma + M\, \delta K\, ds$. Its strains are those of Reissner: with
-# the tangent $t$ of the reference curve and the rotation $R$ of the section, $\Gamma = R^T \varphi' - t$ and
+# The virtual work of the arch is $\int N \cdot \delta\Gamma + M\, \delta K\, ds$. Its strains are those of Reissner:
+# with the tangent $t$ of the reference curve and the rotation $R$ of the section, $\Gamma = R^T \varphi' - t$ and
 # $K = \theta'$. In sheetfx that is one function of fields, and the section law another; any others may be passed
 # instead. Change them and run the cells below again.
 
@@ -135,7 +135,6 @@ np.testing.assert_allclose(limits["Reissner"], limits["shallow"], rtol=5e-3)
 np.testing.assert_allclose(limits["twice the square"], limits["shallow"] / 2, rtol=1e-6)
 assert len(limits["linear"]) == 0
 np.testing.assert_allclose(slopes, slopes[0], rtol=1e-9)
-figure
 
 # %% [markdown]
 # ## Limit loads

@@ -5,7 +5,7 @@
 # the path in words; its figure of the layout is missing, and no numbers of its curve survive:
 #
 # 1. the upper plate bends until it touches the lower one: **A**;
-# 2. both together are much stiffer, until the upper plate begins to slide and is bent and compressed: it softens, **B**;
+# 2. both together are much stiffer, until the upper plate slides and is bent and compressed: it softens, **B**;
 # 3. it stiffens again, and the run ends just before the upper plate slides off the lower one: **C**;
 # 4. the contact force is largest when the tip of the upper plate is perpendicular to the lower one.
 #
@@ -16,6 +16,7 @@
 # %%
 import os
 
+import matplotlib.pyplot as plt
 import numpy as np
 import ufl
 
@@ -37,9 +38,9 @@ CELLS = 4 if QUICK else 16
 # $e_{ab} = \mathrm{sym}(f_a \cdot R t_b) - \delta_{ab}$, $k_{ab} = \mathrm{sym}(d_{,a} \cdot R t_b)$ and
 # $\gamma_a = f_a \cdot d$; the virtual work is $\int N \cdot \delta e + M \cdot \delta k + Q \cdot \delta\gamma\, dA$,
 # and a term that ties the rotation about the normal to that of the surface. Naghdi's strains, which are the default of
-# `fx.Shell`, are the same as long as strains are small. In a plastic hinge as short as the plate is thick they are not:
-# there $k_{ab} = f_a \cdot d_{,b}$ has the stretch as a factor, the moment brings a force along the plate, and the hinge
-# grows weaker the finer the mesh is. Change the function and run the notebook again.
+# `fx.Shell`, are the same as long as strains are small. In a plastic hinge as short as the plate is thick they are
+# not: there $k_{ab} = f_a \cdot d_{,b}$ has the stretch as a factor, the moment brings a force along the plate, and the
+# hinge grows weaker the finer the mesh is. Change the function and run the notebook again.
 
 # %%
 def strains(u, rotation, frame):
@@ -59,8 +60,8 @@ def strains(u, rotation, frame):
 
 # %% [markdown]
 # ## The law of contact
-# Each point of the free edge has a closest point $y(\xi)$ on the lower plate as it is now. The gap is its distance along
-# the normal there, less the thickness; the slip is how far $y$ has travelled along the plate. The virtual work is
+# Each point of the free edge has a closest point $y(\xi)$ on the lower plate as it is now. The gap is its distance
+# along the normal there, less the thickness; the slip is how far $y$ has travelled along the plate. The virtual work is
 # $\int -p\, \delta g + \tau \cdot \delta s\; ds$; the law gives pressure and traction from gap, slip, and the pressure
 # and traction of the last augmentation and step. Pressures are augmented until nothing penetrates. Write another law
 # here: cohesion, a friction that falls with the slip.
@@ -82,8 +83,8 @@ def law(gap, slips, pressure, tractions, parameters):
 # ## The plates
 # Half of both is modelled, by symmetry about the long axis. The cell next to each clamp is divided, because a plastic
 # hinge forms there. The load is a line along the free end, or a force at its middle. Events are functions of a state
-# that pass zero: the plates touch, and they slide off, where the path ends. B is where the tangent is no stiffer than it
-# was just before A.
+# that pass zero: the plates touch, and they slide off, where the path ends. B is where the tangent is no stiffer than
+# it was just before A.
 
 # %%
 DIVIDED = (0.0, 0.4) if QUICK else (0.0, 0.1, 0.25, 0.45, 0.7)
@@ -110,8 +111,9 @@ def case(material, friction=0.0, distance=THICKNESS, gap=GAP, line=False, until=
         [fx.EdgeForce(upper, "east", (0.0, 0.0, -1 / WIDTH)) if line
          else fx.PointForce(upper, "south-east", (0.0, 0.0, -0.5))],
         fx.Monitor(upper, "south-east", "z", -1.0), symmetry_factor=2, joints=[contact])
-    return fx.Case(scene, fx.ArcLength(step=0.03 if QUICK else 0.01, largest=2.5), until or fx.Until(event=fx.slide_off(scene, contact)),
-                   events=[fx.first_touch()], axes=("deflection of the free end (mm)", "force (N)"))
+    return fx.Case(scene, fx.ArcLength(step=0.03 if QUICK else 0.01, largest=2.5),
+                   until or fx.Until(event=fx.slide_off(scene, contact)), events=[fx.first_touch()],
+                   axes=("deflection of the free end (mm)", "force (N)"))
 
 
 def softens(record):
@@ -133,6 +135,10 @@ def report(record):
     return forces
 
 
+def draw(record):
+    draw_stages(record, plt.figure(figsize=(10, 7.5), layout="constrained"))
+
+
 # %% [markdown]
 # ## Against two elasticas
 # As strips that do not contract laterally, and that touch with their middle lines, elastic plates without friction are
@@ -149,25 +155,24 @@ assert np.allclose([first.load, max(forces), last.load, last.deflection, forces[
                    [15.115, 39.39, 81.62, 55.66, 27.31], rtol=accuracy)
 
 # %%
-figure = draw_stages(strips)
-figure
+draw(strips)
 
 # %% [markdown]
 # ## Friction
-# Friction resists the slide: from A on the load is higher. All stages that the thesis describes are on the elastic path.
+# Friction resists the slide: from A on the load is higher. All stages that the thesis describes are on the elastic
+# path.
 
 # %%
 rough = fx.trace(case(fx.Elastic(MODULUS, POISSON), friction=0.2, until=fx.Until(deflection=21.0) if QUICK else None))
 report(rough)
-draw_stages(rough)
+draw(rough)
 
 # %% [markdown]
 # ## Yielding
 # The thesis's material yields at 195 MPa without hardening. That begins at 3.8 N, before the plates touch: A is at half
-# the load of elastic plates. B becomes a limit point at a third of the elastic load: past it the upper plate turns about
-# a plastic hinge at its clamp, and the load falls to C. The last stiffening of the thesis is missing, or is a rise of
-# some hundredths just before C. That its curve is that of elastic plates, or that its mesh or yield stress is another, is
-# what remains.
+# the load of elastic plates. B becomes a limit point at a third of the elastic load: past it the upper plate turns
+# about a plastic hinge at its clamp, and the load falls to C. The last stiffening of the thesis is missing, or is a
+# rise of less than a thousandth just before C: what the thesis describes is the path of plates that hardly yield.
 
 # %%
 steel = fx.Plastic(MODULUS, POISSON, yield_stress=YIELD)
@@ -175,7 +180,7 @@ plastic = fx.trace(case(steel, friction=0.2, until=fx.Until(deflection=21.0) if 
 report(plastic)
 touched = next(p for p in plastic.critical_points if p.kind == "event")
 assert 0.9 * 7.09 < touched.load < 1.1 * 7.09
-draw_stages(plastic)
+draw(plastic)
 
 # %% [markdown]
 # ## A gap of 5 mm
@@ -186,13 +191,14 @@ draw_stages(plastic)
 if not QUICK:
     close = fx.trace(case(fx.Elastic(MODULUS, POISSON), gap=5.0))
     report(close)
+    draw(close)
     assert [p.title for p in close.critical_points if p.kind == "limit"] == ["limit point (maximum)",
                                                                              "limit point (minimum)"]
 
 # %% [markdown]
 # ## Exercises
 # - At which gap between 5 and 20 mm does the limit point appear? `fx.Until(deflection=...)` keeps runs short.
-# - Give `fx.Shell` no `strains` (Naghdi's), and divide the cell at the clamp more: what becomes of the plastic load at C?
+# - Give `fx.Shell` no `strains` (Naghdi's), and divide the cell at the clamp more: what becomes of the load at C?
 # - Let friction fall with the slip in `law`. Do the plates stick and slip?
 # - Give the lower plate half the thickness. Which plate carries the contact force at C?
 # - A little hardening, `fx.Plastic(..., hardening=2000.0)`: is B still a limit point?

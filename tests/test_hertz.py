@@ -27,7 +27,8 @@ class BentAroundCylinder:
     """Inextensible strip, clamped on top of a cylinder, whose free end is pulled down: EI theta'' = -P cos theta.
 
     While it touches its curvature is 1/R, without shear; the contact ends in a concentrated force P cos(theta), and
-    presses with P sin(theta) / R before (belt on a drum), theta being the angle where it leaves (Antman 2005, chapter 4).
+    presses with P sin(theta) / R before (belt on a drum), theta being the angle where it leaves (Antman 2005, chapter
+    4).
     """
 
     def __init__(self, length, bending, radius, load):

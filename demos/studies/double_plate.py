@@ -1,7 +1,8 @@
 """Convergence of the double plate in mesh, step and enforcement: `python3 demos/studies/double_plate.py [FOLDER]`.
 
-Traces the path for friction 0, 0.2 and 0.4, elastic and plastic, with three levels of each, and leaves `convergence.png`
-and `convergence.md` in the folder (default results/double-plate-convergence). What is finished there is not traced again.
+Traces the path for friction 0, 0.2 and 0.4, elastic and plastic, with three levels of each, and leaves
+`convergence.png` and `convergence.md` in the folder (default results/double-plate-convergence). What is finished there
+is not traced again.
 """
 
 from __future__ import annotations

@@ -22,9 +22,9 @@ class SurfacePartners:
     """The closest point of a surface in its present shape to each of some points.
 
     Reference coordinates of the cells are the coordinates of the surface. A partner goes on in the next cell where it
-    leaves one, by half a hundredth of the cell late, and in the first where the next one sends it back: where the surface
-    has a slight bend between cells, the outside of the bend has points with a closest one in neither, and the inside
-    points with one in both. Beyond the edge of a surface there is no partner.
+    leaves one, by half a hundredth of the cell late, and in the first where the next one sends it back: where the
+    surface has a slight bend between cells, the outside of the bend has points with a closest one in neither, and the
+    inside points with one in both. Beyond the edge of a surface there is no partner.
 
     Parameters
     ----------

@@ -45,13 +45,9 @@ def stages(record: Record, folder: Folder, name: str = "stages.png") -> None:
     draw_stages(record).savefig(Folder(folder) / name, dpi=150)
 
 
-def draw_stages(record: Record):
-    """The matplotlib figure of `stages`."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(11.0, 8.0), layout="constrained")
-    FigureCanvasAgg(figure)
+def draw_stages(record: Record, figure=None):
+    """The matplotlib figure of `stages`; one may be given, such as that of a notebook's cell."""
+    figure = figure or _figure(11.0, 8.0)
     above, below = figure.subfigures(2, 1)
     left, right = above.subplots(1, 2)
     deflection, found = [s.deflection for s in record.states], touches(record)
@@ -73,6 +69,15 @@ def draw_stages(record: Record):
     return figure
 
 
+def _figure(width: float, height: float):
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
 def _curve(record: Record) -> tuple[list[float], list[float]]:
     """Deflections and loads of all states, and of the events between them."""
     events = [p for p in record.critical_points if p.kind == "event"]
@@ -85,11 +90,8 @@ def _curve(record: Record) -> tuple[list[float], list[float]]:
 def animation(record: Record, folder: Folder, name: str = "animation.gif") -> None:
     """Draw animation.gif: side view of both plates, and load and contact force up to each state."""
     from matplotlib.animation import PillowWriter
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(9.0, 3.6), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = _figure(9.0, 3.6)
     side, right = figure.subplots(1, 2, width_ratios=(3, 2))
     found = [t.force for t in touches(record)]
     deflection, loads = [s.deflection for s in record.states], [s.load for s in record.states]

@@ -8,9 +8,10 @@ until at C it slides off. Of plausible layouts this one shows all that: plate 1 
 2, which is clamped at x = 160 - overlap and reaches back towards plate 1. Half of it is modelled, by symmetry about the
 long axis. The free end of plate 1 is what touches.
 
-Past B plate 1 turns about a plastic hinge at its clamp, which is as short as cells allow where nothing hardens: the cell
-there is divided, and strains are those that hold where faces are stretched by as much as themselves (`forms.shell.biot`;
-Naghdi's let the hinge lose its moment, so that the load at C fell from 11.7 to 5.8 N as that cell was refined).
+Past B plate 1 turns about a plastic hinge at its clamp, which is as short as cells allow where nothing hardens: the
+cell there is divided, and strains are those that hold where faces are stretched by as much as themselves
+(`forms.shell.biot`; Naghdi's let the hinge lose its moment, so that the load at C fell from 11.7 to 5.8 N as that cell
+was refined).
 
 With a force along the free end, and as strips that do not contract laterally, elastic plates without friction follow
 two inextensible elasticas, which slide off at 81.6 N, to 0.1 %.
