@@ -235,6 +235,35 @@ def test_slides_off_the_edge():
     assert np.abs(record.displacement("north-east")).max() < 1e-9
 
 
+def test_few_augmentations_where_the_softer_part_is_stiff_where_it_is_touched():
+    """A rod pressed and drawn across a clamped cylindrical panel of 4 mm; all lengths in metres.
+
+    The panel is a thousand times stiffer at a point than its bending over the rod's length tells, from which the
+    stiffness of the contact is taken.
+    """
+    def place(x):
+        return np.column_stack((0.6 * (x[:, 0] - 0.5), 0.5 * np.sin(0.6 * (x[:, 1] - 0.5)),
+                                0.5 * np.cos(0.6 * (x[:, 1] - 0.5)) - 0.5))
+
+    panel = fx.read(lambda: meshes.rectangle((4, 4)), 3, 2, place)
+    rod = fx.read(lambda: meshes.frame({"start": (-0.15, -0.1, 0.013), "end": (0.1, 0.06, 0.013)},
+                                       {"rod": ("start", "end", 4)}), 3)
+    steel = fx.Elastic(70e9, 0.3)
+    contact = fx.SurfaceContact(rod, "rod", (panel, None), friction=0.1, toward=(0.0, 0.0, -1.0))
+    ends = "start", "end"
+    scene = fx.Scene(
+        [fx.Shell(panel, fx.Plate(0.004), steel), fx.Beam(rod, fx.Rectangle(0.02, 0.02), steel)],
+        [*(fx.clamp(panel, edge) for edge in ("west", "east", "south", "north")),
+         *(fx.Support(rod, end, "y rx ry rz") for end in ends)],
+        [fx.PrescribedDisplacement(rod, end, "x", 0.02) for end in ends], fx.Monitor(rod, "start", "x"), joints=[contact],
+        stages=[fx.Stage([fx.PrescribedDisplacement(rod, end, "z", -0.002) for end in ends],
+                         control=fx.LoadControl(step=0.6))])
+    record = fx.trace(fx.Case(scene, fx.LoadControl(step=0.5)))
+    assert record.states[-1].contact_points > 0 and len(record.states) < 10
+    assert max(s.iterations for s in record.states) < 40
+    assert max(s.penetration for s in record.states) < 1e-6 * 0.15
+
+
 @pytest.mark.parametrize("how, message", [
     ({"friction": -0.2}, "friction is -0.2; it must not be negative"),
     ({"stiffness": 0.0}, "stiffness is 0.0; it must be positive"),

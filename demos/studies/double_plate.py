@@ -1,8 +1,10 @@
-"""Convergence of the double plate in mesh, step and enforcement: `python3 demos/studies/double_plate.py [FOLDER]`.
+"""Convergence of the double plate in mesh, step and enforcement.
+
+    python3 demos/studies/double_plate.py [FOLDER] [--draw]
 
 Traces the path for friction 0, 0.2 and 0.4, elastic and plastic, with three levels of each, and leaves
 `convergence.png` and `convergence.md` in the folder (default results/double-plate-convergence). What is finished there
-is not traced again.
+is not traced again; `--draw` traces nothing and draws what is there.
 """
 
 from __future__ import annotations
@@ -19,20 +21,22 @@ LEVELS = {"cells": [8, 16, 32], "step": [0.02, 0.01, 0.005], "stiffness": [6.0, 
 TITLES = {"cells": "cells along a plate", "step": "step (arc length)", "stiffness": "stiffness of contact (N/mm3)"}
 USUAL = {"cells": 16, "step": 0.01, "stiffness": 60.0}
 FRICTIONS, LIMIT = [0.0, 0.2, 0.4], "limit"
-READ = {"A_load": "A (N)", LIMIT: "largest load before C (N)", "C_load": "C (N)", "C_deflection": "C (mm)",
+READ = {"A_load": "A (N)", "B_load": "B (N)", LIMIT: "limit (N)", "C_load": "C (N)", "C_deflection": "C (mm)",
         "largest_contact_force": "contact force (N)"}
 
 
 def trace(folder: Path, jobs: int) -> dict:
-    """Quantities of all runs, by material, friction, what is varied, and its value."""
+    """Quantities of all runs, by material, friction, what is varied, and its value; no jobs: of those at hand."""
     found = {}
     for name, values in LEVELS.items():
         others = values if name == "cells" else [v for v in values if v != USUAL[name]]
         fixed = {key: value for key, value in USUAL.items() if key != name}
         varied = {"elastic": [True, False], "friction": FRICTIONS, name: others}
         home = folder / name
-        for run in trace_study(Study("double-plate", fixed, varied), home, jobs, home.exists(),
-                               say=lambda run: print(run.name, run.status, flush=True)):
+        study = Study("double-plate", fixed, varied)
+        runs = [run for run in study.runs(home) if run.finished] if not jobs else trace_study(
+            study, home, jobs, home.exists(), say=lambda run: print(run.name, run.status, flush=True))
+        for run in runs:
             key = run.chosen["elastic"], run.chosen["friction"]
             if run.status == "finished":
                 limit = max((p.load for p in run.points if p.kind == "limit"), default=np.nan)
@@ -58,7 +62,7 @@ def draw(found: dict, folder: Path) -> None:
     for row, elastic in zip(axes, (True, False), strict=True):
         for panel, (name, values) in zip(row, LEVELS.items(), strict=True):
             for friction, marker in zip(FRICTIONS, "osD", strict=True):
-                for colour, (quantity, title) in zip(("C0", "C3", "C2", "C4", "C1"), READ.items(), strict=True):
+                for colour, (quantity, title) in zip(("C0", "C5", "C3", "C2", "C4", "C1"), READ.items(), strict=True):
                     off = np.maximum(differences(found, elastic, friction, name, quantity), 1e-3)
                     panel.loglog(values[:-1], off, color=colour, marker=marker, linewidth=1, markersize=4,
                                  label=f"{title.split(' (')[0]}" if friction == 0 else None)
@@ -77,7 +81,8 @@ def tables(found: dict) -> str:
     for elastic in (True, False):
         for friction in FRICTIONS:
             usual = found[elastic, friction, "cells", USUAL["cells"]]
-            off = [np.nanmax([differences(found, elastic, friction, name, q)[1] for q in READ]) for name in LEVELS]
+            off = [max(np.nan_to_num([differences(found, elastic, friction, name, q)[1] for q in READ]), default=np.nan)
+                   for name in LEVELS]
             lines.append(f"| {'elastic' if elastic else 'plastic'} | {friction:g} | " + " | ".join(
                 "-" if np.isnan(usual[q]) else f"{usual[q]:.2f}" for q in READ)
                 + f" | {', '.join(f'{o:.2f}' for o in off)} | {usual['cpu']:.0f} |")
@@ -85,8 +90,9 @@ def tables(found: dict) -> str:
 
 
 if __name__ == "__main__":
-    home = Path(sys.argv[1] if len(sys.argv) > 1 else "results/double-plate-convergence")
-    results = trace(home, jobs=2)
+    folders = [argument for argument in sys.argv[1:] if argument != "--draw"]
+    home = Path(folders[0] if folders else "results/double-plate-convergence")
+    results = trace(home, jobs=0 if "--draw" in sys.argv else 2)
     draw(results, home)
     (home / "convergence.md").write_text(tables(results))
     print(tables(results))
