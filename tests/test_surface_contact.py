@@ -255,9 +255,9 @@ def test_few_augmentations_where_the_softer_part_is_stiff_where_it_is_touched():
         [fx.Shell(panel, fx.Plate(0.004), steel), fx.Beam(rod, fx.Rectangle(0.02, 0.02), steel)],
         [*(fx.clamp(panel, edge) for edge in ("west", "east", "south", "north")),
          *(fx.Support(rod, end, "y rx ry rz") for end in ends)],
-        [fx.PrescribedDisplacement(rod, end, "x", 0.02) for end in ends], fx.Monitor(rod, "start", "x"), joints=[contact],
-        stages=[fx.Stage([fx.PrescribedDisplacement(rod, end, "z", -0.002) for end in ends],
-                         control=fx.LoadControl(step=0.6))])
+        [fx.PrescribedDisplacement(rod, end, "x", 0.02) for end in ends], fx.Monitor(rod, "start", "x"),
+        joints=[contact], stages=[fx.Stage([fx.PrescribedDisplacement(rod, end, "z", -0.002) for end in ends],
+                                           control=fx.LoadControl(step=0.6))])
     record = fx.trace(fx.Case(scene, fx.LoadControl(step=0.5)))
     assert record.states[-1].contact_points > 0 and len(record.states) < 10
     assert max(s.iterations for s in record.states) < 40
