@@ -65,7 +65,7 @@ def draw(found: dict, folder: Path) -> None:
                 for colour, (quantity, title) in zip(("C0", "C5", "C3", "C2", "C4", "C1"), READ.items(), strict=True):
                     off = np.maximum(differences(found, elastic, friction, name, quantity), 1e-3)
                     panel.loglog(values[:-1], off, color=colour, marker=marker, linewidth=1, markersize=4,
-                                 label=f"{title.split(' (')[0]}" if friction == 0 else None)
+                                 label=title if friction == 0 else None)
             panel.axhline(1.0, color="0.7", linewidth=1)
             panel.set(xlabel=TITLES[name], xticks=values[:-1], xticklabels=[f"{v:g}" for v in values[:-1]],
                       title=f"{'elastic' if elastic else 'plastic'}, against {values[-1]:g}")
@@ -81,11 +81,10 @@ def tables(found: dict) -> str:
     for elastic in (True, False):
         for friction in FRICTIONS:
             usual = found[elastic, friction, "cells", USUAL["cells"]]
-            off = [max(np.nan_to_num([differences(found, elastic, friction, name, q)[1] for q in READ]), default=np.nan)
-                   for name in LEVELS]
+            off = [[d for q in READ if (d := differences(found, elastic, friction, name, q)[1]) == d] for name in LEVELS]
             lines.append(f"| {'elastic' if elastic else 'plastic'} | {friction:g} | " + " | ".join(
                 "-" if np.isnan(usual[q]) else f"{usual[q]:.2f}" for q in READ)
-                + f" | {', '.join(f'{o:.2f}' for o in off)} | {usual['cpu']:.0f} |")
+                + f" | {', '.join(f'{max(o):.2f}' if o else '-' for o in off)} | {usual['cpu']:.0f} |")
     return "\n".join(lines) + "\n"
 
 
