@@ -81,7 +81,8 @@ def tables(found: dict) -> str:
     for elastic in (True, False):
         for friction in FRICTIONS:
             usual = found[elastic, friction, "cells", USUAL["cells"]]
-            off = [[d for q in READ if (d := differences(found, elastic, friction, name, q)[1]) == d] for name in LEVELS]
+            every = [[differences(found, elastic, friction, name, q)[1] for q in READ] for name in LEVELS]
+            off = [[d for d in values if not np.isnan(d)] for values in every]
             lines.append(f"| {'elastic' if elastic else 'plastic'} | {friction:g} | " + " | ".join(
                 "-" if np.isnan(usual[q]) else f"{usual[q]:.2f}" for q in READ)
                 + f" | {', '.join(f'{max(o):.2f}' if o else '-' for o in off)} | {usual['cpu']:.0f} |")
