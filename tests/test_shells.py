@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from sheetfx import forms
 from sheetfx.case import trace
 from sheetfx.scenes import (
     cantilever,
@@ -146,3 +149,14 @@ def test_diaphragm_cylinder_follows_the_published_path():
 def test_refusals_name_the_value(module, parameters, words):
     with pytest.raises(ValueError, match=words):
         module.case(**parameters)
+
+
+@pytest.mark.slow
+def test_strains_on_turned_axes_are_naghdis_where_they_are_small():
+    """Of the pinched hemisphere, whose rotations are large and whose strains are some thousandths."""
+    found = []
+    for strains in (None, forms.shell.biot):
+        made = hemisphere.case(cells=6, form="naghdi-q2")
+        scene = replace(made.scene, parts=[replace(made.scene.parts[0], strains=strains)])
+        found.append(trace(replace(made, scene=scene)).states[-1].deflection)
+    assert found[1] == pytest.approx(found[0], rel=1e-3)

@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+import signal
+import subprocess
+import sys
+import time
+
 import numpy as np
 import pytest
 from helpers import distance, move_at_random
+from mpi4py import MPI
 from scipy.integrate import quad
 from scipy.interpolate import CubicSpline
 from two_elasticas import TwoElasticas
 
 import sheetfx as fx
 from sheetfx import meshes
+from sheetfx.archive import Archive
 from sheetfx.continuation.state import State
 from sheetfx.discrete.closest_point import SIZE, ClosestPoint
 from sheetfx.discrete.discretisation import Discretisation
@@ -228,6 +235,35 @@ def test_slides_off_the_edge():
     assert np.abs(record.displacement("north-east")).max() < 1e-9
 
 
+def test_few_augmentations_where_the_softer_part_is_stiff_where_it_is_touched():
+    """A rod pressed and drawn across a clamped cylindrical panel of 4 mm; all lengths in metres.
+
+    The panel is a thousand times stiffer at a point than its bending over the rod's length tells, from which the
+    stiffness of the contact is taken.
+    """
+    def place(x):
+        return np.column_stack((0.6 * (x[:, 0] - 0.5), 0.5 * np.sin(0.6 * (x[:, 1] - 0.5)),
+                                0.5 * np.cos(0.6 * (x[:, 1] - 0.5)) - 0.5))
+
+    panel = fx.read(lambda: meshes.rectangle((4, 4)), 3, 2, place)
+    rod = fx.read(lambda: meshes.frame({"start": (-0.15, -0.1, 0.013), "end": (0.1, 0.06, 0.013)},
+                                       {"rod": ("start", "end", 4)}), 3)
+    steel = fx.Elastic(70e9, 0.3)
+    contact = fx.SurfaceContact(rod, "rod", (panel, None), friction=0.1, toward=(0.0, 0.0, -1.0))
+    ends = "start", "end"
+    scene = fx.Scene(
+        [fx.Shell(panel, fx.Plate(0.004), steel), fx.Beam(rod, fx.Rectangle(0.02, 0.02), steel)],
+        [*(fx.clamp(panel, edge) for edge in ("west", "east", "south", "north")),
+         *(fx.Support(rod, end, "y rx ry rz") for end in ends)],
+        [fx.PrescribedDisplacement(rod, end, "x", 0.02) for end in ends], fx.Monitor(rod, "start", "x"),
+        joints=[contact], stages=[fx.Stage([fx.PrescribedDisplacement(rod, end, "z", -0.002) for end in ends],
+                                           control=fx.LoadControl(step=0.6))])
+    record = fx.trace(fx.Case(scene, fx.LoadControl(step=0.5)))
+    assert record.states[-1].contact_points > 0 and len(record.states) < 10
+    assert max(s.iterations for s in record.states) < 40
+    assert max(s.penetration for s in record.states) < 1e-6 * 0.15
+
+
 @pytest.mark.parametrize("how, message", [
     ({"friction": -0.2}, "friction is -0.2; it must be zero or positive"),
     ({"stiffness": 0.0}, "stiffness is 0.0; it must be positive"),
@@ -289,6 +325,68 @@ def test_resumes_in_the_middle_of_plastic_sliding(tmp_path):
         assert state.deflection == pytest.approx(whole.states[state.step].deflection, rel=1e-8)
 
 
+RUN = """
+import sys
+from dataclasses import replace
+from pathlib import Path
+import sheetfx as fx
+from sheetfx.case import run
+from sheetfx.scenes import double_plate
+made = replace(double_plate.case(cells=4), until=fx.Until(deflection=27.0), quantities=lambda record: {}, pictures=())
+run(made, "double-plate", {}, Path(sys.argv[1]), len(sys.argv) > 2)
+"""
+
+
+@pytest.mark.slow
+def test_killed_in_the_middle_of_plastic_sliding(tmp_path):
+    """No converged step is lost, and what follows is the path of a run that was left alone."""
+    command = [sys.executable, "-c", RUN]
+
+    def table(folder):
+        return np.loadtxt(folder / "path.csv", delimiter=",", skiprows=1, usecols=(0, 1, 2, 3))
+
+    subprocess.run([*command, str(tmp_path / "whole")], check=True, capture_output=True)
+    states = Archive(tmp_path / "whole", MPI.COMM_SELF).states()
+    middle = next(s.step for s in states if s.contact_points) + 4
+    process = subprocess.Popen([*command, str(tmp_path / "killed")], stdout=subprocess.DEVNULL,
+                               stderr=subprocess.DEVNULL)
+    kept = tmp_path / "killed" / "states"
+    for _ in range(6000):
+        if (kept / f"{middle:06d}.0.npz").exists() or process.poll() is not None:
+            break
+        time.sleep(0.02)
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    left = Archive(tmp_path / "killed", MPI.COMM_SELF).states()
+    assert [s.step for s in left] == list(range(len(left))) and middle <= left[-1].step < states[-1].step
+    subprocess.run([*command, str(tmp_path / "killed"), "resume"], check=True, capture_output=True)
+    assert table(tmp_path / "killed") == pytest.approx(table(tmp_path / "whole"), rel=1e-8, abs=1e-9)
+
+
+@pytest.mark.slow
+def test_close_plates_have_a_limit_point_after_they_soften():
+    made = double_plate.case(friction=0.0, elastic=True, gap=5.0, cells=8)
+    record = fx.trace(made)
+    order = [p.name if p.kind == "event" else p.title for p in record.critical_points]
+    assert order == [double_plate.A, double_plate.B, "limit point (maximum)", "limit point (minimum)",
+                     double_plate.AGAIN, double_plate.C]
+    loads = [p.load for p in record.critical_points if p.kind == "limit"]
+    assert loads == pytest.approx([55.1, 40.4], rel=5e-3)
+
+
+@pytest.mark.slow
+def test_plastic_hinge_does_not_depend_on_its_cell(monkeypatch):
+    """Load at C with cells down to a third of the thickness; of the strains, those that hold in a hinge."""
+    found = []
+    for lines in ((0.0, 0.1, 0.25, 0.45, 0.7), (0.0, 0.05, 0.11, 0.2, 0.3, 0.45, 0.7)):
+        monkeypatch.setattr(double_plate, "HINGE", lines)
+        made = double_plate.case(friction=0.0)
+        found.append(made.quantities(fx.trace(made)))
+    for name in ("B_load", "C_load", "C_deflection"):
+        assert found[0][name] == pytest.approx(found[1][name], rel=2.5e-3)
+    assert found[0]["C_load"] == pytest.approx(11.76, rel=5e-3)
+
+
 @pytest.mark.slow
 def test_constant_pressure_passes_under_large_sliding():
     """A soft plate that is loaded evenly slides over a stiff one, by more than a cell of both."""
@@ -312,7 +410,7 @@ def test_constant_pressure_passes_under_large_sliding():
 def test_friction_takes_the_energy_that_is_missing():
     """Work of the load, stored energy and friction as the plates slide, by splines through the states.
 
-    Within a cell; where the contact leaves it for the next, the energy of these coarse ones changes by 5e-5.
+    Within a cell; where the contact leaves it for the next, the energy changes by 1e-5 with cells of 5 mm.
     """
     made = double_plate.plates(fx.Elastic(double_plate.MODULUS, 0.3), 0.3, 20.0, 40.0, 6, False, 0.01)
     record = fx.trace(fx.Case(made.scene, fx.ArcLength(step=0.01, largest=1.25), fx.Until(deflection=33.0)))

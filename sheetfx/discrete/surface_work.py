@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import inf
+
 import numpy as np
 
 from .. import forms
@@ -80,6 +82,7 @@ class SurfaceLaw(PointLaw):
 
 
 STIFFER, STEPS = 10.0, 3  # from one augmentation to the next, and how often at least
+SLOW, MOST = 0.1, 8  # part of the penetration that an augmentation leaves, above which it is stiffer too; how often
 
 
 class SurfaceWork(PairWork):
@@ -95,7 +98,7 @@ class SurfaceWork(PairWork):
 
     _partners: SurfacePartners
     _slack = 1e-5
-    _augmentations = 0
+    _stiffened, _deepest = 0, inf
 
     def _law_of(self, sizes):
         pairs, self._data_of_history = self.pairs, 0
@@ -114,12 +117,14 @@ class SurfaceWork(PairWork):
     def augment(self) -> bool:
         if not self.pairs.augmented:
             return True
-        held = super().augment()
-        if self._augmentations >= STEPS:
-            return held
+        held, deepest = super().augment(), self.touching()[1]
+        if held and self._stiffened >= STEPS:
+            return True
         if held:
             self._put_history(self._updated(True, slips=False))
-        self._stiffen(self._augmentations + 1)
+        if self._stiffened < STEPS or (self._stiffened < MOST and deepest > SLOW * self._deepest):
+            self._stiffen(self._stiffened + 1)
+        self._deepest = deepest
         return False
 
     def commit(self) -> None:
@@ -131,12 +136,12 @@ class SurfaceWork(PairWork):
         self._stiffen(0)
 
     def regularise(self, times: float) -> None:
-        if not self._augmentations:
+        if not self._stiffened:
             super().regularise(times)
 
-    def _stiffen(self, augmentations: int) -> None:
-        """Give the stiffness after so many augmentations to the law."""
-        self._augmentations = augmentations
+    def _stiffen(self, times: int) -> None:
+        """Give the law the stiffness after so many augmentations with a higher one."""
+        self._stiffened = times
         table = self.pairs.table()
-        table[:, :2] *= STIFFER ** augmentations
+        table[:, :2] *= STIFFER ** times
         self._law.give(self._data_of_history + 1, table)

@@ -134,3 +134,33 @@ def naghdi(u, rotation, frame, offset=0.0) -> ShellStrains:
         shear=ufl.as_vector([ufl.dot(f[a], d) - ufl.dot(t[a], n) for a in range(2)]),
         drilling=(ufl.dot(f[0], turned[1]) - ufl.dot(f[1], turned[0])) / 2,
     )
+
+
+def biot(u, rotation, frame, offset=0.0) -> ShellStrains:
+    """Strains of the one-director shell on axes that turn with its rotation, for bending that stretches its faces much.
+
+    e_ab = sym(f_a . R t_b - t_a . t_b), k_ab = sym(d,_a . R t_b - n,_a . t_b), g_a = f_a . d - t_a . n: the symmetric
+    parts of the strains of Reissner 1974, and drilling as `naghdi` has it. Small strains are the same by both. Naghdi's
+    bending strain has the stretch as a factor, so that a moment M at a curvature k brings a membrane force -M k: by
+    that a plastic hinge as short as the shell is thick shortens and softens.
+
+    Parameters as those of `naghdi`.
+    """
+    t, n = frame.tangents, frame.director
+    d, turned = rotation.rotate(n), [rotation.rotate(a) for a in t]
+    slope, start = [frame.along(d, a) for a in t], [frame.along(n, a) for a in t]
+    f, g = [a + frame.along(u, a) for a in t], t
+    if not isinstance(offset, (int, float)) or offset:
+        f = [a + offset * b for a, b in zip(f, slope, strict=True)]
+        g = [a + offset * b for a, b in zip(t, start, strict=True)]
+
+    def symmetric(now, before):
+        both = [[ufl.dot(now[a], turned[b]) - ufl.dot(before[a], t[b]) for b in range(2)] for a in range(2)]
+        return ufl.as_vector([both[0][0], both[1][1], both[0][1] + both[1][0]])
+
+    return ShellStrains(
+        membrane=symmetric(f, g),
+        bending=symmetric(slope, start),
+        shear=ufl.as_vector([ufl.dot(f[a], d) - ufl.dot(g[a], n) for a in range(2)]),
+        drilling=(ufl.dot(f[0], turned[1]) - ufl.dot(f[1], turned[0])) / 2,
+    )

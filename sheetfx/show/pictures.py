@@ -132,7 +132,7 @@ def states_to_draw(record: Record, most: int = len(COLOURS)) -> list[tuple[State
                                                 for name in ("deflection", "load"))
     drawn: list[tuple[State, list[str]]] = []
     for i, point in enumerate(points):
-        state = _state_of(record, point)
+        state = state_of(record, point)
         apart = not still and abs(state.deflection - point.deflection) > CLOSE * reach
         behind = f" (drawn at {with_unit(state.deflection, length)})" if apart else ""
         label = f"{point.title}{left_out if i == 0 else ''}: {place(point)}{behind}"
@@ -153,7 +153,7 @@ def _close(one: State, other: State, reach: float, highest: float) -> bool:
             and abs(one.load - other.load) <= CLOSE * highest)
 
 
-def _state_of(record: Record, point: CriticalPoint) -> State:
+def state_of(record: Record, point: CriticalPoint) -> State:
     """The state of a critical point, or where it does not converge again that at the end of its step."""
     try:
         return record.state_at(point)
