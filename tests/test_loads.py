@@ -46,6 +46,30 @@ def test_reaction_shows_the_forces_at_several_vertices():
     assert vector.array.sum() == pytest.approx(3e-3, rel=1e-12)
 
 
+def lifted(*edges, distances=(1e-3, 1e-3)):
+    """A clamped plate, edges of which are lifted."""
+    mesh = two_fields(0.5)
+    shell = fx.Shell(mesh, fx.Plate(0.1), fx.Elastic(1e4, 0.3), form="naghdi-q2")
+    loads = [fx.PrescribedDisplacement(mesh, at, "z", w) for at, w in zip(edges, distances, strict=False)]
+    return fx.Scene([shell], [fx.clamp(mesh, "f-a")], loads, fx.Monitor(mesh, "d", "z"))
+
+
+def test_edges_that_are_lifted_together_may_have_a_corner_in_common():
+    """Their corner is lifted once, and the structure is stable; from either side with the same work."""
+    works = []
+    for edges in (("b-c", "c-d"), ("c-d", "b-c")):
+        _, state = fx.trace(fx.Case(lifted(*edges), fx.LoadControl(1.0, fixed=True))).states
+        assert state.unstable_modes == 0 and state.deflection == pytest.approx(1e-3, rel=1e-9)
+        works.append(state.load)
+    assert works[0] == pytest.approx(works[1], rel=1e-6)
+
+
+def test_edges_with_a_corner_in_common_that_are_lifted_differently():
+    with pytest.raises(ValueError, match=r"'c-d'.* 0\.002 .*'b-c'.* 0\.001"):
+        lifted("b-c", "c-d", distances=(1e-3, 2e-3))
+    lifted("b-c", "d-e", distances=(1e-3, 2e-3))
+
+
 def test_totals_on_two_processes():
     lines = on_two_processes('''
 import sheetfx as fx

@@ -84,6 +84,11 @@ class NamedMesh:
         links = self.domain.topology.connectivity(dimension, 0)
         return np.unique(np.concatenate([np.empty(0, dtype=np.int32), *(links.links(e) for e in entities)]))
 
+    def meet(self, name: str, other: str) -> bool:
+        """Whether two named points or edges have vertices in common, on any process."""
+        common = np.intersect1d(self.vertices(name), self.vertices(other)).size
+        return self.domain.comm.allreduce(common) > 0
+
     def count(self, name: str) -> int:
         """Number of vertices of a named point or edge, on all processes."""
         owned = self.vertices(name) < self.domain.topology.index_map(0).size_local

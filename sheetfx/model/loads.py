@@ -212,7 +212,7 @@ class ObstacleForce(Load):
 class PrescribedDisplacement(Load):
     """Prescribed displacement component of a named point, or of all of a named edge; its reaction is an unknown.
 
-    Nodes of the edge where a support fixes the component stay there.
+    Nodes of the edge where a support fixes the component stay there. Edges that move alike may have corners in common.
     """
 
     mesh: NamedMesh
@@ -229,6 +229,11 @@ class PrescribedDisplacement(Load):
     def unknowns(self, fields) -> None:
         held = [s.at for s in fields.scene.supports
                 if s.mesh is self.mesh and s.axes is None and self.component in s.fixed.split()]
+        for load in fields.scene.all_loads:
+            if load is self:
+                break
+            if isinstance(load, PrescribedDisplacement) and load.mesh is self.mesh and load.component == self.component:
+                held.append(load.at)
         fields.add_multiplier(self, self.mesh, "reaction", self.at, held)
 
     def work(self, fields):

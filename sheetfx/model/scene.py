@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import combinations
 from typing import Annotated, Any
 
 from ..checks import NONZERO, Count, Like, check, require_known_component
@@ -124,13 +125,18 @@ class Scene:
         return list(dict.fromkeys(part.mesh for part in self.parts))
 
     def _check_prescribed(self) -> None:
-        """Refuse loads that prescribe one displacement twice."""
-        moved = [(load.mesh, load.at, load.component) for load in self.all_loads
+        """Refuse loads that prescribe one displacement twice, but at common corners of edges that move alike."""
+        moved = [(load, stage.name) for stage in self.all_stages for load in stage.loads
                  if isinstance(load, PrescribedDisplacement)]
-        for i, (_, at, component) in enumerate(moved):
-            if moved[i] in moved[:i]:
-                raise ValueError(f"PrescribedDisplacement of {at!r}: component {component} is prescribed twice; keep "
-                                 "one of the two")
+        for (load, stage), (other, earlier) in combinations(moved, 2):
+            if load.mesh is not other.mesh or load.component != other.component:
+                continue
+            what = f"PrescribedDisplacement of {other.at!r}: component {load.component}"
+            if load.at == other.at:
+                raise ValueError(f"{what} is prescribed twice; keep one of the two")
+            if (load.distance, stage) != (other.distance, earlier) and load.mesh.meet(load.at, other.at):
+                raise ValueError(f"{what} is {other.distance:g} where that of {load.at!r}, with which it has points in "
+                                 f"common, is {load.distance:g}; give both the same distance in one stage")
 
     def _tell_unjoined(self) -> None:
         """Warn of meshes that neither joints nor an obstacle connect: they are solved side by side."""
