@@ -54,6 +54,7 @@ def _ahead(tracer, before: State, distance: float) -> tuple[PETSc.Vec, float]:
 
 
 def _leads_on(tracer, before: State, after: State) -> bool:
-    """Whether a step does not go back along the one before."""
+    """Whether a step does not go back along the one before: where it turns back sharply other modes are unstable."""
     one, other = before.direction, after.direction
-    return tracer.inner(one, other) > -BACK * tracer.distance(*one) * tracer.distance(*other)
+    return (after.unstable_modes != before.unstable_modes
+            or tracer.inner(one, other) > -BACK * tracer.distance(*one) * tracer.distance(*other))
