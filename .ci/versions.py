@@ -21,12 +21,16 @@ CHEAPER = {
 
 
 def run(name: str, folder: Path):
-    """Run a scene without its pictures."""
+    """Run a scene without its pictures; of one that is not loaded the summary has all buckling loads."""
     from sheetfx import case
     from sheetfx.scenes import load_case
 
     options = CHEAPER.get(name, {})
-    summary = case.run(replace(load_case(name)(**options), pictures=()), name, options, folder, resume=False)
+    made = replace(load_case(name)(**options), pictures=())
+    if made.until.steps == 0:
+        made = replace(made, quantities=lambda record: {"buckling": [vars(load) | {"mode": None}
+                                                                     for load in record.buckling()]})
+    summary = case.run(made, name, options, folder, resume=False)
     print(f"{name}: {summary['status']}, {summary['message']}; {summary['timings']['total']:.0f} s", file=sys.stderr)
 
 
@@ -43,26 +47,29 @@ def compare(name: str, one: Path, other: Path) -> bool:
 
 
 def _differences(one: Path, other: Path):
-    """Differences of loads that count, the line of the table and what is not a matter of a number."""
+    """Differences of loads, the line of the table and what is not a matter of a number."""
     paths = [list(csv.DictReader((run / "path.csv").open())) for run in (one, other)]
     summaries = [json.loads((run / "summary.json").read_text()) for run in (one, other)]
+    for summary in summaries:
+        summary["buckling"] = summary["quantities"].get("buckling", [])
     largest = max(abs(float(state["load"])) for state in paths[0])
     remarks = [f"{key}: {summaries[0][key]!r}, {summaries[1][key]!r}" for key in ("status", "unknowns")
                if summaries[0][key] != summaries[1][key]]
-    points = [summary["critical_points"] for summary in summaries]
+    points, modes = ([summary[key] for summary in summaries] for key in ("critical_points", "buckling"))
     kinds = [[(p["kind"], p["name"], p["multiplicity"]) for p in found] for found in points]
-    if kinds[0] != kinds[1]:
-        remarks.append(f"critical points: {kinds[0]}, {kinds[1]}")
+    clusters = [[(mode["cluster"], mode["multiplicity"]) for mode in found] for found in modes]
+    remarks += [f"{what[0]}, {what[1]}" for what in (kinds, clusters) if what[0] != what[1]]
     # A load that passes zero is compared with a thousandth of the path's largest.
-    loads = max((_relative(p["load"], q["load"], largest / 1000) for p, q in zip(*points, strict=False)), default=0.0)
-    last = _relative(*(float(states[-1]["load"]) for states in paths), largest / 1000)
-    named = [_numbers(summary["quantities"]) for summary in summaries]
-    quantities = max((_relative(value, named[1].get(key, float("nan"))) for key, value in named[0].items()),
-                     default=0.0)
-    # Of a structure that is not loaded, quantities are all there is: its buckling loads.
-    counts = [loads, last] + [quantities] * (len(paths[0]) == 1)
-    line = f"{len(points[0]):6} {loads:12.1e} {last:12.1e} {quantities:12.1e} {len(paths[0]):5} {len(paths[1]):5}"
-    return counts, line, remarks
+    loads = [max((_relative(p["load"], q["load"], largest / 1000) for p, q in zip(*found, strict=False)), default=0.0)
+             for found in (points, modes)]
+    # The load where a deflection ends the path, the deflection where a load does.
+    last = max(_relative(*(float(states[-1][key]) for states in paths),
+                         max(abs(float(state[key])) for state in paths[0]) / 1000) for key in ("load", "deflection"))
+    if len(paths[0]) == 1 and not modes[0]:
+        remarks.append("nothing to compare: neither a path nor buckling loads")
+    line = (f"{len(points[0]):6} {loads[0]:12.1e} {last:12.1e} {len(modes[0]):8} {loads[1]:12.1e} "
+            f"{len(paths[0]):5} {len(paths[1]):5}")
+    return [*loads, last], line, remarks
 
 
 def _relative(value: float, other: float, least: float = 0.0) -> float:
@@ -72,20 +79,11 @@ def _relative(value: float, other: float, least: float = 0.0) -> float:
     return difference if difference == difference else float("inf")
 
 
-def _numbers(found, name="") -> dict[str, float]:
-    """Numbers of nested lists and dictionaries by their places."""
-    if isinstance(found, bool) or not isinstance(found, (int, float, list, dict)):
-        return {}
-    if isinstance(found, (int, float)):
-        return {name: found}
-    pairs = found.items() if isinstance(found, dict) else enumerate(found)
-    return {key: value for place, inner in pairs for key, value in _numbers(inner, f"{name}/{place}").items()}
-
-
 if __name__ == "__main__":
     action, *words = sys.argv[1:]
     if action == "head":
-        print(f"{'':20} {'points':>6} {'their loads':>12} {'last load':>12} {'quantities':>12} {'states':>11}")
+        print(f"{'':20} {'points':>6} {'their loads':>12} {'last state':>12} {'buckling':>8} {'their loads':>12} "
+              f"{'states':>11}")
     elif action == "run":
         run(words[0], Path(words[1]))
     elif not compare(words[0], Path(words[1]), Path(words[2])):
