@@ -151,7 +151,7 @@ def test_mass_is_that_of_the_centroids():
 
 
 @pytest.mark.parametrize(("beam", "message"), [
-    (lambda: bar((0.1, 0.2, 0.3)), "offset .* must be 2 values, not 3"),
+    (lambda: bar((0.1, 0.2, 0.3)), "offset .* must be 2 numbers, not 3"),
     (lambda: bar(0.1), "offset .* has 1 components; give 2"),
     (lambda: Beam(straight(1), SECTION, MATERIAL, offset=(0.1, 0.2)), "offset .* has 2 components; give 1"),
     (lambda: bar((0.1, float("nan"))), "offset is .*must be finite"),

@@ -358,7 +358,7 @@ def test_option_of_a_script_is_looked_at(tmp_path):
 def test_one_line_or_a_traceback(tmp_path, monkeypatch, capsys):
     file = tmp_path / "mine.py"
     file.write_text("def case():\n    return 1 / 0\n")
-    monkeypatch.delenv("SHEETFX_TRACEBACK", raising=False)
+    monkeypatch.setenv("SHEETFX_TRACEBACK", "")
     monkeypatch.setattr("sys.argv", ["sheetfx", "run", str(file)])
     with pytest.raises(SystemExit):
         main()
@@ -367,7 +367,7 @@ def test_one_line_or_a_traceback(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("sys.argv", ["sheetfx", "--traceback", "run", str(file)])
     with pytest.raises(ValueError, match="ZeroDivisionError"):
         main()
-    monkeypatch.delenv("SHEETFX_TRACEBACK")
+    monkeypatch.setenv("SHEETFX_TRACEBACK", "")
 
 
 

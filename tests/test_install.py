@@ -16,8 +16,8 @@ from sheetfx import compat
 TREE = Path(__file__).parents[1]
 PROJECT = tomllib.loads((TREE / "pyproject.toml").read_text())["project"]
 IN_WHEEL = {"dolfinx", "dolfinx_solver", "petsc4py", "slepc4py"}  # all come with one package
-PACKAGES = {"basix": "fenics-basix", "ufl": "fenics-ufl", "mpl_toolkits": "matplotlib"} | dict.fromkeys(
-    IN_WHEEL, "dolfinx-solver-real")
+PACKAGES = {"basix": "fenics-basix", "ufl": "fenics-ufl", "mpl_toolkits": "matplotlib",
+            "myst_parser": "myst-parser"} | dict.fromkeys(IN_WHEEL, "dolfinx-solver-real")
 CONDA = {"dolfinx-solver-real": {"fenics-dolfinx", "petsc4py", "slepc4py"}, "gmsh": {"python-gmsh"},
          "matplotlib": {"matplotlib-base"}}
 
@@ -48,7 +48,7 @@ def of(names):
 def test_every_import_is_declared():
     """And nothing else: a dependency that is gone from the code goes from the list."""
     assert of(imported("sheetfx", "meshes")) == declared("fenicsx")
-    assert of(imported("demos")) <= declared("fenicsx")
+    assert of(imported("demos")) <= declared("fenicsx", "demos", "pages")
     assert of(imported("tests")) <= declared("fenicsx", "test")
 
 

@@ -161,7 +161,7 @@ def test_wrong_plies_and_axes_are_refused():
         fx.Shell(mesh, laminate(CROSS))
     with pytest.raises(ValueError, match="Shell: axis is along the normal"):
         fx.Shell(mesh, laminate(CROSS), axis=(0.0, 0.0, 1.0))
-    with pytest.raises(ValueError, match=r"Shell: axis is \(1.0, 0.0\); it must be 3 values"):
+    with pytest.raises(ValueError, match=r"Shell: axis is \(1.0, 0.0\); it must be 3 numbers"):
         fx.Shell(mesh, laminate(CROSS), axis=(1.0, 0.0))
 
 

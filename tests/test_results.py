@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -64,8 +65,10 @@ def place(record, at, start):
 
 
 def test_reactions_of_a_frame(exactly):
-    """Lee's frame along its whole path, through both limits and the snap-back."""
-    record = fx.trace(load_case("lee-frame")(elements=5))
+    """Lee's frame along its whole path, through both limits and the snap-back, with its own shear stiffness."""
+    case = load_case("lee-frame")(elements=5)
+    yielding = [replace(part, shear_rigidity=1.0) for part in case.scene.parts]
+    record = fx.trace(replace(case, scene=replace(case.scene, parts=yielding)))
     assert len(record.critical_points) >= 2
     assert_balanced(record, lambda r, s: ([((0.0, -s.factor, 0.0), place(r, "load", (24.0, 120.0)))], np.zeros(3)))
     loads, found = np.array([s.load for s in record.states]), [record.reactions(at) for at in ("base", "end")]

@@ -207,7 +207,8 @@ class PathStep:
         if self._guess is not None:
             return len(self.history) > 1 and self.history[-1] > max(WRONG, self.history[-2])
         before, last = self.history[:-VAIN], self.history[-VAIN:]
-        return self.control.newton == "full" and bool(before) and 2 * min(last) > min(before) > CLOSE
+        newton = self.control.guarded and self.control.newton == "full"
+        return newton and bool(before) and 2 * min(last) > min(before) > CLOSE
 
     def _last_step(self, x) -> float:
         """Length of the last correction over that of the increments."""
