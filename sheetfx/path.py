@@ -220,19 +220,20 @@ class Path:
     def _try(self, before: State, length: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:
         """A step with its critical points; None and back to its start if it does not converge or leaves its branch."""
         after, self._refusal = self._to_bound(before, length) or self.tracer.attempt(length), ""
-        return None if after is None else self._searched(before, after, self.control.turn)
+        return None if after is None else self._searched(before, after, self._earlier, self.control.turn)
 
     def _around_corner(self, before: State, wanted: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:
+        """A step around a corner of the path, before which loads say nothing of those behind it."""
         after = around_corner(self.tracer, before, wanted)
-        return None if after is None else self._searched(before, after, pi)
+        return None if after is None else self._searched(before, after, None, pi)
 
-    def _searched(self, before: State, after: State,
+    def _searched(self, before: State, after: State, earlier: State | None,
                   largest_turn: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:
         """A step with its critical points; None and back to its start if it turns too far or leaves its branch."""
         try:
             turn = self.tracer.turn(before, after)
             if turn <= largest_turn:
-                points = locate(self.tracer, self._earlier, before, after, self._others)
+                points = locate(self.tracer, earlier, before, after, self._others)
                 return self._with_events(before, after, points)
             self._refusal = f"it turns off the path by {turn:.2g} radians, more than {self.control.turn:g}"
         except Jump as jump:
