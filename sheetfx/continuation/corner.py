@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 from petsc4py import PETSc
 
+from .linear import SingularTangent
 from .state import State
 
 LENGTHS = 1 / 16, 1 / 4, 1.0  # of a step, those that are tried
@@ -22,15 +23,21 @@ BACK = 0.95  # cosine of the angle with the step before, from which a step goes 
 def around_corner(tracer, before: State, wanted: float) -> State | None:
     """A step from a state that lies at a corner of the path; None, and back at the state, if none is found.
 
+    None is looked for on smooth paths, nor where the control prescribes the load or leaves steps as they are.
+
     Parameters
     ----------
     wanted : length of the step that was tried first
     """
-    if tracer.system.smooth or not before.length:
+    control = tracer.control
+    if tracer.system.smooth or not (before.length and control.guarded and control.passes_limits):
         return None
     step = max(wanted, LEAST * tracer.usual)
     for length in (share * step for share in LENGTHS):
-        solution, forwards = _ahead(tracer, before, AHEAD * length)
+        try:
+            solution, forwards = _ahead(tracer, before, AHEAD * length)
+        except SingularTangent:
+            continue
         for sign in (forwards, -forwards):
             tracer.back_to(before)
             after = tracer.attempt_along(solution, sign, length)
