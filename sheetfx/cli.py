@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import traceback
+import warnings
 from pathlib import Path
 from typing import Annotated
 
@@ -112,7 +113,8 @@ def failure_map(
 
 
 def main() -> None:
-    """Entry point: errors are one line; those of input name object, value and remedy."""
+    """Entry point: errors and warnings are one line; those of input name object, value and remedy."""
+    warnings.showwarning = _warn
     try:
         app()
     except Exception as error:
@@ -123,6 +125,11 @@ def main() -> None:
         if isinstance(error, Stopped):
             _end_other_processes()
         sys.exit(1 if isinstance(error, Stopped) else 2)
+
+
+def _warn(message, category, filename, lineno, file=None, line=None) -> None:
+    """A warning in one line, without the place in the program that gives it."""
+    sys.stderr.write(f"sheetfx: warning: {message}\n")
 
 
 def _said(error: Exception) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import logging
 import os
 import shutil
 import sysconfig
@@ -43,6 +44,16 @@ def require_compiler():
 
 
 require_compiler()
+
+
+def show_warnings():
+    """Have Python show warnings again where FFCx, as it is imported, sends them to a logger that nobody reads."""
+    handlers = logging.getLogger("py.warnings").handlers + logging.getLogger().handlers
+    if all(isinstance(handler, logging.NullHandler) for handler in handlers):
+        logging.captureWarnings(False)
+
+
+show_warnings()
 
 # Reason to stop at a residual that is not a number: DIVERGED_FNORM_NAN in PETSc 3.22, DIVERGED_FUNCTION_NANORINF later.
 _reasons = vars(PETSc.SNES.ConvergedReason)
