@@ -15,26 +15,27 @@ import os
 import re
 import shutil
 import socket
-import warnings
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from functools import cached_property
 from io import StringIO
-from itertools import count, filterfalse, islice
+from itertools import filterfalse, islice
 from pathlib import Path
 from uuid import uuid4
 
-from .continuation.state import ForeignState, State
+import numpy as np
+
+from .continuation.state import State
+from .state_files import PATTERNS as STATES
+from .state_files import StateFiles
 
 COLUMNS = ("step", "load", "deflection", "factor", "unstable", "load_rate", "iterations", "factorisations",
            "length", "contact_points", "penetration", "stage")
 ATTRIBUTES = {"unstable": "unstable_modes"}  # columns that are named otherwise in a State
-STEP = 6 * "[0-9]"
 MANIFEST, LIST, RUN = "manifest.json", "written by sheetfx", "run"
 # On the manifest from the start, so that a run that is killed leaves no state that is not listed.
-PATTERNS = (MANIFEST, "parameters.json", "path.csv", f"states/{STEP}.*[0-9].npz", f"states/{STEP}.*[0-9].part",
-            "summary.json")
-LOCK, UNFINISHED, ASIDE = ".lock", ".pictures.part", ".aside"
+PATTERNS = (MANIFEST, "parameters.json", "path.csv", "summary.json", *STATES)
+LOCK, UNFINISHED = ".lock", ".pictures.part"
 
 
 def _files(folder: Path) -> Iterator[str]:
@@ -72,9 +73,7 @@ class Interrupted(KeyboardInterrupt):
 class Archive:
     """States and tables of one run.
 
-    Each process keeps its own part of a state, so a run resumes on as many processes as it started with. Tables are
-    written by process 0. A state's file says which run it belongs to and which step it is: one that is of another run
-    or step, or cannot be read, ends what a run resumes from and is put aside.
+    Each process keeps its own part of a state. Tables are written by process 0.
 
     Parameters
     ----------
@@ -84,7 +83,7 @@ class Archive:
     def __init__(self, folder: Path, comm, patterns: Iterable[str] = ()):
         self.folder, self.comm = Path(folder), comm
         self._patterns = {*PATTERNS, *patterns}
-        self._states = self.folder / "states"
+        self._states = StateFiles(self.folder, comm)
 
     @contextmanager
     def opened(self, parameters: dict, resume: bool) -> Iterator[list[State]]:
@@ -126,7 +125,7 @@ class Archive:
 
     def _kept(self) -> str:
         """What is kept, and how to go on; of this process, as others may no longer answer."""
-        whole = sum(1 for _ in self._whole())
+        whole = sum(1 for _ in self._states.whole(self._run))
         if not whole:
             return f"no state is kept in {self.folder}; start again"
         return f"{whole} states are kept in {self.folder}; go on with --resume"
@@ -149,7 +148,7 @@ class Archive:
             raise ValueError(f"--resume: {self.folder} holds no run; leave --resume out")
         wanted = json.loads(json.dumps(parameters | {"processes": self.comm.size}))
         for name, value in json.loads(file.read_text()).items():
-            if wanted.get(name) != value:
+            if wanted.get(name) != value and not (name == "processes" and self._states.have_origins(value)):
                 remedy = f"start it with mpirun -n {value}" if name == "processes" else "give the same"
                 raise ValueError(f"--resume: the run in {self.folder} has {name} = {value}, not {wanted.get(name)}; "
                                  f"{remedy}, or choose another folder with -o")
@@ -181,65 +180,29 @@ class Archive:
 
     def __call__(self, state: State) -> None:
         """Keep a state."""
-        state.save(self._file(state.step), self._run)
+        self._states.save(state, self._run)
         if self.comm.rank == 0:
             with (self.folder / "path.csv").open("a" if state.step else "w", newline="") as stream:
                 stream.write(_rows([state]) if state.step else _table([state]))
 
+    def keep_origins(self, origins: Mapping[str, np.ndarray]) -> None:
+        """Keep what the entries of states belong to, so that a run resumes on another number of processes too."""
+        self._states.save_origins(origins)
+
     def states(self) -> list[State]:
         """The states from the first on that every process has kept whole, in order of their steps."""
         _ = self._run  # told to all processes, of which some may have no state
-        mine = list(self._whole())
+        mine = list(self._states.whole(self._run))
         return mine[:min(self.comm.allgather(len(mine)))]
-
-    def _whole(self) -> Iterator[State]:
-        """States of this process from the first on, up to one that is not there or not usable."""
-        for step in count():
-            state = self._load(step)
-            if not isinstance(state, State):
-                return
-            yield state
-
-    def _load(self, step: int) -> State | str:
-        """The state of a step, or what is wrong with its file."""
-        file = self._file(step)
-        if not file.exists():
-            return "is missing"
-        try:
-            state = State.load_from(file, self._run)
-        except ForeignState:
-            return "is of another run"
-        except Exception:  # whatever NumPy finds in bytes that are no archive
-            return "cannot be read"
-        return state if state.step == step else f"is that of step {state.step}"
 
     def resume(self) -> list[State]:
         """States to go on from; the table is cut back to them, and what is not whole, or comes later, put aside."""
         self._on_process_0(lambda: self._list({*self._patterns, *self._listed()}))
         states = self.states()
-        self._put_aside(len(states))
+        self._states.put_aside(len(states), self._run)
         if states:
             self._on_process_0(lambda: self._write("path.csv", _table(states)))
         return states
-
-    def _put_aside(self, first: int) -> None:
-        """States of this process from a step on go to a folder of their own, where there are any; none is deleted."""
-        later = sorted(f for f in self._states.glob(f"{STEP}.{self.comm.rank}.npz") if int(f.name[:6]) >= first)
-        if not any(self.comm.allgather(bool(later))):
-            return
-        wrong = self._load(first)
-        where = f"{self._file(first).relative_to(self.folder)} {wrong}" if isinstance(wrong, str) else ""
-        found = list(filter(None, self.comm.allgather(where)))
-        for file in later:
-            aside = self.folder / ASIDE / file.name
-            aside.parent.mkdir(exist_ok=True)
-            os.replace(file, aside)
-        if found and self.comm.rank == 0:
-            warnings.warn(f"--resume: {found[0]}; the path goes on from {f'step {first - 1}' if first else 'its start'}"
-                          f", and what came later is put aside in {self.folder / ASIDE}", stacklevel=2)
-
-    def _file(self, step: int) -> Path:
-        return self._states / f"{step:06d}.{self.comm.rank}.npz"
 
     def _on_process_0(self, action: Callable[[], object]) -> None:
         """Let process 0 act; what it refuses or the system denies it, every process raises."""
@@ -292,7 +255,7 @@ class Archive:
                 (self.folder / name).unlink()
                 with suppress(OSError):  # not empty, as the folder of the manifest always is
                     os.removedirs((self.folder / name).parent)
-        self._states.mkdir(parents=True, exist_ok=True)
+        (self.folder / "states").mkdir(parents=True, exist_ok=True)
         self._list(self._patterns, uuid4().hex)
         self.write_json("parameters.json", parameters)
 

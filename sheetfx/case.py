@@ -67,13 +67,15 @@ class Case:
         check(self)
 
 
-def trace(case: Case, listeners: Sequence[Callable[[State], None]] = (), start: Sequence[State] = ()) -> Record:
+def trace(case: Case, listeners: Sequence[Callable[[State], None]] = (), start: Sequence[State] = (),
+          archive: Archive | None = None) -> Record:
     """Trace a case's path to its end.
 
     Parameters
     ----------
     listeners : called with every new state
     start : states of an interrupted run of the same case
+    archive : keeps every new state
 
     Raises
     ------
@@ -82,7 +84,10 @@ def trace(case: Case, listeners: Sequence[Callable[[State], None]] = (), start: 
     """
     path = Path(case.scene, case.control, case.until, start=start,
                 mixed_points=case.mixed_points, events=case.events)
-    record = Record(case, path, list(start))
+    record = Record(case, path, path.start)
+    if archive:
+        archive.keep_origins(path.discretisation.system.origins())
+        path.subscribe(archive)
     for listener in listeners:
         path.subscribe(listener)
     try:
@@ -106,7 +111,7 @@ def run(case: Case, name: str, parameters: dict, folder: Folder, resume: bool,
     archive = Archive(folder, MPI.COMM_WORLD)
     with archive.opened(parameters, resume) as start:
         try:
-            record = trace(case, [archive, *listeners], start)
+            record = trace(case, listeners, start, archive)
             status, message = "finished", record.path.message
         except PathFailure as failure:
             record, status, message = failure.record, "stopped", str(failure)

@@ -19,6 +19,7 @@ from .checks import Positive, Range, check
 from .continuation.control import ArcLength, DisplacementControl, LoadControl, StepRule
 from .continuation.corner import around_corner
 from .continuation.events import Event, end_at, occurrences
+from .continuation.scattered import ScatteredState
 from .continuation.segment import Jump, Missed
 from .continuation.state import CriticalPoint, State
 from .continuation.tracer import Tracer
@@ -114,7 +115,7 @@ class Path:
     scene : Scene
     control : LoadControl, DisplacementControl or ArcLength
     until : end of the path
-    start : states of an interrupted path to resume; none: begin with the unloaded state
+    start : states of an interrupted path to resume, of any number of processes; none: begin with the unloaded state
     events : what to look for beside limit points and bifurcations
     mixed_points : large-step tangent (see discrete.system.System)
     prefix : of PETSc options for this path's SNES, KSP and PC
@@ -122,6 +123,7 @@ class Path:
     Attributes
     ----------
     message : why the path ended
+    start : states that it resumes from, as this process has them
     """
 
     def __init__(self, scene: Scene, control: StepRule | None = None, until: Until | None = None, *,
@@ -132,16 +134,24 @@ class Path:
         self._ending = self.until.ending
         self.events = [*events, *([self._ending] if self._ending else [])]
         self.discretisation = Discretisation(scene, mixed_points)
+        self.start = self._taken(start)
         self._started = time.process_time()
         self.tracer = Tracer(self.discretisation, self._controls[start[-1].stage if start else 0], prefix)
         self._others = [Flutter(self.tracer)] if Flutter.concerns(self.tracer) else []
         self.message = self._refusal = ""
         self._listeners: list[Callable[[State], None]] = []
-        self._earlier = start[-2] if len(start) > 1 else None
+        self._earlier = self.start[-2] if len(start) > 1 else None
         if start:
-            self.tracer.back_to(self.control.facing(start[-1]))
+            self.tracer.back_to(self.control.facing(self.start[-1]))
         else:
             self.tracer.state = self.control.facing(self.tracer.state)
+
+    def _taken(self, states: Sequence[State]) -> list[State]:
+        """States as this process has them."""
+        if not any(isinstance(state, ScatteredState) for state in states):
+            return list(states)
+        origins = self.discretisation.system.origins()
+        return [state.taken(origins) if isinstance(state, ScatteredState) else state for state in states]
 
     @property
     def control(self) -> StepRule:
@@ -167,7 +177,7 @@ class Path:
 
     def __iter__(self) -> Iterator[State]:
         state = self.tracer.state
-        if state.step == 0:
+        if not self.start:
             yield self._announce(state)
         while not (message := self._end(state)):
             state = self._next_stage(state) if self._stage_is_over(state) else self._step(state)

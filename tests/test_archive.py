@@ -7,6 +7,7 @@ import socket
 import subprocess
 import sys
 import textwrap
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -284,7 +285,7 @@ def test_state_that_is_not_whole_is_named(whole, how, said, tmp_path):
         shallow(other, steps=5)
     shutil.copytree(original, folder)
     damage(folder, how, other)
-    left = {f.name: f.read_bytes() for f in (folder / "states").iterdir() if int(f.name[:6]) > 3}
+    left = {f.name: f.read_bytes() for f in (folder / "states").glob("0*") if int(f.name[:6]) > 3}
     with pytest.warns(UserWarning, match=f"--resume: states/000004.0.npz {said}; the path goes on from step 3"):
         resumed = shallow(folder, resume=True)
     np.testing.assert_allclose(resumed, loads, rtol=1e-12, atol=1e-14)
@@ -306,7 +307,7 @@ def test_disk_that_is_full(whole, tmp_path):
     with pytest.raises(Stopped, match=r"No space left on device: .*/000004.0.npz; 4 states are kept in .*; go on with "
                                       "--resume, once that is mended"):
         shallow(folder, listeners=[at_step(3, lambda: part.symlink_to("/dev/full"))])
-    assert sorted(f.name for f in (folder / "states").iterdir()) == [f"00000{n}.0.npz" for n in range(4)]
+    assert sorted(f.name for f in (folder / "states").glob("0*")) == [f"00000{n}.0.npz" for n in range(4)]
     np.testing.assert_allclose(shallow(folder, resume=True), whole[1], rtol=1e-12, atol=1e-14)
 
 
@@ -380,6 +381,25 @@ def test_interrupted_command_ends_in_one_line(tmp_path, monkeypatch, capsys):
         cli.main()
     assert capsys.readouterr().err == (
         "sheetfx: error: interrupted; 4 states are kept in here; go on with --resume\n")
+
+
+def test_warnings_reach_the_user(tmp_path, monkeypatch, capsys):
+    """In one line by the command, and in scripts too, though FFCx sends warnings to a logger without a reader."""
+    from sheetfx import case, cli
+
+    def warn(*_):
+        warnings.warn("the work of the loads is not what is stored", stacklevel=2)
+        raise Stopped("later")
+
+    monkeypatch.setattr(case, "run", warn)
+    monkeypatch.setattr(warnings, "showwarning", warnings.showwarning)
+    monkeypatch.setattr("sys.argv", ["sheetfx", "run", "star-dome", "-o", str(tmp_path)])
+    with warnings.catch_warnings(), pytest.raises(SystemExit):
+        warnings.simplefilter("always")
+        cli.main()
+    assert capsys.readouterr().err.startswith("sheetfx: warning: the work of the loads is not what is stored\n")
+    script = "import dolfinx, warnings, sheetfx as fx\nfx.Path\nwarnings.warn('to be seen')"
+    assert "to be seen" in subprocess.run([sys.executable, "-c", script], capture_output=True, text=True).stderr
 
 
 def test_another_number_of_processes_is_told(tmp_path):

@@ -63,6 +63,19 @@ class ForeignState(ValueError):
     """A state of another run."""
 
 
+def write_arrays(file: Path, **arrays) -> None:
+    """Write a NumPy archive that appears complete or not at all."""
+    part = file.with_suffix(".part")
+    try:
+        with part.open("wb") as stream:
+            np.savez(stream, **arrays)
+        os.replace(part, file)
+    except OSError as error:
+        part.unlink(missing_ok=True)
+        error.filename = error.filename or str(file)
+        raise
+
+
 @dataclass(frozen=True)
 class State:
     """A converged state.
@@ -124,24 +137,23 @@ class State:
         """Rates of load factor and unknowns along the path."""
         return self.load_rate, self.load_rate * self.response
 
-    def save(self, file: Path, run: str = "") -> None:
+    def save(self, file: Path, run: str = "", processes: int = 1) -> None:
         """Write to a NumPy archive; the file appears complete or not at all.
 
         Parameters
         ----------
         run : what states of one run have in common; "": not known
+        processes : number of those that have a part of the state
         """
         numbers = {k: v for k, v in asdict(self).items() if k not in ("fields", "increment", "response")}
-        part = file.with_suffix(".part")
-        try:
-            with part.open("wb") as stream:
-                np.savez(stream, numbers=json.dumps(numbers), run=run, increment=self.increment,
-                         response=self.response, **{f"field {k}": v for k, v in self.fields.items()})
-            os.replace(part, file)
-        except OSError as error:
-            part.unlink(missing_ok=True)
-            error.filename = error.filename or str(file)
-            raise
+        write_arrays(file, numbers=json.dumps(numbers), run=run, processes=processes, increment=self.increment,
+                     response=self.response, **{f"field {k}": v for k, v in self.fields.items()})
+
+    @staticmethod
+    def processes_of(file: Path) -> int:
+        """How many processes have a part of the state in a file; 0: a file of an older version does not say it."""
+        with np.load(file) as archive:
+            return int(archive["processes"]) if "processes" in archive.files else 0
 
     @classmethod
     def load_from(cls, file: Path, run: str = "") -> State:

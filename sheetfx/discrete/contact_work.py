@@ -8,6 +8,7 @@ from mpi4py import MPI
 from .contact import ContactFields, ContactState
 from .fields import Fields
 from .form_work import FormWork
+from .origins import of_nodes
 from .timing import Stopwatch
 
 PENETRATION = 1e-6  # over the depth, that augmentation leaves
@@ -46,6 +47,9 @@ class ContactWork(FormWork):
 
     def snapshot(self) -> dict[str, np.ndarray]:
         return {} if self._kept is None else {self._kept.name: self._kept.x.array.copy()}
+
+    def origins(self) -> dict[str, np.ndarray]:
+        return dict.fromkeys(self.snapshot(), of_nodes(self.fields.multiplier.function_space))
 
     def restore(self, snapshot: dict[str, np.ndarray]) -> None:
         if self._kept is not None:

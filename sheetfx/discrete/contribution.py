@@ -120,6 +120,13 @@ class Contribution:
         """History at the last accepted state on this process, by names that no other contribution uses."""
         return {}
 
+    def origins(self) -> dict[str, np.ndarray]:
+        """What tells the rows of its arrays in a snapshot on any number of processes, see `discrete.origins`.
+
+        Where an array is left out, a path resumes on as many processes as it began with.
+        """
+        return {}
+
     def restore(self, snapshot: dict[str, np.ndarray]) -> None:
         """Return to what `snapshot` gave."""
 

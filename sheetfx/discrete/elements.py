@@ -20,6 +20,7 @@ from mpi4py import MPI
 
 from ..model.history import has_history
 from ..model.work import Internal
+from . import origins
 from .assumed import AssumedWork
 from .contribution import Contribution, Forces
 from .densities import PointwiseWork, component_pairs
@@ -178,6 +179,9 @@ class ElementWork(Contribution):
 
     def snapshot(self) -> dict[str, np.ndarray]:
         return {f"{self._name} {n}": memory.snapshot() for n, (_, memory) in enumerate(self._memories)}
+
+    def origins(self) -> dict[str, np.ndarray]:
+        return dict.fromkeys(self.snapshot(), origins.of_cells(self.internal.domain, self.internal.cells))
 
     def restore(self, snapshot: dict[str, np.ndarray]) -> None:
         self._accepted = {}

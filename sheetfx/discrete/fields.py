@@ -20,6 +20,7 @@ from .kinematics import Kinematics, kinematics_of
 from .load_factors import LoadFactors
 from .nodal_field import AdditiveField
 from .number import NumberField, shared_by_all
+from .origins import components
 from .pair_work import Pairs, PairWork
 from .partners import Partners
 from .points import PointLaw, PointWork, Trace
@@ -111,9 +112,16 @@ class Fields:
         field = NumberField(self._unique(name), shared_by_all(mesh.domain.comm), scale, multiplier, mesh.domain)
         self._add(owner, name, Block.of_numbers(field))
 
-    def add_numbers(self, owner, mesh: NamedMesh, name: str, count: int) -> None:
-        """Add Lagrange multipliers at points, so many on this process."""
-        field = NumberField(self._unique(name), IndexMap(mesh.domain.comm, count), np.inf, True)
+    def add_numbers(self, owner, mesh: NamedMesh, name: str, origins: np.ndarray, count: int) -> None:
+        """Add Lagrange multipliers at the points of this process.
+
+        Parameters
+        ----------
+        origins : of the points: numbers that tell them from each other on any number of processes
+        count : of multipliers at each point
+        """
+        numbers = components(origins, count)
+        field = NumberField(self._unique(name), IndexMap(mesh.domain.comm, len(numbers)), np.inf, True, origins=numbers)
         self._add(owner, name, Block.of_numbers(field))
 
     def add_multiplier(self, owner, mesh: NamedMesh, name: str, at: str, without: Sequence[str] = ()) -> None:
@@ -166,6 +174,10 @@ class Fields:
             raise ValueError(f"{at!r} has no node of the {quantity}; choose an edge, or a form of shells with "
                              "rotations at corners")
         return nodes if ghosts else nodes[nodes < space.dofmap.index_map.size_local]
+
+    def origins(self, mesh: NamedMesh, nodes: np.ndarray, quantity: str = "displacement") -> np.ndarray:
+        """What tells nodes on any number of processes."""
+        return self._field(mesh, quantity).origins[nodes]
 
     def places(self, mesh: NamedMesh, nodes: np.ndarray, quantity: str = "displacement") -> np.ndarray:
         """Places of nodes in the reference configuration, shape (n, dimension)."""

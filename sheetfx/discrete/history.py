@@ -89,6 +89,13 @@ class History:
             kept |= own
         return kept
 
+    def origins(self) -> dict[str, np.ndarray]:
+        """What tells rows of a snapshot's arrays on any number of processes, of those where it is known."""
+        known = {self._key(n, f): f.origins for n, f in enumerate(self._fields)}
+        for contribution in self._contributions:
+            known |= contribution.origins()
+        return known
+
     def restore(self, snapshot: dict[str, np.ndarray]) -> None:
         """Return to a state that `snapshot` gave."""
         for n, field in enumerate(self._fields):

@@ -14,6 +14,7 @@ from petsc4py import PETSc
 
 from .. import compat
 from .nodal_field import AdditiveField
+from .origins import SEVERAL, components
 from .sharing import Sharing
 from .unknowns import Block
 
@@ -97,6 +98,13 @@ class Layout:
         """Rows of this process that belong to local dofs of each block."""
         return np.concatenate([offset + d[d < owned] for d, owned, offset in zip(
             dofs, self._owned, self._offsets[:-1], strict=True)]).astype(np.int32)
+
+    def origins(self) -> np.ndarray:
+        """What tells the rows of this process on any number of processes, see `discrete.origins`."""
+        arrays = [array.astype(np.int64) for array in self.zeros()]
+        for number, (field, array) in enumerate(self.fields(arrays)):
+            array[field.dofs] = number * SEVERAL + components(field.origins, field.width)
+        return np.concatenate([a[:owned] for a, owned in zip(arrays, self._owned, strict=True)])
 
     @cached_property
     def numbers(self) -> list[np.ndarray]:

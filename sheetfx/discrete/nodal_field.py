@@ -13,6 +13,7 @@ import numpy as np
 import ufl
 from dolfinx.fem import Function
 
+from . import origins
 from .partly_fixed import PartlyFixed
 
 
@@ -71,6 +72,11 @@ class AdditiveField:
     def count(self) -> int:
         """Number of nodes on all processes."""
         return self.value.function_space.dofmap.index_map.size_global
+
+    @cached_property
+    def origins(self) -> np.ndarray:
+        """What tells nodes of this process and its ghosts on any number of processes, see `origins`."""
+        return origins.of_nodes(self.value.function_space)
 
     def variations(self) -> np.ndarray:
         """Nodal variations by a unit increment, shape (nodes or 1 if all alike, components, width)."""

@@ -34,6 +34,7 @@ class NumberField(AdditiveField):
     index_map : of its entries
     domain : mesh of the forms that the number occurs in, of one number that all processes share; None: it occurs in
         none
+    origins : of the entries
 
     Attributes
     ----------
@@ -43,10 +44,15 @@ class NumberField(AdditiveField):
 
     components = width = 1
 
-    def __init__(self, name: str, index_map: IndexMap, scale: float, multiplier: bool = False, domain=None):
+    origins = np.zeros(1, dtype=np.int64)
+
+    def __init__(self, name: str, index_map: IndexMap, scale: float, multiplier: bool = False, domain=None,
+                 origins: np.ndarray | None = None):
         count = index_map.size_local + index_map.num_ghosts
         self.value, self.previous = Number(name, count), Number(name, count)
         self.dofs, self.scale, self.multiplier, self.index_map = np.arange(count), scale, multiplier, index_map
+        if origins is not None:
+            self.origins = origins
         self.symbol = None
         if domain is not None:
             self._now, self._before, self.variation = (Constant(domain, 0.0) for _ in range(3))

@@ -304,6 +304,10 @@ class System:
         """All that a state consists of on this process: fields, history, stage and load factor."""
         return self.history.snapshot() | {"load": np.array([self.factors.stage, self.factors.now])}
 
+    def origins(self) -> dict[str, np.ndarray]:
+        """What tells rows of a snapshot's arrays on any number of processes, and those of a vector (`increment`)."""
+        return self.history.origins() | {"load": np.arange(2), "increment": self._layout.origins()}
+
     def restore(self, snapshot: dict[str, np.ndarray]) -> None:
         """Return to a state that `snapshot` gave."""
         stage, factor = snapshot["load"]

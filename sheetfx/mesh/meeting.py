@@ -16,6 +16,7 @@ from .quadrature import gauss
 
 AHEAD = 1e-5  # how far ahead of a border the next cell is looked for, over the size of a cell
 SHORT = 0.5  # pieces of the multipliers' grid are at least this part of a cell
+MOST = 2**20  # above the number of shape functions at one place
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,7 @@ class Meeting:
     sides : of the first and the second part
     weights : length that each point stands for; 1 for single points
     nodes, hats : shape (n, k), at each point the numbers of the shape functions of multipliers, and their values
-    count : number of shape functions
+    origins : numbers that tell the shape functions from each other on any number of processes
     size : of the cells at the interface, of the finer part
     """
 
@@ -53,7 +54,7 @@ class Meeting:
     weights: np.ndarray
     nodes: np.ndarray
     hats: np.ndarray
-    count: int
+    origins: np.ndarray
     size: float
 
 
@@ -120,7 +121,7 @@ def at_points(first: Cells, second: Cells, points: np.ndarray, others: np.ndarra
     sides = tuple(pair.side(n, which[own], reference[own]) for n, (which, reference, _) in enumerate(found))
     every = np.arange(len(own))[:, None]
     size = min((c.sizes.mean() for c in pair.parts if len(c.cells)), default=1.0)
-    return Meeting(sides, np.ones(len(own)), every, np.ones(every.shape), len(own), float(size))
+    return Meeting(sides, np.ones(len(own)), every, np.ones(every.shape), own, float(size))
 
 
 def along_lines(first: Cells, second: Cells, lines: Sequence[Sequence[Piece]], reach: float, degree: int,
@@ -165,7 +166,7 @@ def along_lines(first: Cells, second: Cells, lines: Sequence[Sequence[Piece]], r
         count += len(grid)
     places, cells = np.concatenate(points), np.concatenate(cells)
     sides = tuple(pair.side(n, cells[:, n], part.nearest(cells[:, n], places)) for n, part in enumerate(pair.parts))
-    return Meeting(sides, np.concatenate(weights), np.concatenate(nodes), np.concatenate(hats), count,
+    return Meeting(sides, np.concatenate(weights), np.concatenate(nodes), np.concatenate(hats), np.arange(count),
                    float(np.min(sizes)))
 
 
@@ -200,16 +201,18 @@ def at_pairs(first: Cells, second: Cells, lines: Sequence[Sequence[Piece]], coun
         sides.append(pair.side(number, which, reference))
     every = np.arange(len(places))[:, None]
     size = float(min(part.sizes.mean() for part in pair.parts))
-    return Meeting((sides[0], sides[1]), np.concatenate(weights), every, np.ones(every.shape), len(places), size)
+    return Meeting((sides[0], sides[1]), np.concatenate(weights), every, np.ones(every.shape), every[:, 0], size)
 
 
 def merged(meetings: Sequence[Meeting]) -> Meeting:
     """One meeting of the same two parts at several places, which all are lines or all are points."""
-    counts = np.cumsum([0, *(m.count for m in meetings)])
+    counts = np.cumsum([0, *(len(m.origins) for m in meetings)])
     sides = [_merged_sides([m.sides[n] for m in meetings]) for n in (0, 1)]
     return Meeting((sides[0], sides[1]), np.concatenate([m.weights for m in meetings]),
                    np.concatenate([m.nodes + before for m, before in zip(meetings, counts, strict=False)]),
-                   np.concatenate([m.hats for m in meetings]), int(counts[-1]), min(m.size for m in meetings))
+                   np.concatenate([m.hats for m in meetings]),
+                   np.concatenate([m.origins + n * MOST for n, m in enumerate(meetings)]),
+                   min(m.size for m in meetings))
 
 
 def _merged_sides(sides: Sequence[Side]) -> Side:

@@ -128,7 +128,7 @@ class Interface(Joint):
 
     def unknowns(self, fields) -> None:
         if self.held and self.enforcement == "multiplier":
-            fields.add_numbers(self, self.mesh, "tie", self.meeting.count * len(self.held))
+            fields.add_numbers(self, self.mesh, "tie", self.meeting.origins, len(self.held))
 
     def contributions(self, fields):
         meeting, names = self.meeting, self.held

@@ -148,7 +148,7 @@ class Uniform(Joint):
 
     def unknowns(self, fields) -> None:
         fields.add_number(self, self.mesh, "motion", self.mesh.size)
-        fields.add_numbers(self, self.mesh, "tie", len(fields.nodes(self.mesh, self.at)))
+        fields.add_numbers(self, self.mesh, "tie", fields.origins(self.mesh, fields.nodes(self.mesh, self.at)), 1)
 
     def contributions(self, fields):
         nodes, index = fields.nodes(self.mesh, self.at), COMPONENTS[self.mesh.dimension].index(self.component)

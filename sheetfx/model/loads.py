@@ -267,8 +267,8 @@ class PrescribedRotation(Load):
                            2 * self.mesh.dimension - 3)
 
     def unknowns(self, fields) -> None:
-        count = len(fields.nodes(self.mesh, self.at, "rotation"))
-        fields.add_numbers(self, self.mesh, "moment", count * len(np.ravel(self.rotation)))
+        origins = fields.origins(self.mesh, fields.nodes(self.mesh, self.at, "rotation"), "rotation")
+        fields.add_numbers(self, self.mesh, "moment", origins, len(np.ravel(self.rotation)))
 
     def contributions(self, fields):
         nodes, width = fields.nodes(self.mesh, self.at, "rotation"), len(np.ravel(self.rotation))
