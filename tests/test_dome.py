@@ -46,6 +46,14 @@ def test_flange_in_closed_form():
     assert fx.effective_width(900.0, 10.0, 40.0, 50.0) == 90.0, "the panels themselves"
 
 
+def test_linear_buckling_beside_contact():
+    """Friction and open pairs bring pivots that are put off, beyond the working space of a factor made once."""
+    made = case(model="contact", divisions=2, to=0.2)
+    found = made.quantities(fx.trace(made))
+    assert found["linear_buckling_load"] > 0
+    assert found["initial_stiffness"] == pytest.approx(55.4e3, rel=1e-2), "of the path to 4 mm"
+
+
 @pytest.mark.parametrize("model", ["bars", "flange"])
 def test_cheap_models(model):
     """Four cells a bar give the skeleton's first bifurcation within 1 % of that of eight; flanges stiffen it.

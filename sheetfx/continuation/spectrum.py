@@ -111,11 +111,15 @@ def about_zero(solver: DirectSolver, right: PETSc.Mat, prefix: str) -> SLEPc.EPS
     eps.setWhichEigenpairs(SLEPc.EPS.Which.TARGET_MAGNITUDE)
     transformation = eps.getST()
     transformation.setType(SLEPc.ST.Type.SINVERT)
-    ksp = transformation.getKSP()
+    solve_by(solver, transformation.getKSP())
+    return eps
+
+
+def solve_by(solver: DirectSolver, ksp: PETSc.KSP) -> None:
+    """Have a KSP solve with the factor that a direct solver has."""
     ksp.setType(PETSc.KSP.Type.PREONLY)
     ksp.getPC().setType(PETSc.PC.Type.PYTHON)
     ksp.getPC().setPythonContext(_Factored(solver))
-    return eps
 
 
 class _Factored:

@@ -21,6 +21,7 @@ from petsc4py import PETSc
 from slepc4py import SLEPc
 
 from ..continuation.linear import DirectSolver
+from ..continuation.spectrum import solve_by
 from ..continuation.state import State
 from ..discrete.discretisation import Discretisation
 from .modes import scaled
@@ -149,10 +150,7 @@ class _Problem:
         eps.setWhichEigenpairs(SLEPc.EPS.Which.LARGEST_MAGNITUDE)
         eps.setDimensions(min(count, self.system.size))
         eps.setTolerances(1e-10, 500)
-        ksp = eps.getST().getKSP()
-        ksp.setType(PETSc.KSP.Type.PREONLY)
-        ksp.getPC().setType(PETSc.PC.Type.CHOLESKY if self.system.conservative else PETSc.PC.Type.LU)
-        ksp.getPC().setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
+        solve_by(self.solver, eps.getST().getKSP())
         eps.setFromOptions()
         eps.solve()
         values = [eps.getEigenvalue(i) for i in range(eps.getConverged())]
