@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import inf
 
 import numpy as np
 
@@ -18,10 +19,15 @@ from .unknowns import Unknowns
 SPARE = 0.1  # of all pairs, those with the smallest gaps that the pattern of the tangent has beside those that act
 APPROACHES = 2.0, 0.5  # of states with friction: above 1 by given bounds of it, below 1 by sticking
 STICKING = 1e3  # coefficient of friction with which all pairs stick
+STIFFER, MOST = 10.0, 8  # stiffness from one augmentation to the next, and how often it grows at most
+SLOW = 0.1  # part of the penetration that an augmentation leaves, above which the next one is stiffer
 
 
 class PairWork(PointWork):
     """Virtual work of pressures and tractions between pairs of points.
+
+    Where pressures are augmented the stiffness grows within a step as long as augmentations take little of the
+    penetration away, so that their number hardly depends on the stiffness that is given.
 
     Parameters
     ----------
@@ -33,6 +39,8 @@ class PairWork(PointWork):
     name : of its history in snapshots
     """
 
+    _least = 0  # how often the stiffness grows within a step at least
+    _stiffened, _deepest = 0, inf
     _slack = 0.0  # part of the bound of friction by which tractions may be off where they slip
 
     def __init__(self, unknowns: Unknowns, first: Sequence[Trace], second: Trace | Partners, pairs: Pairs, contact,
@@ -169,6 +177,7 @@ class PairWork(PointWork):
     def commit(self) -> None:
         self._put_history(self._updated(self.pairs.augmented, slips=True))
         self._committed = self._history.copy()
+        self._stiffen(0)
         if self._partners:
             self._partners.commit()
             self._partners_committed = self._partners.history()
@@ -186,6 +195,7 @@ class PairWork(PointWork):
         self.rewind()
 
     def rewind(self) -> None:
+        self._stiffen(0)
         self._put_history(self._committed.copy())
         if self._partners:
             self._partners.restore(self._partners_committed)
@@ -200,6 +210,8 @@ class PairWork(PointWork):
         hops between sticking and slipping the other way when pairs close, converges from there. Where pairs that slip
         push each other open it finds those that stick from the other side.
         """
+        if self._stiffened:
+            return
         table = self.pairs.table()
         if times > 1:
             table[:, 3] += table[:, 2] * self.evaluate().pressure
@@ -211,11 +223,20 @@ class PairWork(PointWork):
     def augment(self) -> bool:
         if not self.pairs.augmented:
             return True
-        strains, resultants = self._now()
-        if -strains[:, 0].min(initial=0.0) <= self.pairs.tolerance:
+        deepest = -self._now()[0][:, 0].min(initial=0.0)
+        if deepest <= self.pairs.tolerance and self._stiffened >= self._least:
             return True
         self._put_history(self._updated(True, slips=False))
+        if self._stiffened < self._least or (self._stiffened < MOST and deepest > SLOW * self._deepest):
+            self._stiffen(self._stiffened + 1)
+        self._deepest = deepest
         return False
+
+    def _stiffen(self, times: int) -> None:
+        """Give the law the stiffness after so many augmentations with a higher one."""
+        self._stiffened, table = times, self.pairs.table()
+        table[:, :2] *= STIFFER ** times
+        self._law.give(self._data_of_history + 1, table)
 
     def energy(self) -> float | None:
         if not self.conservative or self.pairs.augmented or self.contact.law is not forms.contact.mohr_coulomb:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from math import inf
-
 import numpy as np
 
 from .. import forms
@@ -81,10 +79,6 @@ class SurfaceLaw(PointLaw):
         return found
 
 
-STIFFER, STEPS = 10.0, 3  # from one augmentation to the next, and how often at least
-SLOW, MOST = 0.1, 8  # part of the penetration that an augmentation leaves, above which it is stiffer too; how often
-
-
 class SurfaceWork(PairWork):
     """Virtual work of pressures and tractions between points and the surfaces that they slide along.
 
@@ -98,7 +92,7 @@ class SurfaceWork(PairWork):
 
     _partners: SurfacePartners
     _slack = 1e-5
-    _stiffened, _deepest = 0, inf
+    _least = 3
 
     def _law_of(self, sizes):
         pairs, self._data_of_history = self.pairs, 0
@@ -113,35 +107,3 @@ class SurfaceWork(PairWork):
 
     def _give_places(self):
         """The law asks the partners itself."""
-
-    def augment(self) -> bool:
-        if not self.pairs.augmented:
-            return True
-        held, deepest = super().augment(), self.touching()[1]
-        if held and self._stiffened >= STEPS:
-            return True
-        if held:
-            self._put_history(self._updated(True, slips=False))
-        if self._stiffened < STEPS or (self._stiffened < MOST and deepest > SLOW * self._deepest):
-            self._stiffen(self._stiffened + 1)
-        self._deepest = deepest
-        return False
-
-    def commit(self) -> None:
-        super().commit()
-        self._stiffen(0)
-
-    def rewind(self) -> None:
-        super().rewind()
-        self._stiffen(0)
-
-    def regularise(self, times: float) -> None:
-        if not self._stiffened:
-            super().regularise(times)
-
-    def _stiffen(self, times: int) -> None:
-        """Give the law the stiffness after so many augmentations with a higher one."""
-        self._stiffened = times
-        table = self.pairs.table()
-        table[:, :2] *= STIFFER ** times
-        self._law.give(self._data_of_history + 1, table)
