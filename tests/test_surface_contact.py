@@ -102,7 +102,7 @@ def test_cells_know_what_is_beyond_their_borders(triangles):
     inside = 0
     for cell in range(len(patch.beyond)):
         for border in range(patch.beyond.shape[1]):
-            ends = patch._ends[border]
+            ends = patch.ends[border]
             reference = (0.3 * ends[0] + 0.7 * ends[1])[None]
             assert patch.margins(reference)[0, border] == pytest.approx(0.0, abs=1e-15)
             if patch.beyond[cell, border] < 0:
