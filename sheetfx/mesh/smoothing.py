@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Sequence
 from math import cos, radians
 
 import basix
@@ -12,11 +13,13 @@ from .patch import Patch
 from .taylor import SIZES, Taylor
 
 SMOOTH = cos(radians(10.0))  # of the angle up to which a bend is one of the cells, not of the surface
-ALONG = 0.5 + np.array([-1.0, 0.0, 1.0]) * np.sqrt(0.15)  # points of borders, from 0 to 1, at which cells have one slope
-SLOPE = np.array([0.0, 1.0, -3.0, 3.0, -1.0])  # s (1 - s)^3, by which surfaces of plates are as stiff all over cells
+ALONG = 0.5 + np.array([-1.0, 0.0, 1.0]) * np.sqrt(0.15)  # points of borders, from 0 to 1, where slopes are made equal
+SLOPE = np.array([0.0, 1.0, -3.0, 3.0, -1.0])  # s (1 - s)^3; see `Blends`
 FADING = np.array([1.0, 0.0, -3.0, 2.0])
 NEAR = 1e-12  # square of the distance from a corner, in reference coordinates, at which blends are regular
-REGULAR = 1e-3  # least square of the sine between edges that determines a slope at a vertex
+REGULAR = 1e-3  # least square of the sine between edges that determine a plane at a vertex
+
+End = tuple[int, int, int]  # of an edge at a vertex: number of a cell, of its border, and 0 or 1
 
 
 class Blends:
@@ -25,7 +28,9 @@ class Blends:
     The first ones, two for each border, change the slope along it at one of its ends by one. The others, three for each
     border, are zero at all borders, and change the slope across theirs at one of three points; near corners they are
     rational (as those of Gregory 1974, Smooth interpolation without twist constraints), so that they change it at this
-    border alone.
+    border alone. Of s (1 - s)² (1 + c s) that with c = -1 is taken: a force that slides along a thin strip of quadratic
+    cells on a foundation finds it about as stiff everywhere, within 0.02 % where s (1 - s)², Hermite's polynomial, has
+    0.09 %, that without mean 0.17 %, and the surface as it is 0.15 %.
     """
 
     def __init__(self, patch: Patch):
@@ -38,7 +43,6 @@ class Blends:
         lagrange = np.array([np.poly(np.delete(ALONG, j))[::-1] / np.prod(s - np.delete(ALONG, j)) / (s * (1 - s))
                              for j, s in enumerate(ALONG)])
         self._lagrange = lagrange.T
-        self.count = (2 + len(ALONG)) * count
 
     def __call__(self, reference: np.ndarray, order: int) -> np.ndarray:
         """Values and derivatives at reference points, shape (rows, n, functions).
@@ -47,13 +51,14 @@ class Blends:
         """
         margin = Taylor.linear(self._patch.margins(reference).T, self._patch.slopes, order)
         first, second = (margin[beside] for beside in self._beside)
-        bubble, place = first * second, ((first + second * -1.0 + 1.0) * 0.5).polynomial(self._lagrange)
-        square, blend = margin * margin + NEAR, bubble * bubble
-        blend = blend * ((first * first + square) * (second * second + square)).reciprocal()
-        both = Taylor(np.stack([(second * second).terms, (first * first).terms], axis=1))
-        found = [f.derivatives().transpose(0, 3, 2, 1).reshape(SIZES[order], len(reference), -1) for f in (
-            both.times(bubble * margin.polynomial(self._fading)), place.times(bubble * blend * margin.polynomial(SLOPE)))]
-        return np.concatenate(found, axis=2)
+        bubble, squares = first * second, [f * f for f in (second, first)]
+        along = Taylor.several(squares).times(bubble * margin.polynomial(self._fading))
+        near = margin * margin + NEAR
+        alone = bubble * bubble * ((squares[0] + near) * (squares[1] + near)).reciprocal()
+        place = (first + second * -1.0 + 1.0) * 0.5
+        across = place.polynomial(self._lagrange).times(bubble * alone * margin.polynomial(SLOPE))
+        return np.concatenate([f.derivatives().transpose(0, 3, 2, 1).reshape(SIZES[order], len(reference), -1)
+                               for f in (along, across)], axis=2)
 
 
 class SmoothSurface:
@@ -89,41 +94,45 @@ class SmoothSurface:
         shape = self._count, self._borders, 2
         slopes, normals = np.empty((*shape, 3)), np.empty((*shape, 3))
         for border, end in np.ndindex(shape[1:]):
-            along = cells.derivatives(self._every, np.tile(patch.ends[border, end], (self._count, 1)))
-            slopes[:, border, end] = along @ self._edges[end][border]
-            normals[:, border, end] = _unit(np.cross(along[:, :, 0], along[:, :, 1]))
-        at: dict[int, list[tuple[int, int, int]]] = {}
+            reference = np.tile(patch.ends[border, end], (self._count, 1))
+            slopes[:, border, end] = cells.derivatives(self._every, reference) @ self._edges[end][border]
+            normals[:, border, end] = cells.normals(self._every, reference)
+        at: dict[int, list[End]] = {}
         for cell, border, end in np.ndindex(shape):
             at.setdefault(int(patch.vertices[cell, border, end]), []).append((cell, border, end))
         entries: list[tuple[int, int, float]] = []
         self._normals = np.zeros((*shape, 3))
         for meeting in at.values():
-            edges: dict[int, list[tuple[int, int, int]]] = {}
+            ways = np.sign([normals[m] @ normals[meeting[0]] for m in meeting])
+            normal = _unit(ways @ np.array([normals[m] for m in meeting]))
+            edges: dict[int, list[End]] = {}
             for cell, border, end in meeting:
                 edges.setdefault(int(patch.vertices[cell, border, 1 - end]), []).append((cell, border, end))
-            ways = np.sign([normals[m] @ normals[meeting[0]] for m in meeting])
-            normal = _unit((ways[:, None] * np.array([normals[m] for m in meeting])).sum(axis=0))
-            inside = [m[:2] for m in meeting if patch.beyond[m[:2]] >= 0]
-            bends = any(abs(normals[m] @ normal) < SMOOTH for m in meeting) or not all(self.smooth[m] for m in inside)
-            if bends or len(edges) > len(meeting) // 2 + 1:
-                continue
-            flat = np.array([_within(slopes[ends[0]], normal) for ends in edges.values()])
-            unit = _unit(flat)
-            metric = unit.T @ unit + np.outer(normal, normal)
-            if np.linalg.det(metric) < REGULAR:
-                continue
-            shares = flat @ np.linalg.solve(metric, (unit / np.linalg.norm(flat, axis=1)[:, None]).T)
-            shares -= np.eye(len(edges))
-            for items, row in zip(edges.values(), shares, strict=True):
-                for item in items:
-                    entries += [(self._number(item), self._number(ends[0]), share)
-                                for ends, share in zip(edges.values(), row, strict=True)]
-            for m, way in zip(meeting, ways, strict=True):
-                self._normals[m] = way * normal
+            if all(abs(normals[m] @ normal) > SMOOTH for m in meeting) and self._go_round(meeting, edges.values()):
+                entries += self._in_one_plane(list(edges.values()), slopes, normal)
+                for m, way in zip(meeting, ways, strict=True):
+                    self._normals[m] = way * normal
         self._turns = _sparse(entries, (self._count * self._borders * 2,) * 2)
 
-    def _number(self, item: tuple[int, int, int]) -> int:
-        return (item[0] * self._borders + item[1]) * 2 + item[2]
+    def _go_round(self, meeting: Sequence[End], edges: Collection[Sequence[End]]) -> bool:
+        """Whether cells at a vertex follow on each other without a fold, and are the only ones there."""
+        inside = all(self.smooth[m[:2]] for m in meeting if self.patch.beyond[m[:2]] >= 0)
+        return inside and len(edges) <= len(meeting) // 2 + 1
+
+    def _in_one_plane(self, edges: Sequence[Sequence[End]], slopes: np.ndarray,
+                      normal: np.ndarray) -> list[tuple[int, int, float]]:
+        """Entries of the matrix of changes, by which slopes along edges at a vertex become those of one plane."""
+        flat = np.array([slopes[ends[0]] - (slopes[ends[0]] @ normal) * normal for ends in edges])
+        lengths = np.linalg.norm(flat, axis=1)[:, None]
+        metric = (flat / lengths).T @ (flat / lengths) + np.outer(normal, normal)
+        if np.linalg.det(metric) < REGULAR:
+            return []
+        shares = flat @ np.linalg.solve(metric, (flat / lengths**2).T) - np.eye(len(edges))
+        return [(self._number(end), self._number(others[0]), share) for ends, row in zip(edges, shares, strict=True)
+                for end in ends for others, share in zip(edges, row, strict=True)]
+
+    def _number(self, end: End) -> int:
+        return (end[0] * self._borders + end[1]) * 2 + end[2]
 
     def _at_borders(self) -> None:
         """Directions in which slopes across borders are taken, and the changes as a matrix on these slopes."""
@@ -210,11 +219,6 @@ class SmoothShapes:
 
 def _unit(vectors: np.ndarray) -> np.ndarray:
     return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
-
-
-def _within(vectors: np.ndarray, normal: np.ndarray) -> np.ndarray:
-    """Parts of vectors in the plane with a normal."""
-    return vectors - (vectors @ normal)[..., None] * normal
 
 
 def _sparse(entries, shape: tuple[int, int]) -> csr_matrix:

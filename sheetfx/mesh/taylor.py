@@ -5,6 +5,7 @@ Rational shape functions are written as they stand in a formula, and bring their
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import factorial
 
 import numpy as np
@@ -48,6 +49,11 @@ class Taylor:
         if order:
             terms[1], terms[2] = slopes[..., 0, None], slopes[..., 1, None]
         return cls(terms)
+
+    @classmethod
+    def several(cls, functions: Sequence[Taylor]) -> Taylor:
+        """Functions one behind the other, along a first axis."""
+        return cls(np.stack([f.terms for f in functions], axis=1))
 
     def derivatives(self) -> np.ndarray:
         """Values and partial derivatives, in the order of the terms."""
