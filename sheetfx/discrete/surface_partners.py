@@ -14,7 +14,7 @@ from .points import Trace
 
 ITERATIONS, FOUND = 60, 1e-13  # and step in reference coordinates at which a partner is found
 LONGEST = 0.5  # step in reference coordinates
-EXTENDED = 1e-6, 0.005  # of a cell, as which it goes on beyond its border before the next one takes over; beyond folds
+EXTENDED = 1e-6, 0.005  # of a cell, as which it goes on beyond a border, or a fold, before the next one takes over
 FURTHEST = 1.0  # of a cell, where the next one sends the partner back
 SECOND, THIRD = np.array([[3, 4], [4, 5]]), np.array([[[6, 7], [7, 8]], [[7, 8], [8, 9]]])  # rows of derivatives
 MARGIN = 5  # column of the history
@@ -24,10 +24,11 @@ FLAT = 1e-6  # part of the metric below which the squared distance has no minimu
 class SurfacePartners:
     """The closest point of a surface in its present shape to each of some points.
 
-    Reference coordinates of the cells are the coordinates of the surface. A partner goes on in the next cell where it
-    leaves one, by half a hundredth of the cell late, and in the first where the next one sends it back: where the
-    surface has a slight bend between cells, the outside of the bend has points with a closest one in neither, and the
-    inside points with one in both. Beyond the edge of a surface there is no partner.
+    The surface is smooth over the borders of its cells (`mesh.smoothing.SmoothSurface`), but for folds. Reference
+    coordinates of the cells are its coordinates. A partner goes on in the next cell where it leaves one, and in the
+    first where the next one sends it back, by rounding, or at a fold: the outside of this has points with a closest one
+    in neither cell, and the inside points with one in both, so that there it goes on by half a hundredth of a cell
+    late. Beyond the edge of a surface there is no partner.
 
     Parameters
     ----------
