@@ -17,6 +17,7 @@ ALONG = 0.5 + np.array([-1.0, 0.0, 1.0]) * np.sqrt(0.15)  # points of borders, f
 SLOPE = np.array([0.0, 1.0, -3.0, 3.0, -1.0])  # s (1 - s)^3; see `Blends`
 FADING = np.array([1.0, 0.0, -3.0, 2.0])
 NEAR = 1e-12  # square of the distance from a corner, in reference coordinates, at which blends are regular
+NOTHING = 1e-14  # weights that are rounding
 REGULAR = 1e-3  # least square of the sine between edges that determine a plane at a vertex
 
 End = tuple[int, int, int]  # of an edge at a vertex: number of a cell, of its border, and 0 or 1
@@ -186,7 +187,7 @@ class SmoothSurface:
         across = (_on_nodes(rows, np.repeat(nodes, self._borders * count, axis=0), size)
                   + _on_nodes(of_blends.reshape(-1, 2 * self._borders),
                               np.repeat(numbers, self._borders * count, axis=0), turns.shape[0]) @ turns)
-        return SmoothShapes(element, nodes, self.blends, turns, self._shares @ across)
+        return SmoothShapes(element, nodes, turns, self._shares @ across)
 
 
 class SmoothShapes:
@@ -197,17 +198,22 @@ class SmoothShapes:
     nodes : shape (cells, m), numbers of the nodes; those of the cell come first, and again where there are fewer
     """
 
-    def __init__(self, element, nodes: np.ndarray, blends: Blends, along: csr_matrix, across: csr_matrix):
-        self._element, found = element, []
-        for cell, own in enumerate(nodes):
-            rows = [m[cell * n:(cell + 1) * n] for m, n in ((along, along.shape[0] // len(nodes)),
-                                                            (across, across.shape[0] // len(nodes)))]
-            near = np.unique(np.concatenate([r.indices[np.abs(r.data) > 1e-14] for r in rows]))
-            every = np.concatenate([own, np.setdiff1d(near, own)])
-            found.append((every, np.concatenate([r[:, every].toarray() for r in rows])))
-        most = max((len(every) for every, _ in found), default=element.dim)
-        self.nodes = np.array([np.pad(every, (0, most - len(every)), constant_values=every[0]) for every, _ in found])
-        self._weights = np.array([np.pad(w, ((0, 0), (0, most - w.shape[1]))) for _, w in found])
+    def __init__(self, element, own: np.ndarray, along: csr_matrix, across: csr_matrix):
+        """From nodes of the cells, and matrices from all nodes to the weights of the blends, cell by cell."""
+        self._element, count, size = element, len(own), along.shape[1]
+        cells, rows, columns, values = (np.concatenate(v) for v in zip(
+            *(_of_cells(m, count) for m in (along, across)), strict=True))
+        rows[len(rows) - across.nnz:] += along.shape[0] // max(count, 1)
+        keys, own_keys = cells * size + columns, np.arange(count)[:, None] * size + own
+        others = np.setdiff1d(keys, own_keys)
+        places = np.arange(len(others)) - np.searchsorted(others, np.arange(count) * size)[others // size] + own.shape[1]
+        every = np.concatenate([own_keys.ravel(), others])
+        positions = np.concatenate([np.tile(np.arange(own.shape[1]), count), places])
+        self.nodes = np.repeat(own[:, :1], positions.max(initial=-1) + 1, axis=1).astype(np.int64)
+        self.nodes[every // size, positions] = every % size
+        self._weights = np.zeros((count, (along.shape[0] + across.shape[0]) // max(count, 1), self.nodes.shape[1]))
+        order = np.argsort(every)
+        self._weights[cells, rows, positions[order[np.searchsorted(every, keys, sorter=order)]]] = values
 
     def table(self, which: np.ndarray, reference: np.ndarray, blends: np.ndarray, order: int) -> np.ndarray:
         """Values and derivatives at reference points in cells, shape (rows, n, m), from those of the blends there."""
@@ -215,6 +221,15 @@ class SmoothShapes:
         if len(which):
             found[:, :, :self._element.dim] += self._element.tabulate(order, np.ascontiguousarray(reference))[..., 0]
         return found
+
+
+def _of_cells(matrix: csr_matrix, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Entries of a matrix whose rows are those of cells: number of the cell, row in it, column, value."""
+    matrix.sum_duplicates()
+    matrix.data[np.abs(matrix.data) < NOTHING] = 0.0
+    matrix.eliminate_zeros()
+    entries, each = matrix.tocoo(), max(matrix.shape[0] // max(count, 1), 1)
+    return entries.row // each, entries.row % each, entries.col.astype(np.int64), entries.data
 
 
 def _unit(vectors: np.ndarray) -> np.ndarray:
