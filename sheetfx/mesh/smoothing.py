@@ -187,7 +187,7 @@ class SmoothSurface:
         across = (_on_nodes(rows, np.repeat(nodes, self._borders * count, axis=0), size)
                   + _on_nodes(of_blends.reshape(-1, 2 * self._borders),
                               np.repeat(numbers, self._borders * count, axis=0), turns.shape[0]) @ turns)
-        return SmoothShapes(element, nodes, turns, self._shares @ across)
+        return SmoothShapes(element, nodes, [turns, self._shares @ across])
 
 
 class SmoothShapes:
@@ -198,22 +198,20 @@ class SmoothShapes:
     nodes : shape (cells, m), numbers of the nodes; those of the cell come first, and again where there are fewer
     """
 
-    def __init__(self, element, own: np.ndarray, along: csr_matrix, across: csr_matrix):
-        """From nodes of the cells, and matrices from all nodes to the weights of the blends, cell by cell."""
-        self._element, count, size = element, len(own), along.shape[1]
-        cells, rows, columns, values = (np.concatenate(v) for v in zip(
-            *(_of_cells(m, count) for m in (along, across)), strict=True))
-        rows[len(rows) - across.nnz:] += along.shape[0] // max(count, 1)
-        keys, own_keys = cells * size + columns, np.arange(count)[:, None] * size + own
-        others = np.setdiff1d(keys, own_keys)
-        places = np.arange(len(others)) - np.searchsorted(others, np.arange(count) * size)[others // size] + own.shape[1]
-        every = np.concatenate([own_keys.ravel(), others])
-        positions = np.concatenate([np.tile(np.arange(own.shape[1]), count), places])
-        self.nodes = np.repeat(own[:, :1], positions.max(initial=-1) + 1, axis=1).astype(np.int64)
-        self.nodes[every // size, positions] = every % size
-        self._weights = np.zeros((count, (along.shape[0] + across.shape[0]) // max(count, 1), self.nodes.shape[1]))
+    def __init__(self, element, own: np.ndarray, weights: Sequence[csr_matrix]):
+        """From nodes of the cells, and matrices from all nodes to the weights of blends, whose rows go cell by cell."""
+        self._element, (count, most), size = element, own.shape, weights[0].shape[1]
+        cells, rows, columns, values = _cell_by_cell(weights, count)
+        pairs, own_pairs = cells * size + columns, np.arange(count)[:, None] * size + own
+        around = np.setdiff1d(pairs, own_pairs)
+        first = np.searchsorted(around, np.arange(count) * size)
+        every = np.concatenate([own_pairs.ravel(), around])
+        place = np.concatenate([np.tile(np.arange(most), count), np.arange(len(around)) - first[around // size] + most])
+        self.nodes = np.repeat(own[:, :1], place.max(initial=-1) + 1, axis=1).astype(np.int64)
+        self.nodes[every // size, place] = every % size
+        self._weights = np.zeros((count, sum(m.shape[0] for m in weights) // max(count, 1), self.nodes.shape[1]))
         order = np.argsort(every)
-        self._weights[cells, rows, positions[order[np.searchsorted(every, keys, sorter=order)]]] = values
+        self._weights[cells, rows, place[order[np.searchsorted(every, pairs, sorter=order)]]] = values
 
     def table(self, which: np.ndarray, reference: np.ndarray, blends: np.ndarray, order: int) -> np.ndarray:
         """Values and derivatives at reference points in cells, shape (rows, n, m), from those of the blends there."""
@@ -223,13 +221,16 @@ class SmoothShapes:
         return found
 
 
-def _of_cells(matrix: csr_matrix, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Entries of a matrix whose rows are those of cells: number of the cell, row in it, column, value."""
-    matrix.sum_duplicates()
-    matrix.data[np.abs(matrix.data) < NOTHING] = 0.0
-    matrix.eliminate_zeros()
-    entries, each = matrix.tocoo(), max(matrix.shape[0] // max(count, 1), 1)
-    return entries.row // each, entries.row % each, entries.col.astype(np.int64), entries.data
+def _cell_by_cell(matrices: Sequence[csr_matrix], count: int) -> list[np.ndarray]:
+    """Entries of matrices whose rows go cell by cell: numbers of the cells, rows in these, columns, values."""
+    found, start = [], 0
+    for matrix in matrices:
+        each, entries = max(matrix.shape[0] // max(count, 1), 1), matrix.tocoo()
+        kept = np.abs(entries.data) > NOTHING
+        found.append((entries.row[kept] // each, start + entries.row[kept] % each,
+                      entries.col[kept].astype(np.int64), entries.data[kept]))
+        start += each
+    return [np.concatenate(parts) for parts in zip(*found, strict=True)]
 
 
 def _unit(vectors: np.ndarray) -> np.ndarray:
