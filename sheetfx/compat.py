@@ -163,6 +163,13 @@ def create_coo_matrix(comm, size, rows, columns, matrix=None):
     return matrix
 
 
+def nonzero_state(matrix):
+    """A number that changes whenever entries of a matrix get other places (petsc4py does not tell)."""
+    state = ctypes.c_int64()
+    _check(_petsc.MatGetNonzeroState(ctypes.c_void_p(matrix.handle), ctypes.byref(state)))
+    return state.value
+
+
 def set_coo_values(matrix, values):
     """Give the entries their values, in the order of `create_coo_matrix`."""
     values = np.ascontiguousarray(values, dtype=PETSc.ScalarType)

@@ -8,9 +8,13 @@ from math import pi
 
 import numpy as np
 import pytest
+from mpi4py import MPI
+from petsc4py import PETSc
 
+from sheetfx import compat
 from sheetfx.case import trace
 from sheetfx.continuation.control import SIGNS, ArcLength, DisplacementControl, LoadControl
+from sheetfx.continuation.linear import DirectSolver
 from sheetfx.model.scene import Monitor
 from sheetfx.path import Path, PathFailure
 from sheetfx.scenes import arch, lee_frame, roll_up
@@ -146,3 +150,23 @@ def test_controlled_displacement_must_respond():
     case = roll_up.case(turns=1)
     with pytest.raises(ValueError, match="does not respond to the load.*monitor"):
         trace(replace(case, control=DisplacementControl(monitor=Monitor(case.scene.parts[0].mesh, "tip", "x"))))
+
+
+def test_inertia_where_entries_have_got_other_places():
+    """As where contact begins; PETSc makes a new factor then, whose inertia it did not tell."""
+    def filled(rows, columns, values, matrix=None):
+        made = compat.create_coo_matrix(MPI.COMM_SELF, 3, rows, columns, matrix)
+        compat.set_coo_values(made, np.array(values))
+        return made
+
+    matrix = filled([0, 1, 2], [0, 1, 2], [1.0, -2.0, 3.0])
+    solver = DirectSolver(PETSc.KSP().create(MPI.COMM_SELF), matrix, symmetric=True)
+    solver.factorise()
+    assert solver.negative_pivots() == 1
+    filled([0, 1, 2, 0, 1], [0, 1, 2, 1, 0], [1.0, -2.0, -3.0, 0.5, 0.5], matrix)
+    solver.factorise()
+    assert solver.negative_pivots() == 2
+    right, solution = matrix.createVecs()
+    right.array[:] = 1.0, 0.0, 3.0
+    solver.solve(right, solution)
+    assert solution.array == pytest.approx([1 / 1.125, 0.25 / 1.125, -1.0])

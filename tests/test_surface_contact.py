@@ -6,12 +6,13 @@ import signal
 import subprocess
 import sys
 import time
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from helpers import distance, move_at_random
 from mpi4py import MPI
-from scipy.integrate import quad
+from scipy.integrate import fixed_quad, quad
 from scipy.interpolate import CubicSpline
 from two_elasticas import TwoElasticas
 
@@ -25,6 +26,7 @@ from sheetfx.discrete.pair_work import pairs_of
 from sheetfx.mesh.patch import Patch
 from sheetfx.mesh.projection import Cells
 from sheetfx.scenes import double_plate
+from sheetfx.scenes._stages import touches
 
 POWERS = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3)]
 FACTORS = [1, 1, 1, 0.5, 1, 0.5, 1 / 6, 0.5, 0.5, 1 / 6]
@@ -102,7 +104,7 @@ def test_cells_know_what_is_beyond_their_borders(triangles):
     inside = 0
     for cell in range(len(patch.beyond)):
         for border in range(patch.beyond.shape[1]):
-            ends = patch._ends[border]
+            ends = patch.ends[border]
             reference = (0.3 * ends[0] + 0.7 * ends[1])[None]
             assert patch.margins(reference)[0, border] == pytest.approx(0.0, abs=1e-15)
             if patch.beyond[cell, border] < 0:
@@ -164,9 +166,9 @@ def test_tangent_is_the_derivative_and_forces_balance(at, friction):
             assert (distance(product.array, difference) > 1e-4) == bool(friction)
 
 
-def sliding(depth, apart, travel=1.0, start=1.05, step=0.02, friction=0.0, **how):
+def sliding(depth, apart, travel=1.0, start=1.05, step=0.02, friction=0.0, cells=30, **how):
     """A rod pressed into a strip on an elastic foundation slides along it, ten cells for a travel of 1."""
-    strip = plate((30, 1), (3.0, 0.1))
+    strip = plate((cells, 1), (0.1 * cells, 0.1))
     nodes = {"start": (start, 0.05, 0.3 + apart), "end": (start, 0.05, apart)}
     rod = fx.read(lambda: meshes.frame(nodes, {"rod": ("start", "end", 1)}), 3)
     shell = fx.Shell(strip, fx.Plate(0.1), fx.Elastic(1.2e6, 0.0))
@@ -199,17 +201,46 @@ def strip_under_force(bending, shear, foundation):
 @pytest.mark.slow
 @pytest.mark.parametrize("apart", [0.0, 0.1])
 def test_slides_over_cells_without_a_jolt(apart):
-    """Of ten cells; the force under a given travel is that of an infinite beam in series with the rod.
+    """Of ten cells, far from the ends; the force is that of an infinite beam in series with the rod.
 
-    A contact without thickness and one off the mid-surface by a cell; between steps of a fifth of a cell the force
-    changes by 0.22 %, over each cell, whose nodes are stiffer than its middle, by 0.58 %.
+    A contact without thickness and one off the mid-surface by a cell. The force changes by less than half a percent
+    over all cells, which are a little softer about their nodes than between these.
     """
-    _, states = sliding(0.01, apart)
+    _, states = sliding(0.01, apart, start=1.55, step=0.01, cells=40)
     forces = np.array([s.pressure[0] for s in states])
     spring = 1 / (strip_under_force(bending=10.0, shear=5e3, foundation=5e3) + 0.3 / 1.2e4)
-    assert np.abs(np.diff(forces)).max() < 5e-3 * forces.mean()
-    assert np.ptp(forces) < 8e-3 * forces.mean()
+    assert np.ptp(forces) < 5e-3 * forces.mean()
     assert forces.mean() == pytest.approx(0.01 * spring, rel=5e-3)
+
+
+@pytest.mark.slow
+def test_slides_over_bends_between_cells():
+    """Pressed in by half a cell a strip bends where cells meet, as if it had a valley there.
+
+    While its surface was as smooth as its cells, both pushed the rod to the other one, and a step failed.
+    """
+    _, states = sliding(0.05, 0.1, travel=0.2, start=1.4, step=0.05)
+    forces = np.array([s.pressure[0] for s in states])
+    assert np.ptp(forces) < 5e-3 * forces.mean()
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.2])
+def test_pressed_on_a_vertex(friction):
+    """A rod in the middle of a plate of four by four cells stays there, by symmetry."""
+    plates = plate((4, 4), (1.0, 1.0))
+    rod = fx.read(lambda: meshes.frame({"start": (0.5, 0.5, 0.4), "end": (0.5, 0.5, 0.1)},
+                                       {"rod": ("start", "end", 1)}), 3)
+    soft = fx.Elastic(1.2e6, 0.3)
+    contact = fx.SurfaceContact(rod, "end", (plates, None), distance=0.1, toward=(0.0, 0.0, -1.0), friction=friction)
+    scene = fx.Scene(
+        [fx.Shell(plates, fx.Plate(0.02), soft), fx.Beam(rod, fx.Rectangle(0.1, 0.1), soft, up=(1.0, 0.0, 0.0))],
+        [*(fx.clamp(plates, edge) for edge in ("west", "east", "south", "north")),
+         fx.Support(rod, "start", "x y rx ry rz")],
+        [fx.PrescribedDisplacement(rod, "start", "z", -0.06)], fx.Monitor(rod, "start", "z", -1.0), joints=[contact])
+    record = fx.trace(fx.Case(scene, fx.LoadControl(step=0.25, fixed=True)))
+    assert len(record.states) == 5
+    record.show(record.states[-1])
+    assert record.pairs(contact).position[0, :2] == pytest.approx([0.5, 0.5], abs=1e-9)
 
 
 @pytest.mark.slow
@@ -286,23 +317,41 @@ def test_overlap_and_curves_are_named():
         fx.slide_off(two_plates(), fx.SurfaceContact(mesh, "west", (mesh, None)))
 
 
+def strips(cells):
+    """The double plate as strips: no lateral contraction, the modulus of a plate, a line load, middle lines touch."""
+    modulus = double_plate.MODULUS / (1 - double_plate.POISSON**2)
+    case = double_plate.plates(fx.Elastic(modulus, 0.0), 0.0, 20.0, 40.0, cells, True, 0.01, 0.0)
+    record = fx.trace(case)
+    first = next(i for i, s in enumerate(record.states) if s.contact_points)
+    loads, deflections = np.array([(s.load, s.deflection) for s in record.states]).T
+    forces = CubicSpline(loads[first:], [touch.force for touch in touches(record)[first:]])
+    largest = max(forces.derivative().roots(extrapolate=False), key=forces)
+    found = case.quantities(record) | {
+        "stiffness before A": CubicSpline(deflections[:first], loads[:first])(20.0, 1),
+        "stiffness after A": CubicSpline(deflections[first:], loads[first:])(20.0, 1), "largest force": forces(largest),
+        "its load": largest, "its deflection": CubicSpline(loads[first:], deflections[first:])(largest)}
+    return found, loads[first:], deflections[first:]
+
+
 @pytest.mark.slow
 def test_two_strips_against_two_elasticas():
-    """Stages and states of the whole path; a strip without lateral contraction is given the modulus of a plate."""
+    """Stages and states of the whole path, and how they converge to those of an independent solution."""
+    known = {
+        "A_load": 15.115, "stiffness before A": 0.861, "stiffness after A": 5.391, "B_load": 54.46,
+        "B_deflection": 33.06, "largest force": 39.39, "its load": 56.98, "its deflection": 38.51, "C_load": 81.62,
+        "C_deflection": 55.66, "last_contact_force": 27.31}
     modulus = double_plate.MODULUS / (1 - double_plate.POISSON**2)
-    case = double_plate.plates(fx.Elastic(modulus, 0.0), 0.0, 20.0, 40.0, 16, True, 0.01, 0.0)
-    record = fx.trace(case)
-    theory = TwoElasticas(80.0, modulus * 20.0 * 0.7**3 / 12, 20.0, 40.0)
-    found = case.quantities(record)
-    assert found["A_load"] == pytest.approx(theory.first_touch(), rel=5e-4)
-    loads, deflections = np.array([(s.load, s.deflection) for s in record.states if s.contact_points]).T
-    path = theory.path(loads[:-1])
-    of_theory = CubicSpline(path[:, 0], loads[:-1])
-    assert loads[1:-1] == pytest.approx(of_theory(deflections[1:-1]), rel=1e-3)
-    assert found["largest_contact_force"] == pytest.approx(path[:, 1].max(), rel=1e-3)
+    theory, off = TwoElasticas(80.0, modulus * 20.0 * 0.7**3 / 12, 20.0, 40.0), []
+    for cells, accuracy in ((4, 1e-2), (8, 2e-3), (16, 2e-3)):
+        found, loads, deflections = strips(cells)
+        assert {name: found[name] for name in known} == pytest.approx(known, rel=accuracy)
+        path = theory.path(loads[:-1])
+        off.append(np.abs([found["A_load"] / theory.first_touch() - 1,
+                           found["largest force"] / path[:, 1].max() - 1]))
+    assert (off[0] > 3 * off[1]).all() and (off[1] > off[2]).all() and off[2].max() < 1e-3
+    assert loads[1:-1] == pytest.approx(CubicSpline(path[:, 0], loads[:-1])(deflections[1:-1]), rel=1e-3)
     last = theory.slides_off(81.0)
     assert [found["C_load"], found["C_deflection"], found["last_contact_force"]] == pytest.approx(last, rel=1e-3)
-    assert found["B_deflection"] == pytest.approx(33.06, rel=5e-3)
 
 
 @pytest.mark.slow
@@ -332,6 +381,7 @@ from pathlib import Path
 import sheetfx as fx
 from sheetfx.case import run
 from sheetfx.scenes import double_plate
+from sheetfx.scenes._stages import touches
 made = replace(double_plate.case(cells=4), until=fx.Until(deflection=27.0), quantities=lambda record: {}, pictures=())
 run(made, "double-plate", {}, Path(sys.argv[1]), len(sys.argv) > 2)
 """
@@ -408,12 +458,12 @@ def test_constant_pressure_passes_under_large_sliding():
 
 @pytest.mark.slow
 def test_friction_takes_the_energy_that_is_missing():
-    """Work of the load, stored energy and friction as the plates slide, by splines through the states.
+    """Work of the load, stored energy and friction as the plates slide over two borders of cells to shortly before C.
 
-    Within a cell; where the contact leaves it for the next, the energy changes by 1e-5 with cells of 5 mm.
+    By splines through the states, which are close to each other, since points of the edge touch and leave on the way.
     """
     made = double_plate.plates(fx.Elastic(double_plate.MODULUS, 0.3), 0.3, 20.0, 40.0, 6, False, 0.01)
-    record = fx.trace(fx.Case(made.scene, fx.ArcLength(step=0.01, largest=1.25), fx.Until(deflection=33.0)))
+    record = fx.trace(fx.Case(made.scene, fx.ArcLength(step=0.01, largest=0.3), fx.Until(deflection=54.0)))
     contact, found = made.scene.joints[0], []
     touching = [s for s in record.states if s.contact_points][3:]
     for state in touching:
@@ -421,9 +471,13 @@ def test_friction_takes_the_energy_that_is_missing():
         pairs = record.pairs(contact)
         found.append((2 * sum(record.energies()), pairs.weight[:, None] * pairs.traction, pairs.slip))
     stored, forces, slips = (np.array(values) for values in zip(*found, strict=True))
+    assert np.linalg.norm(slips[-1] - slips[0], axis=1).min() > 80.0 / 6
     deflections = np.array([s.deflection for s in touching])
-    work = CubicSpline(deflections, [s.load for s in touching]).integrate(*deflections[[0, -1]])
+    work = CubicSpline(deflections, [s.load for s in touching]).antiderivative()
     force, pace = CubicSpline(deflections, forces), CubicSpline(deflections, slips).derivative()
-    rubbed = quad(lambda w: 2 * (force(w) * pace(w)).sum(), *deflections[[0, -1]], limit=200)[0]
-    assert rubbed > 0.05 * work
-    assert stored[-1] - stored[0] + rubbed == pytest.approx(work, rel=1e-6)
+    rubbed = np.zeros(len(touching))
+    for n, (before, after) in enumerate(pairwise(deflections)):
+        rubbed[n + 1] = rubbed[n] + fixed_quad(lambda w: 2 * (force(w) * pace(w)).sum(axis=(1, 2)), before, after)[0]
+    done = work(deflections) - work(deflections[0])
+    assert rubbed[-1] > 0.05 * done[-1]
+    assert stored - stored[0] + rubbed == pytest.approx(done, abs=1e-6 * done[-1])

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from petsc4py import PETSc
 
+from .. import compat
+
 SPARE, MOST_SPARE = 20, 2000  # percent of working space for pivots that are put off, beyond what analysis estimates
 
 
@@ -21,6 +23,7 @@ class DirectSolver:
     def __init__(self, ksp: PETSc.KSP, matrix: PETSc.Mat, symmetric: bool):
         self.ksp, self.matrix, self.symmetric = ksp, matrix, symmetric
         self.factorisations, self._spare = 0, SPARE
+        self._pattern: int | None = None
         self._set_up()
 
     def _set_up(self) -> None:
@@ -39,7 +42,11 @@ class DirectSolver:
         ------
         SingularTangent
         """
-        pc = self.ksp.getPC()
+        pc, pattern = self.ksp.getPC(), compat.nonzero_state(self.matrix)
+        if pattern != self._pattern:  # PETSc takes a new factor then, which would lack what is set below
+            pc.reset()
+            self._set_up()
+            self._pattern = pattern
         self.ksp.setOperators(self.matrix)
         if pc.getFactorSolverType() == PETSc.Mat.SolverType.MUMPS:
             pc.setFactorSetUpSolverType()

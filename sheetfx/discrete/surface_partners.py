@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..compat import geometry_nodes
 from ..mesh.patch import Patch
 from ..mesh.projection import Cells
+from ..mesh.smoothing import SmoothSurface
+from ..mesh.taylor import SIZES
 from .nodal_field import AdditiveField
 from .points import Trace
 
 ITERATIONS, FOUND = 60, 1e-13  # and step in reference coordinates at which a partner is found
 LONGEST = 0.5  # step in reference coordinates
-EXTENDED = 0.005  # of a cell, as which it goes on beyond its border before the next one takes over
+EXTENDED = 1e-6, 0.005  # of a cell, as which it goes on beyond a border, or a fold, before the next one takes over
 FURTHEST = 1.0  # of a cell, where the next one sends the partner back
 SECOND, THIRD = np.array([[3, 4], [4, 5]]), np.array([[[6, 7], [7, 8]], [[7, 8], [8, 9]]])  # rows of derivatives
 MARGIN = 5  # column of the history
@@ -21,10 +24,11 @@ FLAT = 1e-6  # part of the metric below which the squared distance has no minimu
 class SurfacePartners:
     """The closest point of a surface in its present shape to each of some points.
 
-    Reference coordinates of the cells are the coordinates of the surface. A partner goes on in the next cell where it
-    leaves one, by half a hundredth of the cell late, and in the first where the next one sends it back: where the
-    surface has a slight bend between cells, the outside of the bend has points with a closest one in neither, and the
-    inside points with one in both. Beyond the edge of a surface there is no partner.
+    The surface is smooth over the borders of its cells (`mesh.smoothing.SmoothSurface`), but for folds. Reference
+    coordinates of the cells are its coordinates. A partner goes on in the next cell where it leaves one, and in the
+    first where the next one sends it back, by rounding, or at a fold: the outside of this has points with a closest one
+    in neither cell, and the inside points with one in both, so that there it goes on by half a hundredth of a cell
+    late. Beyond the edge of a surface there is no partner.
 
     Parameters
     ----------
@@ -45,23 +49,25 @@ class SurfacePartners:
     def __init__(self, field: AdditiveField, number: int, cells: Cells, which: np.ndarray, reference: np.ndarray,
                  side: np.ndarray, overhang: float):
         self._field, self._number, self._patch, self._cells = field, number, Patch(cells), cells
-        space = field.value.function_space
-        self._element, self._shape = space.ufl_element().basix_element, cells.shape
-        self._nodes = space.dofmap.list[cells.cells].astype(np.int64)
+        surface, space, domain = SmoothSurface(self._patch), field.value.function_space, cells.mesh.domain
+        self._blends, self._extended = surface.blends, np.where(surface.smooth, *EXTENDED)
+        self._shapes = surface.shapes(space.ufl_element().basix_element, space.dofmap.list[cells.cells])
+        self._undeformed = surface.shapes(cells.shape, geometry_nodes(domain)[cells.cells])
+        self._places, self._weighed_at = domain.geometry.x[self._undeformed.nodes], None
         self._which, self._reference, self._overhang = which.copy(), reference.copy(), overhang
         self.side, self.on = side.astype(float), np.ones(len(which), dtype=bool)
         self._left, self._kept = np.full(len(which), -1), np.zeros(len(which), dtype=bool)
-        self._passed, self._origin = np.zeros((len(which), 2)), cells.places(which, reference)
-        self._axes = self._axes_along(cells.derivatives(which, reference)[:, :, 0])
+        self._passed, (self._origin, along, _) = np.zeros((len(which), 2)), self.undeformed(1)
+        self._axes = self._axes_along(along)
 
     @property
     def nodes(self) -> np.ndarray:
-        return self._nodes[self._which]
+        return self._shapes.nodes[self._which]
 
     @property
     def travelled(self) -> np.ndarray:
         """How far the partners have moved on the undeformed surface, along its `axes`, shape (n, 2)."""
-        moved = self._cells.places(self._which, self._reference) - self._origin
+        moved = self.undeformed(0)[0] - self._origin
         return self._passed + np.einsum("nid,nd->ni", self._axes, moved)
 
     @property
@@ -77,12 +83,13 @@ class SurfacePartners:
     def commit(self) -> None:
         """Count travel from here on, along axes that are carried along the surface."""
         self._passed = self.travelled
-        self._origin = self._cells.places(self._which, self._reference)
+        self._origin = self.undeformed(0)[0]
         self._axes = self._axes_along(self._axes[:, 0])
 
     def _axes_along(self, first: np.ndarray) -> np.ndarray:
         """Axes along the undeformed surface of which the first is as close as possible to given directions."""
-        normal = self._cells.normals(self._which, self._reference) * self.side[:, None]
+        normal = np.cross(*self.undeformed(1)[1:])
+        normal *= (self.side / np.linalg.norm(normal, axis=1))[:, None]
         first = first - np.einsum("nd,nd->n", first, normal)[:, None] * normal
         first /= np.linalg.norm(first, axis=1, keepdims=True)
         return np.stack([first, np.cross(normal, first)], axis=1)
@@ -119,7 +126,7 @@ class SurfacePartners:
         step = np.linalg.solve(matrix, pull[..., None])[..., 0]
         margins, edge = self._patch.margins(self._reference), self._patch.beyond[self._which] < 0
         least = np.where(edge, -self._overhang * self._steepness(),
-                         np.where(self._kept, -FURTHEST, -EXTENDED)[:, None])
+                         np.where(self._kept[:, None], -FURTHEST, -self._extended[self._which]))
         held = edge & (margins <= least + FOUND) & (step @ self._patch.slopes.T < 0)
         self.on = ~held.any(axis=1)
         if held.any():
@@ -151,19 +158,22 @@ class SurfacePartners:
         inverse = np.linalg.inv(np.einsum("nda,ndb->nab", slopes, slopes))
         return np.sqrt(np.einsum("ba,nac,bc->nb", self._patch.slopes, inverse, self._patch.slopes))
 
-    def _weights(self, element, order: int) -> np.ndarray:
-        """Values and derivatives of shape functions at the partners, shape (rows, n, k)."""
-        if not len(self._which):
-            return np.zeros(((order + 1) * (order + 2) // 2, 0, element.dim))
-        return element.tabulate(order, np.ascontiguousarray(self._reference))[..., 0]
+    def _weights(self) -> tuple[np.ndarray, np.ndarray]:
+        """Shape functions of the displacement and of the undeformed surface at the partners, each (rows, n, k)."""
+        here = self._which.tobytes(), self._reference.tobytes()
+        if here != self._weighed_at:
+            blends = self._blends(self._reference, 3)
+            self._weighed_at, self._weighed = here, tuple(
+                shapes.table(self._which, self._reference, blends, 3) for shapes in (self._shapes, self._undeformed))
+        return self._weighed
 
     def undeformed(self, order: int = 3) -> np.ndarray:
         """Places on the undeformed surface and their derivatives, shape (rows, n, 3)."""
-        return np.einsum("onk,nkd->ond", self._weights(self._shape, order), self._cells.nodes[self._which])
+        return np.einsum("onk,nkd->ond", self._weights()[1][:SIZES[order]], self._places[self._which])
 
     def _deformed(self, order: int) -> np.ndarray:
-        values = self._field.table[self.nodes]
-        return self.undeformed(order) + np.einsum("onk,nkd->ond", self._weights(self._element, order), values)
+        weights = self._weights()[0][:SIZES[order]]
+        return self.undeformed(order) + np.einsum("onk,nkd->ond", weights, self._field.table[self.nodes])
 
     def shape(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Current places, first derivatives (n, 2, 3) and second ones (n, 2, 2, 3)."""
@@ -176,4 +186,4 @@ class SurfacePartners:
 
     def traces(self) -> list[Trace]:
         """Rows of the displacement, and of its first and second derivatives."""
-        return [Trace(self._number, self.nodes, weights) for weights in self._weights(self._element, 2)]
+        return [Trace(self._number, self.nodes, weights) for weights in self._weights()[0][:SIZES[2]]]
