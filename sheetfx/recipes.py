@@ -93,6 +93,8 @@ class Description:
                     *self._domain(space.ufl_domain()))
         if isinstance(node, ufl.classes.Constant):
             return (self._listed("constant", node, self.constants), node.ufl_shape, *self._domain(node.ufl_domain()))
+        if isinstance(node, (ufl.classes.ExprList, ufl.classes.ExprMapping)):
+            return ()
         raise Undescribed(type(node).__name__)
 
     def _domain(self, domain) -> tuple[int, str]:
