@@ -35,10 +35,17 @@ ANNOUNCED, RECIPES = "compiling", "recipes"  # folders in the cache: files of pr
 _looked_after: set[Path] = set()  # caches, by this process
 
 
+def _options() -> dict:
+    """Those above, but for what the user's dolfinx_jit_options.json says otherwise."""
+    usual = dolfinx.jit.DOLFINX_DEFAULT_JIT_OPTIONS
+    return OPTIONS | {name: value for name, value in dolfinx.jit.get_options().items()
+                      if name in OPTIONS and name != "cache_dir" and value != usual[name][0]}
+
+
 def compiled_form(form) -> fem.Form:
     """A UFL form, or an array of them, as kernels and data for assembly."""
     with _announced():
-        return fem.form(form, jit_options=OPTIONS)
+        return fem.form(form, jit_options=_options())
 
 
 def compiled_expression(expression, points: np.ndarray, prepare: Callable | None = None) -> fem.Expression:
@@ -49,7 +56,7 @@ def compiled_expression(expression, points: np.ndarray, prepare: Callable | None
     prepare : what is done with the expression before it is compiled, a function of it alone; not called where the
         kernel is there
     """
-    folder = Path(dolfinx.jit.get_options(OPTIONS)["cache_dir"]) / RECIPES
+    folder = Path(dolfinx.jit.get_options(_options())["cache_dir"]) / RECIPES
     try:
         description = Description(expression, _asked(), points.shape, points.tobytes(), _source_of(prepare))
     except Undescribed:
@@ -68,7 +75,7 @@ def compiled_expression(expression, points: np.ndarray, prepare: Callable | None
 @contextmanager
 def _announced() -> Iterator[None]:
     """Hold the lock of a process that compiles, after kernels are gone that others were killed in."""
-    cache = Path(dolfinx.jit.get_options(OPTIONS)["cache_dir"])
+    cache = Path(dolfinx.jit.get_options(_options())["cache_dir"])
     folder = cache / ANNOUNCED
     folder.mkdir(parents=True, exist_ok=True)
     lock, mine = _locked_file(folder)
@@ -110,7 +117,7 @@ def _remove_unfinished(cache: Path, others: list[Path], now: float) -> None:
                 begun[name] = (cache / name).stat().st_mtime
     last = min([*living.values(), now])
     for name, time in begun.items():
-        if time < last and (time >= min(dead.values(), default=now) or time < now - OPTIONS["timeout"]):
+        if time < last and (time >= min(dead.values(), default=now) or time < now - _options()["timeout"]):
             (cache / name).unlink(missing_ok=True)
     if all(time < last for time in begun.values()):  # else some may be theirs or those of the living
         for file in dead:
@@ -132,7 +139,7 @@ _libraries: dict[Path, object] = {}  # that are loaded
 
 def _asked() -> tuple:
     """Options on which kernels depend."""
-    options = dolfinx.jit.get_options(OPTIONS)
+    options = dolfinx.jit.get_options(_options())
     return {**options, "cache_dir": None, "timeout": None}, ffcx.options.get_options()
 
 
@@ -183,6 +190,6 @@ def _with_kernel(expression, points: np.ndarray, compiler: Callable) -> fem.Expr
     """DOLFINx's expression with the kernel that a compiler in the place of its own gives."""
     usual, dolfinx.jit.ffcx_jit = dolfinx.jit.ffcx_jit, compiler
     try:
-        return fem.Expression(expression, points, jit_options=OPTIONS)
+        return fem.Expression(expression, points, jit_options=_options())
     finally:
         dolfinx.jit.ffcx_jit = usual

@@ -125,3 +125,9 @@ def test_kernel_that_was_taken_away_is_compiled_again(compiled, cache, monkeypat
     monkeypatch.setattr(jit, "_recipes", {})
     assert slope() == pytest.approx(value(1.7), rel=1e-14)
     assert len(compiled) == 2
+
+
+def test_options_of_the_user_come_first(monkeypatch):
+    assert jit._options() == jit.OPTIONS
+    monkeypatch.setattr(dolfinx.jit, "_load_options", lambda: ({"cffi_extra_compile_args": ["-O0"]}, {}))
+    assert jit._options() == jit.OPTIONS | {"cffi_extra_compile_args": ["-O0"]}
