@@ -94,7 +94,8 @@ def measure(tree: Path, cache: Path, number: int) -> dict[str, float]:
     floor = found["roof: path, CPU s"] + found["imports of DOLFINx and pyvista, wall s"]
     found["`sheetfx run roof`: wall over that of path and imports"] = found["`sheetfx run roof`, wall s"] / floor
     numbers = map(float, run(tree, "-c", SECOND, cache=cache)[2].split())
-    titles = ("forms of a second path, CPU s", "set-up of a second path, CPU s", "its path, CPU s", "share of the solver")
+    titles = ("forms of a second path, CPU s", "set-up of a second path, CPU s", "its path, CPU s",
+              "share of factorisation and back-substitution")
     return found | {f"hemisphere of 3 599 unknowns: {title}": n for title, n in zip(titles, numbers, strict=True)}
 
 
