@@ -23,7 +23,6 @@ from tempfile import mkstemp
 from typing import IO
 
 import dolfinx.jit
-import ffcx.options
 import numpy as np
 from dolfinx import fem
 
@@ -140,7 +139,7 @@ _libraries: dict[Path, object] = {}  # that are loaded
 def _asked() -> tuple:
     """Options on which kernels depend."""
     options = dolfinx.jit.get_options(_options())
-    return {**options, "cache_dir": None, "timeout": None}, ffcx.options.get_options()
+    return {**options, "cache_dir": None, "timeout": None}, dolfinx.jit.ffcx.get_options()
 
 
 @lru_cache
