@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import json
 import os
 import sys
 import traceback
 import warnings
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
 import typer
+from typer.core import TyperCommand
 
 from .archive import Stopped
 from .checks import Range, require
@@ -22,6 +25,32 @@ app = typer.Typer(help="Stability of thin sheet-and-bar structures.", no_args_is
 app.add_typer(run_app, name="run")
 app.add_typer(diagram_app, name="diagram")
 app.add_typer(study_app, name="study")
+
+
+def _listing(choices: Callable[[], str]) -> type[TyperCommand]:
+    """A kind of command whose help ends with what can be chosen, which is looked up when help is asked for."""
+    class Listing(TyperCommand):
+        def format_help(self, context, formatter):
+            self.epilog = choices()
+            super().format_help(context, formatter)
+
+    return Listing
+
+
+def _charts() -> str:
+    from .studies.chart import charts
+
+    return f"Scenes with a chart: {', '.join(charts())}; or a script with REFERENCE and CHART."
+
+
+def _traps_and_methods() -> str:
+    from .studies.methods import METHODS
+    from .studies.traps import TRAPS
+
+    return f"Traps: {', '.join(TRAPS)}.\n\nMethods: {', '.join(METHODS)}."
+
+
+Resumed = Annotated[bool, typer.Option("--resume", help="Keep what is in the folder, and run what is missing.")]
 
 
 @app.callback()
@@ -47,14 +76,18 @@ def warm(scenes: Annotated[list[str] | None, typer.Argument(help="Names of scene
         Discretisation(load_case("hemisphere")(form=form).scene)
 
 
-@app.command()
+@app.command(cls=_listing(_charts))
 def chart(
     name: Annotated[str, typer.Argument(help="Name of a scene, or a script.")],
     repeat: Annotated[int, typer.Option(min=1, help="Runs of each method; the median counts.")] = 3,
     no_peers: Annotated[bool, typer.Option("--no-peers", help="Leave other programs out.")] = False,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="Folder; default results/NAME-chart.")] = None,
+    resume: Resumed = False,
 ) -> None:
-    """Draw error against CPU time of a scene's meshes and forms, beside other programs."""
+    """Draw error against CPU time of a scene's meshes and forms, beside other programs.
+
+    The table chart.csv has each result as soon as it is there.
+    """
     from rich.console import Console
 
     from .studies.chart import family, measure
@@ -64,9 +97,15 @@ def chart(
     reference, members, peers = family(name)
     folder = output or Path("results") / f"{title}-chart"
     folder.mkdir(parents=True, exist_ok=True)
+    kept = folder / "runs.json"
+
+    def keep(points, runs) -> None:
+        write_table(points, folder / "chart.csv")
+        kept.write_text(json.dumps(runs))
+
     points = measure(reference, members, [] if no_peers else peers, repeat,
-                     lambda line: console.print(line, soft_wrap=True, markup=False),
-                     lambda points: write_table(points, folder / "chart.csv"))
+                     lambda line: console.print(line, soft_wrap=True, markup=False), keep,
+                     json.loads(kept.read_text()) if resume and kept.exists() else None)
     if not points:
         raise ValueError(f"chart of {name}: no method gave a result; the lines above say why")
     draw_chart(points, title).savefig(folder / "chart.png", dpi=150)
@@ -74,29 +113,41 @@ def chart(
     console.print(f"results in {folder}", soft_wrap=True)
 
 
-@app.command(name="map")
+@app.command(name="map", cls=_listing(_traps_and_methods))
 def failure_map(
     traps: Annotated[str | None, typer.Option(help="Names of traps, separated by commas; default all.")] = None,
     methods: Annotated[str | None, typer.Option(help="Names of methods, separated by commas; default all.")] = None,
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder of the results.")] = Path("results/map"),
     limit: Annotated[float, typer.Option(help="Seconds that a path may take.")] = 60.0,
+    resume: Resumed = False,
 ) -> None:
-    """Draw which method of path following passes which trap, and how the others fail."""
+    """Draw which method of path following passes which trap, and how the others fail.
+
+    The table map.csv has each result as soon as it is there.
+    """
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
     require("map", **{"--limit": (limit, Annotated[float, Range(least=1)])})
-    from .studies.failure_map import REFERENCE, choose, failure_map, write_map
+    from .studies.failure_map import REFERENCE, choose, failure_map, read_map, write_map
     from .studies.map_picture import draw_map
     from .studies.methods import METHODS
     from .studies.traps import TRAPS
 
     rows, columns = choose("trap", traps, TRAPS), choose("method", methods, METHODS)
-    layout = TextColumn("paths"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+    layout = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+    earlier = read_map(output / "map.csv") if resume else []
     with Progress(*layout, transient=True) as progress:
         output.mkdir(parents=True, exist_ok=True)
-        task, done = progress.add_task("", total=len(rows) * (len(columns) + 1)), []
+        task, done, running = progress.add_task("", total=len(rows) * (len(columns) + 1)), [*earlier], []
+        progress.advance(task, len(earlier))
+
+        def begin(trap: str, method: str) -> None:
+            running.append(f"{trap}, {method}")
+            progress.update(task, description="; ".join(running))
 
         def say(cell) -> None:
+            running.remove(f"{cell.trap}, {cell.method}")
+            progress.update(task, description="; ".join(running))
             if cell.method != REFERENCE:
                 done.append(cell)
                 write_map(done, output / "map.csv")
@@ -104,7 +155,7 @@ def failure_map(
             progress.console.print(line, soft_wrap=True, markup=False, highlight=False)
             progress.advance(task)
 
-        cells = failure_map(rows, columns, output, limit, say)
+        cells = failure_map(rows, columns, output, limit, say, begin, earlier)
         if not cells:
             raise ValueError("map: no method applies; those of contact need traps with contact")
     write_map(cells, output / "map.csv")

@@ -1,5 +1,7 @@
 """Compilation of weak forms by DOLFINx, whose cache on disk stays sound where a process is killed while it compiles.
 
+Kernels of expressions are found again by what the expressions are made of (`recipes.py`), without a form compiler.
+
 FFCx lets the first process that needs a kernel compile it, and others wait for the file that says it is done. A
 process that is killed in between (Ctrl-C, a time limit, memory) would leave all later ones waiting for ever. Here each
 process holds a lock, with the time at which it began, while it compiles or waits; the system lets go of it where the
@@ -10,37 +12,69 @@ from __future__ import annotations
 
 import fcntl
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from functools import lru_cache
+from hashlib import sha256
+from importlib.util import module_from_spec, spec_from_file_location
+from inspect import getsourcefile
 from pathlib import Path
 from tempfile import mkstemp
 from typing import IO
 
 import dolfinx.jit
+import numpy as np
 from dolfinx import fem
+
+from .recipes import Description, Recipe, Undescribed
 
 # Python may have been built with -g, and passes it on: debugging information is a third of the time of compilation.
 OPTIONS = {"timeout": 600, "cffi_extra_compile_args": ["-O2", "-g0"]}
-ANNOUNCED = "compiling"  # folder in the cache with a file of each process that compiles
+ANNOUNCED, RECIPES = "compiling", "recipes"  # folders in the cache: files of processes that compile, and of kernels
 _looked_after: set[Path] = set()  # caches, by this process
+
+
+def _options() -> dict:
+    """Those above, but for what the user's dolfinx_jit_options.json says otherwise."""
+    usual = dolfinx.jit.DOLFINX_DEFAULT_JIT_OPTIONS
+    return OPTIONS | {name: value for name, value in dolfinx.jit.get_options().items()
+                      if name in OPTIONS and name != "cache_dir" and value != usual[name][0]}
 
 
 def compiled_form(form) -> fem.Form:
     """A UFL form, or an array of them, as kernels and data for assembly."""
     with _announced():
-        return fem.form(form, jit_options=OPTIONS)
+        return fem.form(form, jit_options=_options())
 
 
-def compiled_expression(expression, points) -> fem.Expression:
-    """A UFL expression as a kernel for its values at points of the reference cell, shape (n, dimension)."""
-    with _announced():
-        return fem.Expression(expression, points, jit_options=OPTIONS)
+def compiled_expression(expression, points: np.ndarray, prepare: Callable | None = None) -> fem.Expression:
+    """A UFL expression as a kernel for its values at points of the reference cell, shape (n, dimension).
+
+    Parameters
+    ----------
+    prepare : what is done with the expression before it is compiled, a function of it alone; not called where the
+        kernel is there
+    """
+    folder = Path(dolfinx.jit.get_options(_options())["cache_dir"]) / RECIPES
+    try:
+        description = Description(expression, _asked(), points.shape, points.tobytes(), _source_of(prepare))
+    except Undescribed:
+        return _compile(expression, points, prepare)[0]
+    file = folder / f"{description.key}.json"
+    if recipe := _recipe(file, description.domains[0].ufl_cargo().comm):
+        return _with_kernel(recipe.standing_in(description), points, lambda *_, **__: _kernel(folder.parent, recipe))
+    found, prepared, library = _compile(expression, points, prepare)
+    recipe = Recipe.of(description, prepared, *library)
+    if recipe:
+        _recipes[file] = recipe
+        recipe.write(file)
+    return found
 
 
 @contextmanager
 def _announced() -> Iterator[None]:
     """Hold the lock of a process that compiles, after kernels are gone that others were killed in."""
-    cache = Path(dolfinx.jit.get_options(OPTIONS)["cache_dir"])
+    cache = Path(dolfinx.jit.get_options(_options())["cache_dir"])
     folder = cache / ANNOUNCED
     folder.mkdir(parents=True, exist_ok=True)
     lock, mine = _locked_file(folder)
@@ -82,7 +116,7 @@ def _remove_unfinished(cache: Path, others: list[Path], now: float) -> None:
                 begun[name] = (cache / name).stat().st_mtime
     last = min([*living.values(), now])
     for name, time in begun.items():
-        if time < last and (time >= min(dead.values(), default=now) or time < now - OPTIONS["timeout"]):
+        if time < last and (time >= min(dead.values(), default=now) or time < now - _options()["timeout"]):
             (cache / name).unlink(missing_ok=True)
     if all(time < last for time in begun.values()):  # else some may be theirs or those of the living
         for file in dead:
@@ -96,3 +130,65 @@ def _is_free(lock: IO) -> bool:
     except BlockingIOError:
         return False
     return True
+
+
+_recipes: dict[Path, Recipe] = {}  # of this process, by their files
+_libraries: dict[Path, object] = {}  # that are loaded
+
+
+def _asked() -> tuple:
+    """Options on which kernels depend."""
+    options = dolfinx.jit.get_options(_options())
+    return {**options, "cache_dir": None, "timeout": None}, dolfinx.jit.ffcx.get_options()
+
+
+@lru_cache
+def _source_of(function: Callable | None) -> str:
+    """A function and the file that it stands in; "" for none."""
+    return "" if function is None else function.__qualname__ + sha256(
+        Path(getsourcefile(function)).read_bytes()).hexdigest()
+
+
+def _recipe(file: Path, comm) -> Recipe | None:
+    """The recipe in a file, that of process 0 on all."""
+    if file not in _recipes:
+        found = comm.bcast(Recipe.read(file) if comm.rank == 0 else None)
+        if found is None:
+            return None
+        _recipes[file] = found
+    return _recipes[file]
+
+
+def _compile(expression, points: np.ndarray, prepare: Callable | None) -> tuple[fem.Expression, object, tuple]:
+    """A compiled expression, the expression that was compiled, and the kernel's library and name."""
+    prepared, made = expression if prepare is None else prepare(expression), []
+
+    def compile_it(*arguments, **options):
+        made.append(compiler(*arguments, **options))
+        return made[0]
+
+    compiler = dolfinx.jit.ffcx_jit
+    with _announced():
+        found = _with_kernel(prepared, points, compile_it)
+    library = Path(made[0][1].__file__)
+    _libraries[library] = made[0][1]
+    return found, prepared, (library.name, next(n for n in dir(made[0][1].lib) if n.startswith("expression_")))
+
+
+def _kernel(folder: Path, recipe: Recipe) -> tuple:
+    """What `dolfinx.jit.ffcx_jit` returns of a kernel on disk."""
+    library = folder / recipe.library
+    if library not in _libraries:
+        spec = spec_from_file_location(library.name.partition(".")[0], library)
+        _libraries[library] = module_from_spec(spec)
+        spec.loader.exec_module(_libraries[library])
+    return getattr(_libraries[library].lib, recipe.name), _libraries[library], (None, None)
+
+
+def _with_kernel(expression, points: np.ndarray, compiler: Callable) -> fem.Expression:
+    """DOLFINx's expression with the kernel that a compiler in the place of its own gives."""
+    usual, dolfinx.jit.ffcx_jit = dolfinx.jit.ffcx_jit, compiler
+    try:
+        return fem.Expression(expression, points, jit_options=_options())
+    finally:
+        dolfinx.jit.ffcx_jit = usual

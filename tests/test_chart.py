@@ -1,6 +1,7 @@
 """Speed-accuracy charts: numbers, picture, ratios to peers, and what is left out."""
 
 import csv
+import json
 import os
 import subprocess
 import sys
@@ -79,6 +80,11 @@ def test_errors_name_object_and_remedy(arguments, words):
     assert "Traceback" not in result.stderr
 
 
+def test_help_lists_what_can_be_chosen():
+    shown = " ".join(chart("--help").stdout.split())
+    assert "hemisphere" in shown and "slit-annulus" in shown and "--resume" in shown and "roll-up" not in shown
+
+
 def test_options_come_from_the_scene(script):
     given = {"elements": 6, "plain_tangent": True}
     assert options(str(script), given) == ["--elements", "6", "--plain-tangent"]
@@ -105,21 +111,46 @@ def test_error_is_the_largest_of_the_reference():
         error_percent({"a": 1.0}, {"a": 1.0, "b": 2.0})
 
 
-def test_turns_mix_peers_with_members_and_take_medians(monkeypatch):
-    """The first turn warms up and does not count; a peer stands between the members."""
-    order, kept = [], []
+@pytest.fixture
+def order(monkeypatch):
+    """Grows with the labels of what runs; of three runs after the first the median takes 2 s."""
+    labels = []
 
     def run(method):
-        order.append(method.label)
-        turn = order.count(method.label)
+        labels.append(method.label)
         return {"method": "m", "unknowns": 1, "factorisations": 1, "iterations": 1,
-                "cpu_seconds": [9.0, 1.0, 5.0, 2.0][turn - 1], "quantities": {"a": 1.0}}
+                "cpu_seconds": [9.0, 1.0, 5.0, 2.0][labels.count(method.label) - 1], "quantities": {"a": 1.0}}
 
     monkeypatch.setattr(Member, "run", run)
     monkeypatch.setattr(Peer, "run", run)
-    points = measure({"a": 1.0}, [Member("s", {"n": 1}), Member("s", {"n": 2})], [Peer("p.py", ["x"])], 3,
-                     keep=lambda points: kept.append([p.label for p in points]))
+    return labels
+
+
+MEMBERS, PEERS = [Member("s", {"n": 1}), Member("s", {"n": 2})], [Peer("p.py", ["x"])]
+
+
+def test_turns_mix_peers_with_members_and_take_medians(order):
+    """The first turn warms up and does not count; a peer stands between the members."""
+    kept = []
+    points = measure({"a": 1.0}, MEMBERS, PEERS, 3, keep=lambda points, _: kept.append([p.label for p in points]))
     assert order == ["n 1", "x", "n 2"] * 4
-    assert kept == [["n 1"], ["n 1", "x"]] + 7 * [["n 1", "n 2", "x"]], "every result that counts is kept as it comes"
-    assert [p.cpu_seconds for p in points] == [2.0] * 3
+    assert kept == [["n 1"], ["n 1", "x"]] + 10 * [["n 1", "n 2", "x"]], "every result is kept as it comes"
+    assert [(p.cpu_seconds, p.runs) for p in points] == [(2.0, 3)] * 3
     assert [p.peer for p in points] == [False, False, True]
+
+
+def test_interrupted_chart_goes_on(order):
+    """After the first turn and one run that counts."""
+    kept = []
+
+    def interrupt(points, runs):
+        kept[:] = points, json.loads(json.dumps(runs))
+        if len(order) == 4:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        measure({"a": 1.0}, MEMBERS, PEERS, 3, keep=interrupt)
+    assert [(p.label, p.cpu_seconds, p.runs) for p in kept[0]] == [("n 1", 1.0, 1), ("n 2", 9.0, 0), ("x", 9.0, 0)]
+    points = measure({"a": 1.0}, MEMBERS, PEERS, 3, keep=interrupt, earlier=kept[1])
+    assert order == ["n 1", "x", "n 2"] * 4
+    assert [(p.cpu_seconds, p.runs) for p in points] == [(2.0, 3)] * 3

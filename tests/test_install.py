@@ -1,6 +1,7 @@
 """What an installation needs is declared, and what the system lacks is said."""
 
 import ast
+import os
 import re
 import shutil
 import subprocess
@@ -71,6 +72,13 @@ def test_a_system_that_cannot_compile_is_refused(variable, value, words, monkeyp
         monkeypatch.setattr(compat.sysconfig, "get_path", lambda name: value)
     with pytest.raises(FileNotFoundError, match=words):
         compat.require_compiler()
+
+
+def test_a_system_without_the_libraries_of_gmsh_is_refused(tmp_path):
+    (tmp_path / "gmsh.py").write_text("raise OSError('libGLU.so.1: cannot open shared object file')")
+    result = subprocess.run([sys.executable, "-c", "import sheetfx.meshes"], capture_output=True, text=True,
+                            env=os.environ | {"PYTHONPATH": os.pathsep.join((str(tmp_path), str(TREE)))})
+    assert result.returncode and "libGLU.so.1" in result.stderr and "apt-get install libgl1 libglu1" in result.stderr
 
 
 @pytest.mark.slow

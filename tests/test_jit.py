@@ -5,16 +5,20 @@ import signal
 import subprocess
 import sys
 
+import dolfinx.jit
 import numpy as np
 import pytest
 import ufl
+from dolfinx import fem
 from dolfinx.mesh import create_interval
 from mpi4py import MPI
 
 from sheetfx import jit
+from sheetfx.mesh.numbers import with_constants
 
 KILLED = """
 import os, signal, sys
+import sheetfx  # the wheel of DOLFINx loads MPI
 from pathlib import Path
 sys.path.insert(0, {tests!r})
 import ffcx.codegeneration.jit as ffcx
@@ -75,3 +79,55 @@ def test_kernel_that_a_process_is_at_is_left_alone(cache, left):
             assert left.exists()
     with jit._announced():
         assert not left.exists()
+
+
+def slope(factor=1.7, early=True):
+    """Of factor * (a f^2 + b g f) by f, with f = 2 and g, a, b = 3, 5, 7; a is made before b or after it."""
+    domain = create_interval(MPI.COMM_SELF, 1, (0.0, 1.0))
+    f, g = (fem.Function(fem.functionspace(domain, ("P", 1))) for _ in range(2))
+    f.x.array[:], g.x.array[:] = 2, 3
+    made = [fem.Constant(domain, value) for value in ((5.0, 7.0) if early else (7.0, 5.0))]
+    a, b = made if early else made[::-1]
+    variable = ufl.variable(f)
+    expression = ufl.diff(factor * (a * variable**2 + b * g * variable), variable)
+    return jit.compiled_expression(expression, np.array([[0.5]]), with_constants).eval(domain, np.array([0]))[0, 0]
+
+
+def value(factor):
+    return factor * (2 * 5 * 2 + 7 * 3)
+
+
+@pytest.fixture
+def compiled(cache, monkeypatch):
+    """Grows with each expression that is given to the form compiler."""
+    given, compiler = [], dolfinx.jit.ffcx_jit
+    monkeypatch.setattr(jit, "_recipes", {})
+    monkeypatch.setattr(dolfinx.jit, "ffcx_jit", lambda *a, **o: given.append(a) or compiler(*a, **o))
+    return given
+
+
+def test_kernel_is_found_by_what_its_expression_is_made_of(compiled, monkeypatch):
+    """In the process and on disk, for other coefficients; not with other numbers, nor constants in another order."""
+    assert slope() == pytest.approx(value(1.7), rel=1e-14)
+    for recipes in (jit._recipes, {}):
+        monkeypatch.setattr(jit, "_recipes", recipes)
+        assert slope() == pytest.approx(value(1.7), rel=1e-14)
+    assert len(compiled) == 1
+    assert slope(0.3) == pytest.approx(value(0.3), rel=1e-14)
+    assert slope(early=False) == pytest.approx(value(1.7), rel=1e-14)
+    assert len(compiled) == 3
+
+
+def test_kernel_that_was_taken_away_is_compiled_again(compiled, cache, monkeypatch):
+    slope()
+    for file in cache.glob("libffcx_*"):
+        file.unlink()
+    monkeypatch.setattr(jit, "_recipes", {})
+    assert slope() == pytest.approx(value(1.7), rel=1e-14)
+    assert len(compiled) == 2
+
+
+def test_options_of_the_user_come_first(monkeypatch):
+    assert jit._options() == jit.OPTIONS
+    monkeypatch.setattr(dolfinx.jit, "_load_options", lambda: ({"cffi_extra_compile_args": ["-O0"]}, {}))
+    assert jit._options() == jit.OPTIONS | {"cffi_extra_compile_args": ["-O0"]}

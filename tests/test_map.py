@@ -176,6 +176,17 @@ def test_map_of_the_command_line(tmp_path):
     assert list(rows[0]) == ["trap", "method", "outcome", "reason", "cpu_seconds", "factorisations"]
     assert [(r["method"], r["outcome"]) for r in rows] == [("default", PASSED), ("load", STALLED)]
     assert (tmp_path / "map.png").stat().st_size > 5000
+    (tmp_path / "map.csv").write_text("\n".join((tmp_path / "map.csv").read_text().splitlines()[:2]) + "\n")
+    resumed = subprocess.run([*command, "-o", tmp_path, "--resume"], capture_output=True, text=True, timeout=120)
+    assert "lee-frame, load: " in resumed.stdout and "lee-frame, default: " not in resumed.stdout
+    with (tmp_path / "map.csv").open() as stream:
+        assert [row["outcome"] for row in csv.DictReader(stream)] == [PASSED, STALLED]
+
+
+def test_help_lists_traps_and_methods():
+    shown = subprocess.run([sys.executable, "-m", "sheetfx", "map", "--help"], capture_output=True, text=True).stdout
+    for name in ("lee-frame", "closed-path", "current-stiffness", "--resume"):
+        assert name in shown.replace("\n", " ")
 
 
 def test_map_is_not_for_mpi(tmp_path):

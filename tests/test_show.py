@@ -248,13 +248,16 @@ def test_shapes(record, tmp_path):
     assert all(np.array_equal(v, before[k]) for k, v in fields(record).items())
 
 
-def test_shapes_without_display_are_left_out_with_a_remedy(record, tmp_path, monkeypatch):
+def test_shapes_without_display(record, sheet, tmp_path, monkeypatch):
+    """Curves do without; surfaces are left out with a remedy."""
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.setattr(display, "_window", lambda: None)
     monkeypatch.setattr(display.shutil, "which", lambda name: None)
+    pictures.shapes(record, tmp_path)
+    assert_picture(tmp_path / "shape.png", (900, 1600))
     with pytest.warns(UserWarning, match="install the package xvfb"):
-        pictures.shapes(record, tmp_path)
-    assert not (tmp_path / "shape.png").exists()
+        pictures.shapes(sheet, tmp_path, "sheet.png")
+    assert not (tmp_path / "sheet.png").exists()
 
 
 @pytest.mark.parametrize("window", [None, "vtkEGLRenderWindow"])

@@ -221,7 +221,7 @@ def _measure_and_roots(term: Term, domain: Mesh, cells: np.ndarray) -> tuple[np.
     """
     shares = term.tying.shares if term.tying else ()
     data = ufl.as_vector([ufl.JacobianDeterminant(domain) * term.stretch, *shares])
-    values = at_points(data, domain, term.rule.points).eval(domain, cells)
+    values = at_points(data, term.rule.points).eval(domain, cells)
     values = values.reshape(len(cells), len(term.rule.points), -1)
     measure = values[..., 0] * term.rule.weights
     return measure, np.sqrt(np.einsum("cq,cqi->ci", measure, values[..., 1:]) / measure.sum(axis=1)[:, None])
@@ -233,7 +233,7 @@ def _projection(term: Term, domain: Mesh, cells: np.ndarray) -> np.ndarray:
     The polynomial is that of strains times area: constant forces then do the work on it that the low rule gives.
     """
     tying = term.tying
-    areas = [at_points(ufl.JacobianDeterminant(domain), domain, points).eval(domain, cells).reshape(len(cells), -1)
+    areas = [at_points(ufl.JacobianDeterminant(domain), points).eval(domain, cells).reshape(len(cells), -1)
              for points in (term.rule.points, tying.low.points)]
     return tying.extrapolation * areas[1][:, None, :] / areas[0][:, :, None]
 

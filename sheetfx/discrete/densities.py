@@ -12,7 +12,7 @@ from dolfinx import fem
 from dolfinx.mesh import Mesh
 
 from ..jit import compiled_expression
-from ..mesh.numbers import lift_numbers
+from ..mesh.numbers import with_constants
 from ..mesh.quadrature import Rule
 from ..model.work import Term
 from .jets import FieldJet, as_function_of_jet
@@ -49,7 +49,7 @@ class Densities:
 
     def expression(self, expression) -> fem.Expression:
         """Values at the points of the rule."""
-        return at_points(expression, self.domain, self.rule.points)
+        return at_points(expression, self.rule.points)
 
     def function(self) -> tuple[fem.Function, np.ndarray]:
         """A vector of the strains' shape at each point, and for each cell its rows in `x.array`."""
@@ -154,9 +154,9 @@ class PointwiseWork(Densities):
         return self.integrated(values[:, :, self.add_products(values, matrices):])
 
 
-def at_points(expression, domain: Mesh, points: np.ndarray) -> fem.Expression:
+def at_points(expression, points: np.ndarray) -> fem.Expression:
     """A UFL expression to be evaluated at reference points of cells."""
-    return compiled_expression(lift_numbers(ufl.algorithms.expand_derivatives(expression), domain), points)
+    return compiled_expression(expression, points, with_constants)
 
 
 def values_at_points(domain: Mesh, cells: np.ndarray, rule: Rule, shape: tuple) -> tuple[fem.Function, np.ndarray]:

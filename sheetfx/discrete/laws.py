@@ -31,7 +31,7 @@ class FormulaLaw:
         moduli = ufl.diff(resultants, strains)
         self._values = at_points(ufl.as_vector(
             [resultants[i] for i in range(size)] + [moduli[i, j] for i in range(size) for j in range(size)]),
-            domain, rule.points)
+            rule.points)
 
     def __call__(self, chunk: slice, strains: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Resultants (cells, points, n) and moduli (cells, points, n, n) of strains (cells, points, n)."""

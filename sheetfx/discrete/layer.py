@@ -12,7 +12,7 @@ from mpi4py import MPI
 
 from .. import forms
 from ..jit import compiled_expression
-from ..mesh.numbers import lift_numbers
+from ..mesh.numbers import with_constants
 from ..model.contact import Contact
 from .contact import OPEN, SLIP, ContactFields, ContactState
 from .contact_work import touching
@@ -57,7 +57,7 @@ class LayerFields(ContactFields):
         self._expression = self._compiled(at_rest(ufl.as_vector([self.gap, *(self._position[i] for i in range(d))])))
 
     def _compiled(self, values) -> fem.Expression:
-        return compiled_expression(lift_numbers(values, self.contact.beam.mesh.domain), self._points)
+        return compiled_expression(values, self._points, with_constants)
 
     def _at_samples(self, values: Sequence) -> np.ndarray:
         return self._table(self._compiled(ufl.as_vector(values)))
@@ -210,8 +210,7 @@ class GapAtPoints:
         slope = ufl.diff(gap, z)
         bend = ufl.diff(slope, z)
         table = ufl.as_vector([*(slope[i] for i in range(m)), *(bend[i, j] for i in range(m) for j in range(m))])
-        self._expression = compiled_expression(lift_numbers(ufl.algorithms.expand_derivatives(table), mesh),
-                                               np.array([[0.5]]))
+        self._expression = compiled_expression(table, np.array([[0.5]]), with_constants)
 
     def __call__(self, z: np.ndarray, places: np.ndarray, arms: np.ndarray) -> tuple[np.ndarray, ...]:
         """Gradient, shape (n, m), and Hessian, shape (n, m, m), of the gap."""

@@ -19,7 +19,7 @@ from mpi4py import MPI
 from scipy.sparse import csr_matrix
 
 from ..jit import compiled_expression
-from ..mesh.numbers import lift_numbers
+from ..mesh.numbers import with_constants
 from .contribution import Contribution, Forces
 from .densities import WAY
 from .layout import Layout
@@ -245,7 +245,7 @@ class PointLaw:
             return None
         if ufl.domain.extract_unique_domain(expression) is None:  # numbers alone, which DOLFINx does not compile
             expression = fem.Constant(self._mesh, 1.0) * expression
-        return compiled_expression(lift_numbers(expression, self._mesh), np.array([[0.5]]))
+        return compiled_expression(expression, np.array([[0.5]]), with_constants)
 
     def _evaluate(self, expression: fem.Expression | None, z: np.ndarray, *shape: int,
                   points: np.ndarray | slice = EVERY) -> np.ndarray:

@@ -8,7 +8,7 @@ import numpy as np
 import ufl
 
 from ..jit import compiled_expression
-from ..mesh.numbers import lift_numbers
+from ..mesh.numbers import with_constants
 from ..model.beam import Bar, Beam
 from .discretisation import Discretisation
 
@@ -74,5 +74,5 @@ def _resultants(discretisation: Discretisation, part):
 def _evaluated(part, values, points: np.ndarray) -> np.ndarray:
     """A UFL vector at points of the part's cells on this process, shape (cells, points, components)."""
     domain, cells = part.mesh.domain, part.mesh.group(part.group)
-    return compiled_expression(lift_numbers(values, domain), points).eval(domain, cells).reshape(
+    return compiled_expression(values, points, with_constants).eval(domain, cells).reshape(
         len(cells), len(points), values.ufl_shape[0])

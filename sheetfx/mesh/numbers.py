@@ -7,9 +7,11 @@ from dataclasses import fields, is_dataclass
 import numpy as np
 from dolfinx.fem import Constant
 from ufl import replace
+from ufl.algorithms import expand_derivatives
 from ufl.algorithms.analysis import extract_constants
 from ufl.algorithms.map_integrands import map_integrand_dags
 from ufl.corealg.multifunction import MultiFunction
+from ufl.domain import extract_unique_domain
 
 
 def as_constants(domain, numbers):
@@ -67,6 +69,12 @@ def lift_numbers(expression, domain):
         return expression
     constant = Constant(domain, np.array(list(values)))
     return map_integrand_dags(_Lift(lambda o, value: constant[values[value]]), expression)
+
+
+def with_constants(expression):
+    """An expression with its derivatives carried out, and then its numbers lifted."""
+    expression = expand_derivatives(expression)
+    return lift_numbers(expression, extract_unique_domain(expression))
 
 
 def constants_on(domain, expression):

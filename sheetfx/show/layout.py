@@ -1,17 +1,20 @@
-"""A drawing of curves in pyvista with axes and legend of matplotlib."""
+"""A drawing of curves, in the plane or from one side, with axes and legend."""
 
 from __future__ import annotations
 
+from itertools import combinations, product
 from pathlib import Path
 
 import numpy as np
 
 from ..model.obstacles import RigidCylinder, RigidPlane
 
-DPI, OVERSAMPLING = 100, 2
+DPI, POINT = 100, 1 / 72
 EXAGGERATIONS = (3, 4, 5, 6, 8, 10, 15, 20, 30, 50)
-MARGIN, LAYER = 1.12, 0.02
+MARGIN, DOT = 1.12, 14
 BOX = "#cccccc"
+ISOMETRIC = np.array([[-1, 1, 0], [-1, -1, 2]]) / np.sqrt([[2], [6]])  # to the right and up, seen from (1, 1, 1)
+COMPASS, ARM = (0.06, 0.2), 0.06
 LEGEND_COLUMNS, LEGEND_ROW, LETTERS = 2, 27, 13
 LEFT, RIGHT, TOP, BOTTOM = 85, 25, 20, 62
 
@@ -87,21 +90,26 @@ class Sheet:
             self._spheres.append((colour, label, np.pad(places, [(0, 0), (0, 3 - places.shape[1])])))
 
     def save(self, file: Path) -> None:
-        """Draw and write a PNG; needs an X server."""
+        """Draw and write a PNG."""
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
 
-        image = self._render()
         width, height = self.size
         figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI)
         FigureCanvasAgg(figure)
         left, bottom = (0, self._legend_height) if self.spatial else (LEFT, self._legend_height + BOTTOM)
         axes = figure.add_axes((left / width, bottom / height, *(self._window / self.size)))
         if self.spatial:
-            axes.imshow(image, interpolation="antialiased")
-            axes.set_axis_off()
+            self._box(axes)
         else:
-            self._planar_axes(axes, image)
+            self._planar_axes(axes)
+        for colour, cells in self._obstacles:
+            self._curve(axes, cells, colour, 2.0)
+        for _, colour, cells, line_width in self._lines:
+            self._curve(axes, cells, colour, line_width)
+        for colour, _, places in self._spheres:
+            axes.plot(*self._place(places).T, "o", color=colour, markeredgecolor="#00000066", zorder=3,
+                      markersize=DOT / DPI / POINT)
         self.add_legend(figure)
         figure.savefig(file, dpi=DPI)
 
@@ -115,9 +123,9 @@ class Sheet:
             legend.remove()
             figure.legend(handles=self._handles(), fontsize=LETTERS / excess, **layout)
 
-    def _planar_axes(self, axes, image: np.ndarray) -> None:
-        extent = (self._low[0], self._high[0], self._low[1], self._high[1])
-        axes.imshow(image, extent=extent, aspect="auto", interpolation="antialiased")
+    def _planar_axes(self, axes) -> None:
+        axes.set_xlim(self._low[0], self._high[0])
+        axes.set_ylim(self._low[1], self._high[1])
         unit = f" ({self.unit})" if self.unit else ""
         part = f", one of {self.symmetry_factor} equal parts" if self.symmetry_factor > 1 else ""
         times = f", heights x {self.exaggeration}" if self.exaggeration > 1 else ""
@@ -126,77 +134,33 @@ class Sheet:
         axes.tick_params(labelsize=12)
         axes.spines[["top", "right"]].set_visible(False)
 
-    def _render(self) -> np.ndarray:
-        """The picture without axes and legend, pixels (rows, columns, 3)."""
-        import pyvista
+    def _curve(self, axes, cells: np.ndarray, colour: str, width: float) -> None:
+        """Draw cells (n, points, 2 or 3) by lines `width` pixels wide."""
+        from matplotlib.collections import LineCollection
 
-        columns, rows = OVERSAMPLING * self._window
-        plotter = pyvista.Plotter(off_screen=True, window_size=(int(columns), int(rows)), lighting="light kit")
-        plotter.set_background("white")
-        front = 0.0
-        for colour, cells in self._obstacles:
-            self._add_curve(plotter, cells, colour, 2.0, front)
-        for _, colour, cells, width in self._lines:
-            front += 1
-            self._add_curve(plotter, cells, colour, width, front)
-        for colour, _, places in self._spheres:
-            plotter.add_mesh(pyvista.PolyData(self._place(places, front + 1)), color=colour, point_size=28,
-                             render_points_as_spheres=True, ambient=0.3)
-        self._aim(plotter)
-        image = plotter.screenshot(return_img=True)
-        plotter.close()
-        return image
+        axes.add_collection(LineCollection(self._place(cells), colors=colour, linewidths=width / DPI / POINT,
+                                           capstyle="round", joinstyle="round", zorder=2))
 
-    def _add_curve(self, plotter, cells: np.ndarray, colour: str, width: float, front: float) -> None:
-        import pyvista
+    def _place(self, places: np.ndarray) -> np.ndarray:
+        """Places in the drawing, (..., 2)."""
+        return places @ ISOMETRIC.T if self.spatial else places[..., :2]
 
-        count, points = cells.shape[:2]
-        numbers = np.column_stack([np.full(count, points), np.arange(count * points).reshape(count, points)])
-        places, width = self._place(cells.reshape(count * points, -1), front), width * OVERSAMPLING
-        curve, joints = pyvista.PolyData(places, lines=numbers.ravel()), pyvista.PolyData(places)
-        plotter.add_mesh(curve, color=colour, line_width=width, lighting=False)
-        plotter.add_mesh(joints, color=colour, point_size=width, render_points_as_spheres=True, lighting=False)
-
-    def _place(self, places: np.ndarray, front: float) -> np.ndarray:
-        """Places in the drawing: heights exaggerated, and later lines in front of earlier ones in the plane."""
-        places = np.pad(places, [(0, 0), (0, 3 - places.shape[1])])
-        if self.spatial:
-            return places
-        depth = front * LAYER * (self._high - self._low)[0]
-        return np.column_stack([places[:, 0], self.exaggeration * places[:, 1], np.full(len(places), depth)])
-
-    def _aim(self, plotter) -> None:
-        plotter.enable_parallel_projection()
-        if self.spatial:
-            self._aim_isometric(plotter)
-            return
-        x, y = (self._low + self._high) / 2 * (1, self.exaggeration)
-        width = (self._high - self._low)[0]
-        plotter.camera.up = (0, 1, 0)
-        plotter.camera.focal_point = (x, y, 0)
-        plotter.camera.position = (x, y, 2 * width)
-        plotter.camera.parallel_scale = self.exaggeration * (self._high - self._low)[1] / 2
-        plotter.camera.clipping_range = (width / 10, 3 * width)
-
-    def _aim_isometric(self, plotter) -> None:
-        """Isometric view that all lines and the box around them fill."""
-        import pyvista
-
+    def _box(self, axes) -> None:
+        """An isometric view that all lines and the box around them fill, and the directions of the axes."""
         low, high = self._corners
-        right, up, back = np.array([[-1, 1, 0], [-1, -1, 2], [1, 1, 1]]) / np.sqrt([[2], [6], [3]])
-        corners = np.array(np.meshgrid(*np.column_stack([low, high]))).reshape(3, -1).T
-        across, along = corners @ right, corners @ up
-        middle = (low + high) / 2
-        width, height = self._window
-        distance = 10 * np.linalg.norm(high - low)
-        behind = pyvista.Box(np.column_stack([low, high]).ravel()).outline().translate(-distance / 5 * back)
-        plotter.add_mesh(behind, color=BOX, lighting=False, line_width=OVERSAMPLING)
-        plotter.camera.up = up
-        plotter.camera.focal_point = middle
-        plotter.camera.position = middle + distance * back
-        plotter.camera.parallel_scale = MARGIN * max(np.ptp(along), np.ptp(across) * height / width) / 2
-        plotter.camera.clipping_range = (distance / 10, 2 * distance)
-        plotter.add_axes(line_width=4)
+        corners = np.array(list(product(*zip(low, high, strict=True))))
+        edges = [pair for pair in combinations(corners, 2) if np.count_nonzero(pair[0] != pair[1]) == 1]
+        if edges:
+            self._curve(axes, np.array(edges), BOX, 1.0)
+        placed = self._place(corners)
+        middle, extent = self._place((low + high) / 2), np.ptp(placed, axis=0)
+        half = MARGIN / 2 * max(extent / self._window) * self._window
+        axes.set_xlim(middle[0] - half[0], middle[0] + half[0])
+        axes.set_ylim(middle[1] - half[1], middle[1] + half[1])
+        axes.set_axis_off()
+        for name, arm in zip("xyz", ARM * ISOMETRIC.T * (self._window[1] / self._window[0], 1), strict=True):
+            axes.annotate(name, COMPASS, COMPASS + 1.3 * arm, xycoords="axes fraction", fontsize=LETTERS, ha="center",
+                          va="center", arrowprops={"arrowstyle": "<-", "color": "#555555"})
 
     def _handles(self) -> list:
         from matplotlib.lines import Line2D

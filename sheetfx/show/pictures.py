@@ -59,9 +59,9 @@ def shapes(record: Record, folder: Folder, name: str = "shape.png") -> None:
     """Draw the structure undeformed, at critical points and at the last state (process 0 writes the file).
 
     Surfaces are drawn side by side, one view to each state, and so are curves in space that have several; other curves
-    all in one view. A critical point is drawn in its
-    own state; if that does not converge again at the end of its step, and the legend tells where. Points that are close
-    to each other are drawn once. The picture is left out with a warning where there is no X server and Xvfb is missing.
+    all in one view. A critical point is drawn in its own state; if that does not converge again at the end of its step,
+    and the legend tells where. Points that are close to each other are drawn once. Views side by side are left out with
+    a warning where there is no X server and Xvfb is missing.
     """
     spatial = record.case.scene.parts[0].mesh.dimension == 3
     if has_surfaces(record) or (spatial and len(states_to_draw(record)) > 1):
@@ -84,7 +84,7 @@ def shapes(record: Record, folder: Folder, name: str = "shape.png") -> None:
             for status, (colour, meaning) in STATUS.items():
                 chosen = contact.position[contact.status == status]
                 sheet.spheres(*((colour, meaning) if friction else TOUCHING), chosen)
-    save_picture(sheet.save, Folder(folder) / name)
+    sheet.save(Folder(folder) / name)
 
 
 def _draw_side_by_side(record: Record, file: Folder) -> None:

@@ -12,7 +12,7 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
@@ -21,7 +21,7 @@ from tempfile import TemporaryDirectory
 
 import typer
 
-from ..scenes import load_case
+from ..scenes import load_case, scene_names
 from .run import run_app
 
 TREE = Path(__file__).parents[2]
@@ -95,7 +95,12 @@ class Peer:
 
 @dataclass(frozen=True)
 class Point:
-    """A method on the chart: medians over its runs."""
+    """A method on the chart: medians over its runs.
+
+    Attributes
+    ----------
+    runs : that count; 0: it has run once so far, to warm the caches
+    """
 
     method: str
     label: str
@@ -106,6 +111,7 @@ class Point:
     cpu_seconds: float
     error_percent: float
     quantities: dict[str, float]
+    runs: int = 0
 
 
 def call(command: list[str], environment: dict) -> str:
@@ -147,9 +153,15 @@ def family(name: str) -> tuple[dict[str, float], list[Member], list[Peer]]:
     return module.REFERENCE, members, [Peer(**peer) for peer in getattr(module, "PEERS", [])]
 
 
+def charts() -> list[str]:
+    """Names of the built-in scenes that have a chart."""
+    return [name for name in scene_names() if getattr(sys.modules[load_case(name).__module__], "CHART", None)]
+
+
 def measure(reference: dict[str, float], members: list[Member], peers: list[Peer], repeat: int,
             say: Callable[[str], None] = lambda line: None,
-            keep: Callable[[list[Point]], None] = lambda points: None) -> list[Point]:
+            keep: Callable[[list[Point], dict[str, list[dict]]], None] = lambda points, runs: None,
+            earlier: Mapping[str, list[dict]] | None = None) -> list[Point]:
     """Run all methods in turn, once to warm the caches and then `repeat` times.
 
     Each turn spreads the peers evenly between the members, so that a machine that gets slower or
@@ -158,31 +170,38 @@ def measure(reference: dict[str, float], members: list[Member], peers: list[Peer
     Parameters
     ----------
     say : called with what runs now
-    keep : called with the points so far after each run that counts
+    keep : called after each run with the points so far, and all runs by their methods
+    earlier : such runs of an interrupted chart, which are not repeated
     """
+    earlier = earlier or {}
     places = [((i + 0.5) / len(group), method) for group in (members, peers) for i, method in enumerate(group)]
-    runs = {method: [] for _, method in sorted(places, key=lambda place: place[0])}
+    runs = {method: earlier.get(_name(method), [])[:repeat + 1]
+            for _, method in sorted(places, key=lambda place: place[0])}
     for turn in range(repeat + 1):
         say(f"run {turn} of {repeat}" if turn else "warming up")
-        for method in list(runs):
-            say(f"  {method.method} {method.label}")
+        for method in [m for m, results in runs.items() if len(results) <= turn]:
+            say(f"  {_name(method)}")
             try:
                 result = method.run()
                 error = error_percent(result["quantities"], reference)
             except Unusable as reason:
-                say(f"{method.method} {method.label} is left out: {reason}")
+                say(f"{_name(method)} is left out: {reason}")
                 del runs[method]
                 continue
-            if turn:
-                runs[method].append(result | {"error_percent": error})
-                keep(_points([*members, *peers], runs))
+            runs[method].append(result | {"error_percent": error})
+            keep(_points([*members, *peers], runs), {_name(m): results for m, results in runs.items()})
     return _points([*members, *peers], runs)
+
+
+def _name(method: Member | Peer) -> str:
+    return f"{method.method} {method.label}"
 
 
 def _points(methods: Sequence[Member | Peer], runs: dict[Member | Peer, list[dict]]) -> list[Point]:
     """Of the methods that have run."""
     return [Point(**results[-1] | {"label": method.label, "peer": isinstance(method, Peer),
-                                   "cpu_seconds": median(r["cpu_seconds"] for r in results)})
+                                   "cpu_seconds": median(r["cpu_seconds"] for r in results[1:] or results),
+                                   "runs": len(results) - 1})
             for method in methods if (results := runs.get(method))]
 
 

@@ -13,7 +13,7 @@ from rich.table import Table
 from ..show.labels import place_labels
 from .chart import Point, rivals
 
-COLUMNS = ("method", "label", "unknowns", "factorisations", "iterations", "cpu_seconds", "error_percent")
+COLUMNS = ("method", "label", "unknowns", "factorisations", "iterations", "cpu_seconds", "error_percent", "runs")
 PANELS = (("cpu_seconds", "CPU time (s)"), ("unknowns", "unknowns"), ("factorisations", "factorisations"))
 COLOURS = ("#0b4f8a", "#c4432b", "#3a7d44", "#8a5a0b", "#6a3d8a", "#2b8c9e")
 MARKERS, PEER_MARKERS = "os^vDp", "*XP"

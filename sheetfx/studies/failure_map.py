@@ -61,7 +61,8 @@ def choose(kind: str, names: str | None, known: Iterable[str]) -> list[str]:
 
 
 def failure_map(traps: Sequence[str], methods: Sequence[str], folder: Folder, limit: float,
-                say: Callable[[Cell], None] = lambda cell: None) -> list[Cell]:
+                say: Callable[[Cell], None] = lambda cell: None, begin: Callable[[str, str], None] = lambda *_: None,
+                done: Sequence[Cell] = ()) -> list[Cell]:
     """Trace every trap with every method that applies to it.
 
     Parameters
@@ -69,21 +70,30 @@ def failure_map(traps: Sequence[str], methods: Sequence[str], folder: Folder, li
     folder : gets a folder for each path with its states and path.csv
     limit : seconds that a path may take
     say : called with each cell, and with those of the reference paths
+    begin : called with trap and method of each path that begins
+    done : cells of an interrupted map, which are not traced again
     """
     if MPI.COMM_WORLD.size > 1:
         raise ValueError(f"map: {MPI.COMM_WORLD.size} MPI processes, but the map starts processes of its own; "
                          "leave mpirun out")
     with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
-        list(_ended(pool, [(trap, REFERENCE, folder, limit) for trap in traps], say))
-        cases = {trap: TRAPS[trap].case() for trap in traps}
-        cells = list(_ended(pool, [(trap, method, folder, limit) for trap, case in cases.items()
-                                   for method in methods if applies(method, case)], say))
+        cases, known = {trap: TRAPS[trap].case() for trap in traps}, {(cell.trap, cell.method) for cell in done}
+        pairs = [(trap, method) for trap, case in cases.items() for method in methods
+                 if applies(method, case) and (trap, method) not in known]
+        concerned = [trap for trap in traps if trap in {trap for trap, _ in pairs}]
+        list(_ended(pool, [(trap, REFERENCE, folder, limit) for trap in concerned], say, begin))
+        cells = list(_ended(pool, [(*pair, folder, limit) for pair in pairs], say, begin))
+    cells += [cell for cell in done if cell.trap in traps and cell.method in methods]
     return sorted(cells, key=lambda cell: (traps.index(cell.trap), methods.index(cell.method)))
 
 
-def _ended(pool: ThreadPoolExecutor, tasks: Sequence[tuple], say) -> Iterator[Cell]:
+def _ended(pool: ThreadPoolExecutor, tasks: Sequence[tuple], say, begin) -> Iterator[Cell]:
     """Cells as they come."""
-    for future in as_completed([pool.submit(_process, *task) for task in tasks]):
+    def traced(*task) -> Cell:
+        begin(*task[:2])
+        return _process(*task)
+
+    for future in as_completed([pool.submit(traced, *task) for task in tasks]):
         say(cell := future.result())
         yield cell
 
@@ -153,6 +163,15 @@ def write_map(cells: Sequence[Cell], file: Folder) -> None:
         writer = csv.DictWriter(stream, [f.name for f in fields(Cell)])
         writer.writeheader()
         writer.writerows(asdict(cell) for cell in cells)
+
+
+def read_map(file: Folder) -> list[Cell]:
+    """Cells that `write_map` has written; none where there is no file."""
+    if not Folder(file).exists():
+        return []
+    with Folder(file).open(newline="") as stream:
+        return [Cell(**row | {"cpu_seconds": float(row["cpu_seconds"]), "factorisations": int(row["factorisations"])})
+                for row in csv.DictReader(stream)]
 
 
 if __name__ == "__main__":
