@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from math import inf
 
+import numpy as np
 from petsc4py import PETSc
 
 from ..compat import NOT_A_NUMBER
@@ -21,6 +22,7 @@ Reason = PETSc.SNES.ConvergedReason
 SLOW = 0.1  # residual over that of the iteration before, from which a guess is corrected with a new factor
 WRONG = 1e-3  # residual over the load, above which a guess whose residual grows is given up
 TINY = 1e-9  # correction over the increments, which changes nothing but rounding
+ROUNDED = 10 * np.finfo(float).eps  # of what the stiffest unknown takes to move by the structure's size, most rounding
 VAIN = 6  # iterations, after which a residual that has not fallen to half gives up
 CLOSE = 1e-3  # residual over the load, below which it does not
 FARTHEST = 100.0  # increment in the scaled norm (sizes of the structure, radians), beyond which an iteration is lost
@@ -193,14 +195,18 @@ class PathStep:
 
         In slender beams the axial force alone rounds to EA times the machine's precision, which can be
         more than the tolerance allows. Near a bifurcation rounding moves the structure along the mode, so that steps
-        are small only; the residual must then have been the same for four iterations, and nothing be in contact.
+        are small only; the residual must then have been the same for four iterations, and nothing be in contact. But
+        where Newton's iteration creeps, as past a limit point close to a bifurcation, it is the same too, and far
+        larger than rounding can be.
         """
         step = self._last_step(x)
+        if step > 1e-4 or self._residual.norm() > ROUNDED * self.system.largest_force():
+            return False
         if step <= TINY:
             return residual < 1e-2 and residual > 0.1 * self.history[-2]
         last = self.history[-4:]
         steady = len(last) == 4 and max(last) < 2 * min(last)
-        return self.system.smooth and step <= 1e-4 and residual < 1e-3 and steady
+        return self.system.smooth and residual < 1e-3 and steady
 
     def _is_lost(self) -> bool:
         """Whether what began with a guess leads away from it, or Newton's steps have long led nowhere."""

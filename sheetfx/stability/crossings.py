@@ -28,6 +28,7 @@ DOUBT = 4  # of the last correction of a load, difference from another value of 
 FAR = 0.03  # of a piece of path, distance from crossings of states that tell how far apart these are
 FOLD = 0.9  # of the length of a piece of path, motion along the mode where a limit point is
 NOISE = 1e-6  # of the length of a piece of path, motion along a mode that does not count
+STEADY = 100  # of what tangents are off by beside a crossing, motion along the mode that is no rounding
 ROUNDED = 1e-10  # of the structure's size, imperfection along a mode that rounding may cause, as in a mesh
 
 
@@ -216,6 +217,17 @@ def _compare_sides(segment: Segment, roots: np.ndarray, samples: Sequence[float]
         size, critical = max(abs(moved), abs(led)), factors(root)
         grown = sum(abs(critical / (segment[s].factor - critical)) for s in (left, right))
         strays = abs(moved - led) > size / 2 and size > NOISE * distance + ROUNDED * grown
-        if (strays or abs(moved) > FOLD * distance) and size > 10 * max(
-                segment.uncertainty(segment[s]) for s in (left, right)):
+        if (strays or abs(moved) > FOLD * distance) and (
+                size > STEADY * _stray_beside(segment, mode, left, right)
+                or size > 10 * max(segment.uncertainty(segment[s]) for s in (left, right))):
             raise Jump("the path bends away from a bifurcation that the step passes")
+
+
+def _stray_beside(segment: Segment, mode: np.ndarray, left: float, right: float) -> float:
+    """How far tangents are off along a mode on the pieces before and behind two states, on the better one.
+
+    Where it is rounding that moves the two states, it moves these pieces' ends too. Infinite where one is missing.
+    """
+    pieces = [piece for piece in segment.pairs() if piece[1] == left or piece[0] == right]
+    strays = [abs(np.subtract(*segment.along(mode, *piece))) for piece in pieces]
+    return min(strays) if len(strays) == 2 else np.inf
