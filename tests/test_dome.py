@@ -16,11 +16,11 @@ SOFTER = 0.08  # our loads against those of an independent study that found its 
 
 def test_dome_on_two_processes():
     """Bars live where the panels are whose unknowns they share; the path is that of one process."""
-    one = fx.trace(case(divisions=2, to=20.0, step=4e-3))
+    one = fx.trace(case(divisions=2, to=20.0))
     lines = on_two_processes('''
 import sheetfx as fx
 from sheetfx.scenes.dome import case
-record = fx.trace(case(divisions=2, to=20.0, step=4e-3))
+record = fx.trace(case(divisions=2, to=20.0))
 print(record.path.unknowns)
 for state in record.states:
     print(state.load, state.deflection, state.unstable_modes)

@@ -153,7 +153,7 @@ def plate_and_branch(edges: str = "z rx") -> tuple[fx.Case, fx.CriticalPoint, fx
     case = plate_buckling.case(cells=3, slenderness=100.0)
     supports = [replace(s, fixed="z") if edges == "z" and s.fixed.startswith("z r") else s for s in case.scene.supports]
     case = replace(case, scene=replace(case.scene, supports=supports))
-    record = trace(replace(case, control=fx.LoadControl(step=2.6, target=5.2), until=fx.Until(), buckling=None))
+    record = trace(replace(case, control=fx.LoadControl(step=2.6, target=5.2), until=fx.Until()))
     point, found = started(record, 0.004)
     return case, point, found[0].start
 

@@ -23,6 +23,7 @@ from .state import State
 PREFIX = "sheetfx_crossings_"
 FEW, MANY = 6, 48  # eigenvalues that are looked for, at first and at most
 REAL = 1e-5  # imaginary over real part of what counts as real: double eigenvalues split by rounding
+ALIKE = 1e-9  # of estimates that steps hang on, so that any number of processes takes the same steps
 CLOSE = 1e-3  # relative difference of eigenvalues whose directions are found together
 
 
@@ -146,7 +147,7 @@ def first_passing(solver: DirectSolver, change: PETSc.Mat) -> float:
     """
     if not change.norm() > 0:
         return inf
-    values = _reciprocal(_solver(solver, change, FEW, 1e-2))
+    values = _reciprocal(_solver(solver, change, FEW, ALIKE))
     fastest = max((-values.real) if solver.symmetric else np.abs(values))
     return 1 / fastest if fastest > 0 else inf
 

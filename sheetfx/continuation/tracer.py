@@ -201,8 +201,7 @@ class Tracer(Measuring):
         if not control.guarded or not system.smooth:
             return
         estimate = first_critical(system, self.stepper.linear, self._response, PROBE / sqrt(self.tangent.norm2))
-        length = BEFORE * estimate / abs(control.predict(1.0, 1.0, self.tangent))
-        self.shortest = min(self.usual, float(f"{length:.3g}"))  # digits that any number of processes agrees on
+        self.shortest = min(self.usual, BEFORE * estimate / abs(control.predict(1.0, 1.0, self.tangent)))
         if control.step is None:
             self.first = self.shortest
 
