@@ -7,8 +7,8 @@ from comparison import compare
 from random_structures import dense
 
 TRUSSES, FRAMES = 120, 80
-REMAINING = {
-    "truss 72": "two pairs of points whose loads differ by 1.05e-6 are reported as two double ones",
+DOUBTFUL = {
+    "truss 72": "two pairs of points whose loads differ by 1.05e-6 are two double ones, or not, as steps fall",
 }
 UNDECIDED = 8  # structures whose dense continuation depends on its steps, at most
 
@@ -46,4 +46,4 @@ def test_two_hundred():
                 differing[f"{make} {seed}"] = str(found)
     print("\n".join([*differing.values(), *undecided]))
     assert len(undecided) <= UNDECIDED, undecided
-    assert set(differing) == set(REMAINING), differing
+    assert set(differing) <= set(DOUBTFUL), differing
