@@ -87,7 +87,7 @@ class StateFiles:
         """A process's part of a state and how many have one (0: an older version's), or what is wrong with it."""
         file, name = self._file(step, rank), self._name(step, rank)
         try:
-            state, processes = State.load_from(file, run), State.processes_of(file)
+            state, processes = State.load_part(file, run)
         except FileNotFoundError:
             return f"{name} is missing"
         except ForeignState:

@@ -149,15 +149,14 @@ class State:
         write_arrays(file, numbers=json.dumps(numbers), run=run, processes=processes, increment=self.increment,
                      response=self.response, **{f"field {k}": v for k, v in self.fields.items()})
 
-    @staticmethod
-    def processes_of(file: Path) -> int:
-        """How many processes have a part of the state in a file; 0: a file of an older version does not say it."""
-        with np.load(file) as archive:
-            return int(archive["processes"]) if "processes" in archive.files else 0
-
     @classmethod
     def load_from(cls, file: Path, run: str = "") -> State:
-        """Read what `save` wrote.
+        """Read what `save` wrote, see `load_part`."""
+        return cls.load_part(file, run)[0]
+
+    @classmethod
+    def load_part(cls, file: Path, run: str = "") -> tuple[State, int]:
+        """Read what `save` wrote: the state and how many processes have a part of it (0: an older version's file).
 
         Raises
         ------
@@ -167,6 +166,7 @@ class State:
         with np.load(file) as archive:
             if run and "run" in archive.files and run != str(archive["run"]):
                 raise ForeignState(f"{file} is of another run")
+            processes = int(archive["processes"]) if "processes" in archive.files else 0
             numbers = json.loads(str(archive["numbers"]))
             fields = {k.removeprefix("field "): archive[k] for k in archive.files if k.startswith("field ")}
             vectors = {k: archive[k] for k in ("increment", "response")}
@@ -175,4 +175,4 @@ class State:
                                     for c in numbers["critical"])
         numbers["reference"] = tuple(numbers["reference"])
         fields.setdefault("load", np.array([0, numbers["factor"]]))  # files of version 0.1 have it in the numbers only
-        return cls(**numbers, **vectors, fields=fields)
+        return cls(**numbers, **vectors, fields=fields), processes
