@@ -71,7 +71,7 @@ def draw(found: dict, folder: Path) -> None:
                       title=f"{'elastic' if elastic else 'plastic'}, against {values[-1]:g}")
             panel.minorticks_off()
         row[0].set_ylabel("difference (%)")
-    axes[0, 0].legend(frameon=False, fontsize=8)
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=len(READ), frameon=False)
     figure.savefig(folder / "convergence.png", dpi=130)
 
 
