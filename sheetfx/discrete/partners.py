@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..mesh.projection import Cells
-from ..mesh.track import SmoothRows, Track
+from ..mesh.track import SmoothRows, Track, at_places
 from .nodal_field import AdditiveField
 from .points import Trace
 
@@ -35,9 +35,10 @@ class Partners:
     def __init__(self, field: AdditiveField, number: int, cells: Cells, which: np.ndarray, reference: np.ndarray):
         self._field, self._number, self._track = field, number, Track(cells)
         space = field.value.function_space
-        self._rows, self._shape = (SmoothRows(self._track, e) for e in (space.ufl_element().basix_element, cells.shape))
+        self._rows = SmoothRows(self._track, space.ufl_element().basix_element)
+        shape = SmoothRows(self._track, cells.shape)
         self._nodes = self._rows.gathered(space.dofmap.list[cells.cells].astype(np.int64))
-        self._places = self._shape.gathered(cells.nodes)
+        self._undeformed = shape.polynomials(shape.gathered(cells.nodes))
         self._which, self._reference = which.copy(), np.ascontiguousarray(reference[:, :1])
         self._sense = np.ones(len(which))
         self._base = -self._track.lengths(self._which, self._reference)
@@ -72,8 +73,9 @@ class Partners:
         directions : shape (n, dimension), normals of the planes in which partners are
         """
         changed, before = False, self.on
+        moved = self._rows.polynomials(self._field.table[self._nodes])
         for _ in range(ITERATIONS):
-            place, slope, curvature = self._current()
+            place, slope, curvature = self._before() + at_places(moved[self._which], self._reference)
             a, b, c = (np.einsum("nd,nd->n", directions, v) for v in (place - points, slope, curvature))
             flat = np.abs(b) < STEEP * np.linalg.norm(slope, axis=1)
             b = np.where(flat, 1.0, b)
@@ -106,14 +108,9 @@ class Partners:
             self._base[leaves] = reached - self._sense[leaves] * lengths
         return True
 
-    def _current(self) -> np.ndarray:
-        """Current places, and their two derivatives by the reference coordinate, shape (3, n, dimension)."""
-        values = self._field.table[self.nodes]
-        return self._before() + np.einsum("onk,nkd->ond", self._rows.table(self._which, self._reference), values)
-
     def _before(self) -> np.ndarray:
-        """The same in the reference configuration."""
-        return np.einsum("onk,nkd->ond", self._shape.table(self._which, self._reference), self._places[self._which])
+        """Places before any displacement, and their two derivatives by the reference coordinate, (3, n, dimension)."""
+        return at_places(self._undeformed[self._which], self._reference)
 
     def _by_length(self, first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Derivatives by arc length from those by the reference coordinate."""

@@ -146,10 +146,11 @@ class PointWork(Contribution):
     def tangent(self, held: Forces) -> Sequence[np.ndarray]:
         forces, stiffness = self._linearised(self.values())
         self._add(held, forces, curved_only=True)
-        matrix = self._derivatives(self._stiff)
-        blocks = matrix.transpose(0, 2, 1) @ (stiffness @ matrix)
+        resisting = np.flatnonzero(stiffness.any(axis=(1, 2)))
+        matrix = self._derivatives(np.arange(len(forces))[self._stiff][resisting])
+        blocks = matrix.transpose(0, 2, 1) @ (stiffness[resisting] @ matrix)
         count, wanted = len(blocks), self._same.max(initial=-1) + 1
-        sums = csr_matrix((np.ones(count), (self._same, np.arange(count))), shape=(wanted, count))
+        sums = csr_matrix((np.ones(count), (self._same[resisting], np.arange(count))), shape=(wanted, count))
         return [(sums @ blocks.reshape(count, matrix.shape[2] ** 2)).ravel()]
 
     def _linearised(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -88,7 +88,7 @@ class SmoothRows:
     """
 
     def __init__(self, track: Track, element):
-        self._track, self._element, k = track, element, element.dim
+        k = element.dim
         ends = element.tabulate(1, np.array([[0.0], [1.0]]))[1, :, :, 0]
         count = len(track.following)
         every = np.arange(count)
@@ -96,9 +96,9 @@ class SmoothRows:
                                  for end in (0, 1)])
         self._next = np.where(track.smooth, track.following, every[:, None])
         self._others = np.array([np.delete(np.arange(k), end) for end in (0, 1)])[track.enters]
-        self._jumps = np.zeros((2, count, 3 * k - 2))
+        jumps = np.zeros((2, count, 3 * k - 2))
         for end in (0, 1):
-            enters, jump = track.enters[:, end], self._jumps[end]
+            enters, jump = track.enters[:, end], jumps[end]
             ratio = paces[:, end] / paces[self._next[:, end], enters] * np.where(enters == end, -1, 1)
             beyond = ratio[:, None] * ends[enters]
             jump[:, :k] = -ends[end]
@@ -106,6 +106,11 @@ class SmoothRows:
             columns = slice(k + end * (k - 1), k + (end + 1) * (k - 1))
             jump[:, columns] = np.take_along_axis(beyond, self._others[:, end], axis=1)
             jump *= track.smooth[:, end, None] / 2
+        degree = max(element.degree, *(p.degree() for p in SMOOTHING))
+        at = np.linspace(0.0, 1.0, degree + 1)
+        values = np.einsum("eq,ecm->cqm", [p(at) for p in SMOOTHING], jumps)
+        values[:, :, :k] += element.tabulate(0, at[:, None])[0, :, :, 0]
+        self._coefficients = np.linalg.solve(np.vander(at, increasing=True), values)
 
     def gathered(self, values: np.ndarray) -> np.ndarray:
         """Of values at nodes of cells, shape (cells, k, ...), those in the rows of each cell, (cells, 3 k - 2, ...)."""
@@ -114,9 +119,29 @@ class SmoothRows:
 
     def table(self, which: np.ndarray, reference: np.ndarray) -> np.ndarray:
         """Weights of what is gathered, and their first and second derivative by the reference coordinate, (3, n, m)."""
-        table = np.zeros((3, len(which), self._jumps.shape[2]))
-        if len(which):
-            table[:, :, :self._element.dim] = self._element.tabulate(2, np.ascontiguousarray(reference))[:, :, :, 0]
-            hermite = np.array([[p(reference[:, 0]) for p in (q, q.deriv(), q.deriv(2))] for q in SMOOTHING])
-            table += np.einsum("eon,enm->onm", hermite, self._jumps[:, which])
-        return table
+        return at_places(self._coefficients[which], reference)
+
+    def polynomials(self, values: np.ndarray) -> np.ndarray:
+        """Coefficients of what gathered values interpolate in each cell, (cells, degree + 1, components)."""
+        return self._coefficients @ values
+
+
+def at_places(polynomials: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Values of polynomials, and their first and second derivative, by Horner's scheme.
+
+    Parameters
+    ----------
+    polynomials : coefficients from the lowest power on, shape (n, degree + 1, components)
+    places : of each, shape (n, 1)
+
+    Returns
+    -------
+    array, shape (3, n, components)
+    """
+    found = np.zeros((3, len(polynomials), polynomials.shape[2]))
+    for power in reversed(range(polynomials.shape[1])):
+        for order in (2, 1):
+            found[order] = found[order] * places + found[order - 1]
+        found[0] = found[0] * places + polynomials[:, power]
+    found[2] *= 2
+    return found
