@@ -17,7 +17,7 @@ from typing import Annotated, Any
 
 from .checks import Positive, Range, check
 from .continuation.control import ArcLength, DisplacementControl, LoadControl, StepRule
-from .continuation.corner import around_corner
+from .continuation.corner import LEAST, around_corner
 from .continuation.events import Event, end_at, occurrences
 from .continuation.scattered import ScatteredState
 from .continuation.segment import Jump, Missed
@@ -31,6 +31,7 @@ from .stability.verdict import searched
 
 AT_BOUND = 1e-6  # relative distance from a bound at which a path has reached it
 CORNERED = 1 / 16  # of a step, length with which it fails where the path is taken to have a corner
+SHORT = 1 / 64  # of a step that fails and with half of its length does, length that gets past a corner close ahead
 
 
 class PathFailure(ArithmeticError):
@@ -213,17 +214,19 @@ class Path:
         largest = self.control.largest * self.tracer.usual
         while (taken := self._try(before, length)) is None:
             shortest = length / 2 < self.control.smallest * self.tracer.shortest
-            if shortest or length <= CORNERED * wanted < 2 * length:
-                taken = self._around_corner(before, wanted)
-                if taken is not None:
-                    length = taken[0].length
-                    break
+            failure = self._failure(before, length / 2)
+            if length == wanted / 2 and (taken := self._past_corner(before, wanted)):
+                break
+            cornered = length <= CORNERED * wanted < 2 * length
+            if (shortest or cornered) and (taken := self._around_corner(before, wanted)):
+                length = taken[0].length
+                break
             if shortest:
-                raise self._failure(before, length / 2)
+                raise failure
             length /= 2
         after, points = taken
-        growth = self.control.growth(after.hardest)
-        after = replace(after, next_length=min(largest, length * growth), critical=points)
+        grown = length * self.control.growth(after.hardest)
+        after = replace(after, next_length=min(largest, grown), critical=points)
         self.tracer.state, self._earlier = after, before
         return after
 
@@ -231,6 +234,16 @@ class Path:
         """A step with its critical points; None and back to its start if it does not converge or leaves its branch."""
         after, self._refusal = self._to_bound(before, length) or self.tracer.attempt(length), ""
         return None if after is None else self._searched(before, after, self._earlier, self.control.turn)
+
+    def _past_corner(self, before: State, wanted: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:
+        """A short step past a corner close ahead; the next need not be short.
+
+        None, where there has just been one, and where steps have become short already.
+        """
+        near = before.length <= 4 * SHORT * wanted or wanted < LEAST * self.tracer.usual
+        if near or self.tracer.system.smooth or not self.control.guarded:
+            return None
+        return self._try(before, SHORT * wanted)
 
     def _around_corner(self, before: State, wanted: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:
         """A step around a corner of the path, before which loads say nothing of those behind it."""

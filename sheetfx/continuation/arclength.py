@@ -25,6 +25,7 @@ TINY = 1e-9  # correction over the increments, which changes nothing but roundin
 ROUNDED = 10 * np.finfo(float).eps  # of what the stiffest unknown takes to move by the structure's size, most rounding
 VAIN = 6  # iterations, after which a residual that has not fallen to half gives up
 CLOSE = 1e-3  # residual over the load, below which it does not
+SAME, RETURNS = 1e-2, 2  # relative difference of residuals that are the same, and how often they return in a cycle
 FARTHEST = 100.0  # increment in the scaled norm (sizes of the structure, radians), beyond which an iteration is lost
 
 
@@ -140,10 +141,19 @@ class PathStep:
             if iteration == most or self._is_lost():
                 return Reason.DIVERGED_MAX_IT
             try:
-                self._correct(snes, x)
+                self._correct_holding(snes, x)
             except ArithmeticError:
                 return Reason.DIVERGED_LINEAR_SOLVE
         return Reason.DIVERGED_MAX_IT
+
+    def _correct_holding(self, snes, x) -> None:
+        if self._guess is not None:
+            self._correct(snes, x)
+            return
+        with self.system.held() as holding:
+            if holding:
+                snes.computeFunction(x, self._residual)
+            self._correct(snes, x)
 
     def _correct(self, snes, x) -> None:
         anew = self._factorise_anew(snes, x)
@@ -214,7 +224,14 @@ class PathStep:
             return len(self.history) > 1 and self.history[-1] > max(WRONG, self.history[-2])
         before, last = self.history[:-VAIN], self.history[-VAIN:]
         newton = self.control.guarded and self.control.newton == "full"
-        return newton and bool(before) and 2 * min(last) > min(before) > CLOSE
+        vain = bool(before) and 2 * min(last) > min(before) > CLOSE
+        return newton and (vain or self.cycles)
+
+    @property
+    def cycles(self) -> bool:
+        """Whether the same residuals come again and again, as between two sets of contact points."""
+        last = self.history[-1] if self.history else 0.0
+        return not self.system.smooth and sum(abs(h - last) < SAME * last for h in self.history[:-1]) >= RETURNS
 
     def _last_step(self, x) -> float:
         """Length of the last correction over that of the increments."""

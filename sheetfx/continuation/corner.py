@@ -33,16 +33,19 @@ def around_corner(tracer, before: State, wanted: float) -> State | None:
     if tracer.system.smooth or not (before.length and control.guarded and control.passes_limits):
         return None
     step = max(wanted, LEAST * tracer.usual)
+    ways = [1.0, -1.0]
     for length in (share * step for share in LENGTHS):
         try:
             solution, forwards = _ahead(tracer, before, AHEAD * length)
         except SingularTangent:
             continue
-        for sign in (forwards, -forwards):
+        for way in ways:
             tracer.back_to(before)
-            after = tracer.attempt_along(solution, sign, length)
+            after = tracer.attempt_along(solution, way * forwards, length)
             if after is not None and _leads_on(tracer, before, after):
                 return after
+            if after is not None and way < 0:
+                ways = [1.0]
     tracer.back_to(before)
     return None
 

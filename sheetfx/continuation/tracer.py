@@ -246,8 +246,8 @@ class Tracer(Measuring):
 
     def reason(self) -> str:
         """Why the last attempt failed."""
-        if self.failure:
-            return self.failure
+        if self.failure or self.stepper.cycles:
+            return self.failure or "contact changes to and fro, as where no equilibrium lies ahead"
         names = {v: k for k, v in vars(PETSc.SNES.ConvergedReason).items() if isinstance(v, int)}
         return names.get(self.snes.getConvergedReason(), "contact augmentation did not converge")
 

@@ -1,7 +1,7 @@
 """The balance of work and energy along a step, which holds between states of one path however its rates waver.
 
-What the loads do on the way from one state to the next is the change of the energy. With the energy known at both ends
-a path that leads there gives its loads in between: a step whose loads do not fit has jumped to another path.
+What the loads do on the way from one state to the next is the change of the energy, and what friction takes. With these
+known a path that leads there gives its loads in between: a step whose loads do not fit has jumped to another path.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ POINTS = 5  # of integration of residuals along a straight way: exact for energi
 
 
 def work_matches(segment: Segment, earlier: State | None) -> bool:
-    """Whether the work along a step is the change of the energy; also where contributions do not tell theirs.
+    """Whether the work along a step is stored or dissipated; also where contributions do not tell their work.
 
     The load in between is that of the parabola through the states, `earlier` being the one before the step.
     """
     before, after, tracer = segment.before, segment.after, segment.tracer
-    if not tracer.system.energies_known:
+    if not tracer.system.work_known:
         return True
     change, way = _energy(segment)
     rise = after.load_increment
@@ -40,14 +40,14 @@ def _bend(before: State, after: State) -> float:
 
 
 def _energy(segment: Segment) -> tuple[float, float]:
-    """Change of the energy from the first to the last state under the load of the first, and motion along the load."""
+    """Work taken up from the first to the last state less that of the load of the first, and motion along the load."""
     before, after, tracer = segment.before, segment.after, segment.tracer
     system, increment = tracer.system, after.increment
     smooth, rough = ([c for c in system.contributions if (c.smooth or c.remembers) == wanted]
                      for wanted in (True, False))
     out, place, ways = system.create_vector(), system.create_vector(), []
     tracer.back_to(before)
-    stored = -sum(c.energy() for c in rough)
+    stored = -sum(c.taken() for c in rough)
     ways.append(tracer.load_vector().array @ increment)
     points, weights = np.polynomial.legendre.leggauss(POINTS)
     change = 0.0
@@ -59,7 +59,7 @@ def _energy(segment: Segment) -> tuple[float, float]:
             change += weight * float(out.array @ increment)
         place.array[:] = increment
         system.configure(place, before.factor)
-        stored += sum(c.energy() for c in rough)
+        stored += sum(c.taken() for c in rough)
         system.load(out)
         ways.append(out.array @ increment)
     tracer.back_to(after)

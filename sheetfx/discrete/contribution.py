@@ -139,6 +139,16 @@ class Contribution:
     def regularise(self, times: float) -> None:
         """Make the regularisation a multiple of what it is in accepted states; see `approaches`."""
 
+    def hold(self) -> bool:
+        """Answer for one Newton iteration as if what it would overshoot held on; whether anything is held.
+
+        It is called at each iterate, so that a contribution can compare it with the one before.
+        """
+        return False
+
+    def release(self) -> None:
+        """Answer again as it is, after `hold`."""
+
     def augment(self) -> bool:
         """Whether a converged solution satisfies the contribution; if not, change what the next solution starts from.
 
@@ -149,6 +159,14 @@ class Contribution:
     def energy(self) -> float | None:
         """Energy that it stores now, on all processes; None: it does not tell."""
         return None
+
+    def taken(self) -> float | None:
+        """Work that it has taken up, on all processes, less any that it had at the last accepted state and lost since.
+
+        The energy where that is all; with friction what has been dissipated since the last accepted state, too. None:
+        it does not tell.
+        """
+        return self.energy()
 
     def touching(self) -> tuple[int, float]:
         """Number of points in contact and largest penetration, on all processes."""

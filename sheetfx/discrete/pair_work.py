@@ -8,15 +8,15 @@ from math import inf
 import numpy as np
 
 from .. import forms
-from .contact import OPEN, status_of
+from .contact import OPEN, SLIP, status_of
 from .contribution import Contribution
 from .layout import Layout
-from .pairs import Pairs, PairState
+from .pairs import Pairs, PairState, friction_work, unilateral_energy
 from .partners import Partners
 from .points import PointLaw, PointWork, Trace
 from .unknowns import Unknowns
 
-SPARE = 0.1  # of all pairs, those with the smallest gaps that the pattern of the tangent has beside those that act
+SPARE = 0.4  # of all pairs, those with the smallest gaps that the pattern of the tangent has beside those that act
 APPROACHES = 2.0, 0.5  # of states with friction: above 1 by given bounds of it, below 1 by sticking
 STICKING = 1e3  # coefficient of friction with which all pairs stick
 STIFFER, MOST = 10.0, 8  # stiffness from one augmentation to the next, and how often it grows at most
@@ -42,6 +42,7 @@ class PairWork(PointWork):
     _least = 0  # how often the stiffness grows within a step at least
     _stiffened, _deepest = 0, inf
     _slack = 0.0  # part of the bound of friction by which tractions may be off where they slip
+    _slipping: np.ndarray | None = None  # tractions of pairs that slipped at the last iterate, zero at others
 
     def __init__(self, unknowns: Unknowns, first: Sequence[Trace], second: Trace | Partners, pairs: Pairs, contact,
                  name: str):
@@ -55,6 +56,7 @@ class PairWork(PointWork):
         self._committed = self._history.copy()
         self._partners_committed = self._partners.history() if self._partners else None
         self._pattern_nodes = self._followed = None
+        self._table = pairs.table()
 
     def _law_of(self, sizes: Sequence[int]) -> PointLaw:
         """Forces at the pairs, from so many components of each trace."""
@@ -154,6 +156,10 @@ class PairWork(PointWork):
     def _linearised(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         return self._forces(z), self._law.stiffness(z, self._stiff)
 
+    def _put_parameters(self, table: np.ndarray) -> None:
+        self._table = table
+        self._law.give(self._data_of_history + 1, table)
+
     def _put_history(self, history: np.ndarray) -> None:
         self._history = history
         self._law.give(self._data_of_history, history)
@@ -210,6 +216,7 @@ class PairWork(PointWork):
         hops between sticking and slipping the other way when pairs close, converges from there. Where pairs that slip
         push each other open it finds those that stick from the other side.
         """
+        self._slipping = None
         if self._stiffened:
             return
         table = self.pairs.table()
@@ -218,7 +225,28 @@ class PairWork(PointWork):
             table[:, 2] = 0.0
         elif times < 1:
             table[:, 2] = STICKING
-        self._law.give(self._data_of_history + 1, table)
+        self._put_parameters(table)
+
+    def hold(self) -> bool:
+        """Let pairs stick for one iteration that slip the other way than at the iterate before.
+
+        A pair that slips has no stiffness along its slip: where it sticks in the solution, Newton's iteration hops over
+        the narrow range of elastic slip, back and forth. With a tangent and a force that stick it lands there, as
+        active sets do that know of sticking and slipping (Hueeber, Stadler and Wohlmuth 2008).
+        """
+        if not self._slips:
+            return False
+        state, before = self.evaluate(), self._slipping
+        self._slipping = np.where((state.status == SLIP)[:, None], state.traction, 0.0)
+        if before is None or not (turned := (self._slipping * before).sum(axis=1) < 0).any():
+            return False
+        held = self._table.copy()
+        held[turned, 2] = STICKING
+        self._law.give(self._data_of_history + 1, held)
+        return True
+
+    def release(self) -> None:
+        self._law.give(self._data_of_history + 1, self._table)
 
     def augment(self) -> bool:
         if not self.pairs.augmented:
@@ -236,14 +264,22 @@ class PairWork(PointWork):
         """Give the law the stiffness after so many augmentations with a higher one."""
         self._stiffened, table = times, self.pairs.table()
         table[:, :2] *= STIFFER ** times
-        self._law.give(self._data_of_history + 1, table)
+        self._put_parameters(table)
 
     def energy(self) -> float | None:
-        if not self.conservative or self.pairs.augmented or self.contact.law is not forms.contact.mohr_coulomb:
+        return None if self._slips else self.taken()
+
+    def taken(self) -> float | None:
+        """Energy of pressures, and what friction has taken since the last accepted state."""
+        if self.pairs.augmented or self.contact.law is not forms.contact.mohr_coulomb:
             return None
         gap = self._law.strains(self.values())[:, 0]
-        energy = _unilateral_energy(gap, self._history[:, 0], self.pairs.table())
-        return float((self.pairs.weights * self._here) @ energy)
+        work = unilateral_energy(gap, self._history[:, 0], self.pairs.table())
+        if self._slips:
+            own = slice(1, 1 + self._slips)
+            strains, resultants = self._now()
+            work += friction_work(strains[:, own], resultants[:, own], self._history[:, own], self.pairs.parameters[1])
+        return float((self.pairs.weights * self._here) @ work)
 
     def touching(self) -> tuple[int, float]:
         state = self.evaluate()
@@ -276,24 +312,6 @@ class PairWork(PointWork):
 def pairs_of(contributions: Sequence[Contribution]) -> list[PairWork]:
     """The contacts between deformable parts among contributions."""
     return [c for c in contributions if isinstance(c, PairWork)]
-
-
-def _unilateral_energy(gap, pressure, parameters):
-    """Energy whose derivative by the gap is the pressure of `forms.contact.mohr_coulomb` without friction, negative.
-
-    Parameters
-    ----------
-    gap, pressure : arrays, shape (n,)
-    parameters : array, shape (n, 5)
-
-    Returns
-    -------
-    array, energy per length of the line of contact, zero where nothing touches.
-    """
-    normal, strength = parameters[:, 0], parameters[:, 4]
-    trial = pressure - normal * gap
-    held = np.maximum(trial, -strength)
-    return (held**2 / 2 + held * (trial - held) - np.maximum(pressure, -strength)**2 / 2) / normal
 
 
 def _turned(rotations: np.ndarray, vectors: np.ndarray) -> np.ndarray:

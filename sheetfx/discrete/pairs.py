@@ -63,3 +63,39 @@ class Pairs:
     def table(self) -> np.ndarray:
         """The parameters at each pair."""
         return np.tile(np.array(self.parameters, dtype=float), (self.count, 1))
+
+
+def unilateral_energy(gap, pressure, parameters):
+    """Energy whose derivative by the gap is the pressure of `forms.contact.mohr_coulomb` without friction, negative.
+
+    Parameters
+    ----------
+    gap, pressure : arrays, shape (n,)
+    parameters : array, shape (n, 5)
+
+    Returns
+    -------
+    array, energy per length of the line of contact, zero where nothing touches.
+    """
+    normal, strength = parameters[:, 0], parameters[:, 4]
+    trial = pressure - normal * gap
+    held = np.maximum(trial, -strength)
+    return (held**2 / 2 + held * (trial - held) - np.maximum(pressure, -strength)**2 / 2) / normal
+
+
+def friction_work(slips, tractions, before, stiffness: float) -> np.ndarray:
+    """Work of tractions along slips from where they were `before`, stored in elastic slip or dissipated.
+
+    They change along elastic slip first, then stay; exact where pairs stick, or slip under a constant pressure.
+
+    Parameters
+    ----------
+    slips, tractions, before : arrays, shape (n, d - 1)
+    stiffness : against elastic slip
+
+    Returns
+    -------
+    array, work per length of the line of contact.
+    """
+    elastic = (tractions - before) / stiffness
+    return ((before + tractions) / 2 * elastic + tractions * (slips - elastic)).sum(axis=1)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
-from itertools import repeat
 
 import numpy as np
 from petsc4py import PETSc
@@ -70,10 +69,11 @@ class System:
         return self.factors.now
 
     @property
-    def energies_known(self) -> bool:
-        """Whether there are contributions that are not smooth, laws with history aside, and all tell their energy."""
+    def work_known(self) -> bool:
+        """Whether there are contributions that are not smooth, laws with history aside, and all tell their work."""
         rough = [c for c in self.contributions if not (c.smooth or c.remembers)]
-        return bool(rough) and all(c.energy() is not None for c in rough)
+        return bool(rough) and all(c.conservative or c in rough for c in self.contributions) and all(
+            c.taken() is not None for c in rough)
 
     def free_rows(self, wanted: Callable[[AdditiveField], bool]) -> np.ndarray:
         """Rows of the free increments of some fields in this process's part of a vector."""
@@ -132,6 +132,16 @@ class System:
             f.combine(total, further)
         self._layout.put(totals, x)
         x.ghostUpdate(addv=PETSc.InsertMode.INSERT, mode=PETSc.ScatterMode.FORWARD)
+
+    @contextmanager
+    def held(self) -> Iterator[bool]:
+        """Let contributions hold what a Newton iteration would overshoot; whether any does, on any process."""
+        holding = [] if self.smooth else [c for c in self.contributions if c.hold()]
+        try:
+            yield not self.smooth and self.comm.allreduce(len(holding)) > 0
+        finally:
+            for contribution in holding:
+                contribution.release()
 
     def residual(self, out: PETSc.Vec) -> None:
         """Out-of-balance forces of the current configuration."""
@@ -272,7 +282,7 @@ class System:
         if held is None:
             return
         with self.clock("assembly"):
-            for change, values in zip(held, repeat(0.0) if step is None else self.changes(step), strict=False):
+            for change, values in zip(held, [0.0] * len(held) if step is None else self.changes(step), strict=True):
                 change.x.array[:] = values
             for contribution in self.contributions:
                 contribution.extrapolate_stress()

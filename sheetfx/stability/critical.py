@@ -53,8 +53,8 @@ def locate(tracer, earlier: State | None, before: State, after: State,
     if segment.guarded and _crowded(before, after):
         raise Jump("too many bifurcations lie in one step")
     if not tracer.system.smooth:
-        if tracer.control.guarded and tracer.system.conservative and not work_matches(segment, earlier):
-            raise Jump("the work done along the step is not the change of the energy")
+        if tracer.control.guarded and not work_matches(segment, earlier):
+            raise Jump("the work done along the step is not what is stored and dissipated")
         limits, returns = turning_loads(segment, earlier), []
     else:
         if segment.guarded:

@@ -23,7 +23,7 @@ def searched(discretisation: Discretisation, control: StepRule, flutter: bool) -
         found.append("other paths: not looked for, steps are taken as they are")
     elif not system.smooth:
         found.append("other paths: a step that turns too far is cut, " + (
-            "or whose work is not the change of the energy" if system.conservative and system.energies_known else
+            "or whose work is not what is stored and dissipated" if system.work_known else
             "jumps within steps are not looked for"))
     else:
         found.append("other paths: steps that leave the smooth path are cut")
