@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import atexit
+import gc
 import json
 import os
 import sys
@@ -166,6 +168,7 @@ def failure_map(
 def main() -> None:
     """Entry point: errors and warnings are one line; those of input name object, value and remedy."""
     warnings.showwarning = _warn
+    atexit.register(gc.freeze)  # else Python looks at its end at all objects there are, which takes half a second
     try:
         app()
     except Exception as error:
