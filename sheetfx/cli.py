@@ -168,7 +168,7 @@ def failure_map(
 def main() -> None:
     """Entry point: errors and warnings are one line; those of input name object, value and remedy."""
     warnings.showwarning = _warn
-    atexit.register(gc.freeze)  # else Python looks at its end at all objects there are, which takes half a second
+    atexit.register(gc.freeze)  # at the end, too, nothing needs to be looked through that goes with the process
     try:
         app()
     except Exception as error:

@@ -75,7 +75,7 @@ class Record:
         """Null vectors at a bifurcation or limit point, see `stability.shares.critical_modes`."""
         from .stability.shares import critical_modes
 
-        return critical_modes(self.path, self.states, point)
+        return critical_modes(self.path, self.states, point, self.path.critical_states.get(point))
 
     def energy_shares(self, modes: Sequence[np.ndarray]) -> list[float]:
         """Shares of the parts, in the scene's order, in the strain energy of modes, see `stability.shares`."""
