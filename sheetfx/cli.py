@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import atexit
+import gc
 import json
 import os
 import sys
@@ -166,6 +168,7 @@ def failure_map(
 def main() -> None:
     """Entry point: errors and warnings are one line; those of input name object, value and remedy."""
     warnings.showwarning = _warn
+    atexit.register(gc.freeze)  # at the end, too, nothing needs to be looked through that goes with the process
     try:
         app()
     except Exception as error:

@@ -125,6 +125,7 @@ class Path:
     ----------
     message : why the path ended
     start : states that it resumes from, as this process has them
+    critical_states : those of critical points that the search has had, and of others that have been asked for
     """
 
     def __init__(self, scene: Scene, control: StepRule | None = None, until: Until | None = None, *,
@@ -140,6 +141,7 @@ class Path:
         self.tracer = Tracer(self.discretisation, self._controls[start[-1].stage if start else 0], prefix)
         self._others = [Flutter(self.tracer)] if Flutter.concerns(self.tracer) else []
         self.message = self._refusal = ""
+        self.critical_states: dict[CriticalPoint, State] = {}
         self._listeners: list[Callable[[State], None]] = []
         self._earlier = self.start[-2] if len(start) > 1 else None
         if start:
@@ -283,17 +285,18 @@ class Path:
         return state.stage + 1 == len(self._controls)
 
     def _with_events(self, before: State, after: State,
-                     points: Sequence[CriticalPoint]) -> tuple[State, tuple[CriticalPoint, ...]]:
+                     points: dict[CriticalPoint, State | None]) -> tuple[State, tuple[CriticalPoint, ...]]:
         """A step and its critical points with the events in it; the step ends at what ends the path."""
         bounds = self.until.bounds if self._in_last_stage(before) else []
         for occurrence in occurrences(self.tracer, before, after, [*self.events, *bounds]):
             point = occurrence.point
             if occurrence.event in self.events:
-                points = [*points, point]
+                points = points | {point: occurrence.state}
             if occurrence.event is self._ending or occurrence.event in bounds:
                 after = end_at(self.tracer, after, occurrence)
-                points = [p for p in points if p.step < point.step or p.length <= point.length]
+                points = {p: state for p, state in points.items() if p.step < point.step or p.length <= point.length}
                 break
+        self.critical_states |= {p: state for p, state in points.items() if state is not None}
         return after, tuple(sorted(points, key=lambda p: (p.step, p.length)))
 
     def _failure(self, state: State, length: float) -> PathFailure:

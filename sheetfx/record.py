@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -38,7 +38,6 @@ class Record:
     case: Any
     path: Path
     states: list[State]
-    _critical_states: dict[CriticalPoint, State] = field(default_factory=dict, repr=False)
 
     @property
     def critical_points(self) -> list[CriticalPoint]:
@@ -54,17 +53,17 @@ class Record:
         Raises
         ------
         ArithmeticError
-            If it does not converge again.
+            If the path's search did not keep it, and it does not converge again.
         """
-        if point not in self._critical_states:
-            tracer = self.path.tracer
+        known, tracer = self.path.critical_states, self.path.tracer
+        if point not in known:
             before, after = step_of("state_at", self.states, point, len(tracer.x.array))
             present = tracer.state
             try:
-                self._critical_states[point] = state_at(tracer, before, after, point)
+                known[point] = state_at(tracer, before, after, point)
             finally:
                 tracer.back_to(present)
-        return self._critical_states[point]
+        return known[point]
 
     def branches(self, point: CriticalPoint, amplitude: float = 0.05) -> list[Branch]:
         """A start on every half-branch of a bifurcation, see `stability.branches.branches`."""
@@ -76,7 +75,7 @@ class Record:
         """Null vectors at a bifurcation or limit point, see `stability.shares.critical_modes`."""
         from .stability.shares import critical_modes
 
-        return critical_modes(self.path, self.states, point)
+        return critical_modes(self.path, self.states, point, self.path.critical_states.get(point))
 
     def energy_shares(self, modes: Sequence[np.ndarray]) -> list[float]:
         """Shares of the parts, in the scene's order, in the strain energy of modes, see `stability.shares`."""

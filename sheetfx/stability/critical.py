@@ -28,7 +28,7 @@ AGREE = 0.01  # of the load that a step adds, difference between two interpolati
 
 
 def locate(tracer, earlier: State | None, before: State, after: State,
-           others: Sequence[Callable[[Segment], list[CriticalPoint]]] = ()) -> tuple[CriticalPoint, ...]:
+           others: Sequence[Callable[[Segment], list[CriticalPoint]]] = ()) -> dict[CriticalPoint, State | None]:
     """Critical points that the step from `before` to `after` brings to light; the tracer ends at `after`.
 
     A change of sign of the load rate is a limit point, which changes the number of unstable directions
@@ -43,6 +43,10 @@ def locate(tracer, earlier: State | None, before: State, after: State,
     Parameters
     ----------
     others : functions that look for critical points of other kinds on a segment, such as `flutter.Flutter`
+
+    Returns
+    -------
+    The points in their order, with their states; None: the search has not had it.
 
     Raises
     ------
@@ -62,17 +66,17 @@ def locate(tracer, earlier: State | None, before: State, after: State,
         limits, returns = stationary_loads(segment)
     if limits + returns and segment.guarded and not tracer.control.passes_limits:
         raise Jump("a limit point lies in a step that prescribes the load")
-    points = [_limit(*found) for found in limits]
+    points = dict(_limit(*found) for found in limits)
     crossings = _bifurcations(segment, [length for s, length, _ in limits if s is segment])
     crossings += [returning(segment, length) for length in returns]
-    points += [_bifurcation(segment, cluster) for cluster in _clusters(crossings, TOGETHER * after.length)]
+    points |= (_bifurcation(segment, cluster) for cluster in _clusters(crossings, TOGETHER * after.length))
     if segment.guarded and turns(segment) > len(limits) + len(returns):
         raise Jump("the load turns beside a bifurcation that the step passes")
     for other in others:
-        points += other(segment)
+        points |= dict.fromkeys(other(segment))
     if tracer.state is not after:
         tracer.back_to(after)
-    return tuple(sorted(points, key=lambda p: (p.step, p.length)))
+    return dict(sorted(points.items(), key=lambda found: (found[0].step, found[0].length)))
 
 
 def step_of(who: str, states: Sequence[State], point: CriticalPoint, size: int) -> tuple[State, State]:
@@ -138,10 +142,10 @@ def _check(segment: Segment) -> None:
             pieces += [(left, middle), (middle, right)]
 
 
-def _limit(segment: Segment, length: float, rising: bool) -> CriticalPoint:
+def _limit(segment: Segment, length: float, rising: bool) -> tuple[CriticalPoint, State]:
     state = segment.states[length]
     return CriticalPoint("limit", state.load, state.deflection, state.step, float(length or state.length),
-                         name="maximum" if rising else "minimum")
+                         name="maximum" if rising else "minimum"), state
 
 
 def _bifurcations(segment: Segment, limits: list[float]) -> list[Crossing]:
@@ -219,8 +223,8 @@ def _agree(segment: Segment, *loads: float) -> bool:
     return np.ptp(loads) <= AGREE * rise + EXACT * max(map(abs, loads))
 
 
-def _bifurcation(segment: Segment, crossings: list[Crossing]) -> CriticalPoint:
-    """A simple or multiple bifurcation, classified.
+def _bifurcation(segment: Segment, crossings: list[Crossing]) -> tuple[CriticalPoint, State | None]:
+    """A simple or multiple bifurcation, classified, and its state.
 
     Where points have yielded the tangent is that of a linear comparison solid, which goes on loading (Hill 1958). Its
     bifurcation is the first one of the structure, such as Shanley's (1947) of a column, but it has no energy that would
@@ -231,14 +235,14 @@ def _bifurcation(segment: Segment, crossings: list[Crossing]) -> CriticalPoint:
                           spread=first.spread)
     if not tracer.system.smooth or not tracer.system.conservative or first.spread:
         tracer.back_to(segment.states[min(s for s in segment.states if s >= first.length)])
-        return replace(point, name="comparison solid") if tracer.system.history.moved else point
+        return replace(point, name="comparison solid") if tracer.system.history.moved else point, None
     led, _ = segment.seen(first.length)
     try:
         state = segment.on_path(first.length)
     except Missed:
         if segment.guarded:
             raise Jump("the state of a bifurcation does not converge") from None
-        return point
+        return point, None
     if segment.guarded and not _agree(segment, state.load, first.load, led):
         raise Jump("the load at a bifurcation is not that of the path around it")
     values, modes = segment.spectrum(first.length, count)
@@ -247,4 +251,4 @@ def _bifurcation(segment: Segment, crossings: list[Crossing]) -> CriticalPoint:
     if segment.guarded and np.abs(values)[nearest].max() > SINGULAR * segment.softest_beside(first.length):
         raise Jump("the tangent is not singular where eigenvalues seem to pass zero")
     null = [modes[i] for i in nearest]
-    return postbuckling(tracer, state, null, point, [segment.before, segment.after])
+    return postbuckling(tracer, state, null, point, [segment.before, segment.after]), state

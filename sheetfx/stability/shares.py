@@ -14,7 +14,8 @@ from .modes import scaled
 SMALL = 1e-6  # largest displacement of a mode that is imposed, over the size of the structure
 
 
-def critical_modes(path, states: Sequence[State], point: CriticalPoint) -> list[np.ndarray]:
+def critical_modes(path, states: Sequence[State], point: CriticalPoint,
+                   state: State | None = None) -> list[np.ndarray]:
     """Null vectors of the tangent at a bifurcation or limit point, each with a largest displacement of 1.
 
     Parameters
@@ -22,6 +23,7 @@ def critical_modes(path, states: Sequence[State], point: CriticalPoint) -> list[
     path : Path or Tracer that the states belong to; it stays at its present state
     states : of the path, among them those before and after the point
     point : one of `critical` of these states
+    state : of the point itself; None: it is found again
 
     Returns
     -------
@@ -40,7 +42,7 @@ def critical_modes(path, states: Sequence[State], point: CriticalPoint) -> list[
     before, after = step_of("critical_modes", states, point, len(tracer.x.array))
     present = tracer.state
     try:
-        state_at(tracer, before, after, point)
+        tracer.factorise_at(state or state_at(tracer, before, after, point))
         pairs = sorted(zip(*tracer.spectrum(point.multiplicity + 1), strict=True), key=lambda pair: abs(pair[0]))
         return [scaled(path.discretisation, mode) for _, mode in pairs[:point.multiplicity]]
     finally:
