@@ -23,9 +23,10 @@ SLOW = 0.1  # residual over that of the iteration before, from which a guess is 
 WRONG = 1e-3  # residual over the load, above which a guess whose residual grows is given up
 TINY = 1e-9  # correction over the increments, which changes nothing but rounding
 ROUNDED = 10 * np.finfo(float).eps  # of what the stiffest unknown takes to move by the structure's size, most rounding
+UNDAMPED = 5  # iterations, after which half steps are taken where it cycles
 VAIN = 6  # iterations, after which a residual that has not fallen to half gives up
 CLOSE = 1e-3  # residual over the load, below which it does not
-SAME, RETURNS = 1e-2, 2  # relative difference of residuals that are the same, and how often they return in a cycle
+SAME = 1e-2  # relative difference of residuals that are the same
 FARTHEST = 100.0  # increment in the scaled norm (sizes of the structure, radians), beyond which an iteration is lost
 
 
@@ -229,9 +230,12 @@ class PathStep:
 
     @property
     def cycles(self) -> bool:
-        """Whether the same residuals come again and again, as between two sets of contact points."""
-        last = self.history[-1] if self.history else 0.0
-        return not self.system.smooth and sum(abs(h - last) < SAME * last for h in self.history[:-1]) >= RETURNS
+        """Whether two residuals in turn come again in spite of half steps, as between two sets of contact points."""
+        damped = np.array(self.history[UNDAMPED:])
+        if self.system.smooth or len(damped) < 4:
+            return False
+        last = damped[-2:]
+        return bool((np.abs(np.column_stack((damped[:-3], damped[1:-2])) - last) < SAME * last).all(axis=1).any())
 
     def _last_step(self, x) -> float:
         """Length of the last correction over that of the increments."""
@@ -239,7 +243,7 @@ class PathStep:
 
     def _damping(self) -> float:
         """Half steps where the iteration cycles, as between two sets of contact points."""
-        cycling = len(self.history) > 5 and self.history[-1] > 0.9 * self.history[-3]
+        cycling = len(self.history) > UNDAMPED and self.history[-1] > 0.9 * self.history[-3]
         return 0.5 if cycling else 1.0
 
     def factorise(self, snes, x) -> None:

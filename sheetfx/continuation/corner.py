@@ -33,19 +33,16 @@ def around_corner(tracer, before: State, wanted: float) -> State | None:
     if tracer.system.smooth or not (before.length and control.guarded and control.passes_limits):
         return None
     step = max(wanted, LEAST * tracer.usual)
-    ways = [1.0, -1.0]
     for length in (share * step for share in LENGTHS):
         try:
             solution, forwards = _ahead(tracer, before, AHEAD * length)
         except SingularTangent:
             continue
-        for way in ways:
+        for sign in (forwards, -forwards):
             tracer.back_to(before)
-            after = tracer.attempt_along(solution, way * forwards, length)
+            after = tracer.attempt_along(solution, sign, length)
             if after is not None and _leads_on(tracer, before, after):
                 return after
-            if after is not None and way < 0:
-                ways = [1.0]
     tracer.back_to(before)
     return None
 
