@@ -21,7 +21,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import combinations_with_replacement
 
-import numba
 import numpy as np
 import ufl
 from dolfinx.mesh import Mesh
@@ -29,8 +28,9 @@ from dolfinx.mesh import Mesh
 from ..mesh.quadrature import Rule
 from ..model.history import has_history
 from ..model.work import Term
-from .densities import WAY, Densities, at_points, component_pairs, put
+from .densities import WAY, Densities, at_points, put
 from .laws import FormulaLaw, RememberingLaw
+from .material import add_material
 
 
 class AssumedWork:
@@ -48,16 +48,17 @@ class AssumedWork:
     def __init__(self, term: Term, domain: Mesh, cells: np.ndarray, fields, increments):
         self._full = _Sampling(term.strains, domain, cells, fields, term.rule.points)
         self._low, self._tying, self._size = None, term.tying, term.strains.ufl_shape[0]
+        self._places = np.full(self._size, -1)  # of the strains among the tied ones
         if self._tying:
+            self._places[list(self._tying.tied)] = np.arange(len(self._tying.tied))
             tied = ufl.as_vector([term.strains[i] for i in self._tying.tied])
             self._low = _Sampling(tied, domain, cells, fields, self._tying.low.points)
         self._samplings = [s for s in (self._full, self._low) if s is not None]
         self.numbers = self._full.numbers
         self._measure, self._roots = _measure_and_roots(term, domain, cells)
-        if self._tying:
-            self._projection = _projection(term, domain, cells)
-            weighted = self._projection.transpose(0, 2, 1) * self._measure[:, None, :]
-            self._nearest = np.linalg.solve(weighted @ self._projection, weighted)
+        self._projection = _projection(term, domain, cells)
+        weighted = self._projection.transpose(0, 2, 1) * self._measure[:, None, :]
+        self._nearest = np.linalg.solve(weighted @ self._projection, weighted)
         self._law = (RememberingLaw(term.law, (*self._measure.shape, self._size)) if has_history(term.law)
                      else FormulaLaw(term.law, self._size, domain, cells, term.rule))
         self._increments = increments
@@ -139,31 +140,21 @@ class AssumedWork:
         """Add element matrices (cells, pairs of components, n, m) by numbers of fields; return held forces."""
         held = self._law(chunk, self._sample(chunk)[0])[0] if self._increments is None else self._held[chunk]
         forces = self._forces(chunk, held)
-        strains, slopes = zip(*(s.add_curvature(chunk, force, matrices)
-                                for s, force in zip(self._samplings, forces, strict=True)), strict=True)
-        self._add_material(chunk, slopes, self._law(chunk, self._assumed(chunk, list(strains)))[1], matrices)
+        strains, slopes, curvature = zip(*(s.curved(chunk, force)
+                                           for s, force in zip(self._samplings, forces, strict=True)), strict=True)
+        moduli = self._measure[chunk, :, None, None] * self._law(chunk, self._assumed(chunk, list(strains)))[1]
+        for sampling, values in zip(self._samplings, curvature, strict=True):
+            sampling.add_products(values, matrices)
+        self._add_material(chunk, slopes, moduli, matrices)
         return self._integrated(forces, slopes)
 
     def _add_material(self, chunk: slice, slopes: Sequence[np.ndarray], moduli: np.ndarray, matrices: dict) -> None:
         """Add B*^T C B*."""
-        weighted = self._measure[chunk, :, None, None] * moduli
-        cells, rows = len(weighted), weighted.shape[1] * self._size
-        assumed = [self._nodal(chunk, slopes, place) for place in range(len(self.numbers))]
-        forces = [_products_by_point(weighted, b) for b in assumed]
-        parts = list(zip(self.numbers, self._full.parts, assumed, forces, strict=True))
-        for (one, part, left, _), (other, partner, _, right) in combinations_with_replacement(parts, 2):
-            found = left.reshape(cells, rows, -1).transpose(0, 2, 1) @ right.reshape(cells, rows, -1)
-            pairs = component_pairs(part.components, partner.components, one == other)
-            _add_component_pairs(matrices[one, other], found, np.array(pairs))
-
-    def _nodal(self, chunk: slice, slopes: list[np.ndarray], place: int) -> np.ndarray:
-        """Derivatives of the assumed strains by the nodal values of a field, see `_by_nodes`."""
-        nodal = self._full.by_nodes(slopes[0], self.numbers[place])
-        if self._low is None or self.numbers[place] not in self._low.numbers:
-            return nodal
-        low = self._low.by_nodes(slopes[1], self.numbers[place])
-        _tie(nodal, low, self._projection[chunk], self._nearest[chunk], self._roots[chunk], np.array(self._tying.tied))
-        return nodal
+        fields = tuple((part.components, *self._full.shapes(number), *self._samplings[-1].shapes(number))
+                       for number, part in zip(self.numbers, self._full.parts, strict=True))
+        pairs = combinations_with_replacement(self.numbers, 2)
+        add_material(fields, slopes[0], slopes[-1], self._places, self._projection[chunk], self._nearest[chunk],
+                     self._roots[chunk], moduli, tuple(matrices[pair] for pair in pairs))
 
 
 class _Sampling(Densities):
@@ -190,18 +181,18 @@ class _Sampling(Densities):
         strains, slopes = values[..., :self._size], values[..., self._size: self._count]
         return strains, np.ascontiguousarray(slopes).reshape(*strains.shape, -1)
 
-    def add_curvature(self, chunk: slice, forces: np.ndarray, matrices: dict) -> tuple[np.ndarray, np.ndarray]:
-        """Add element matrices of the sum of forces times second derivatives of the strains; return `sample`."""
+    def curved(self, chunk: slice, forces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """What `sample` gives, and the sum of forces times second derivatives of the strains, see `pairs`."""
         put(self._given, self._rows[chunk], forces)
         values = self.evaluate(self._all, chunk)
-        self.add_products(values[..., self._count:], matrices)
-        return self._split(values)
+        return *self._split(values), values[..., self._count:]
 
-    def by_nodes(self, slopes: np.ndarray, number: int) -> np.ndarray:
-        """Derivatives of the strains by the nodal values of a field, (cells, points, strains, components * nodes)."""
+    def shapes(self, number: int) -> tuple[int, np.ndarray]:
+        """Place of a field in the jet, and its shape functions at the points; a place of -1 where it does not occur."""
+        if number not in self.numbers:
+            return -1, self.tables[0]
         place = self.numbers.index(number)
-        part = self.parts[place]
-        return _by_nodes(slopes, part.start, part.components, part.orders, self.tables[place])
+        return self.parts[place].start, self.tables[place]
 
     def change(self, chunk: slice, slopes: np.ndarray, increments) -> np.ndarray:
         """First-order change of the strains by increments of all fields, (cells, points, strains)."""
@@ -233,85 +224,14 @@ def _projection(term: Term, domain: Mesh, cells: np.ndarray) -> np.ndarray:
     The polynomial is that of strains times area: constant forces then do the work on it that the low rule gives.
     """
     tying = term.tying
+    if not tying:
+        return np.empty((len(cells), len(term.rule.points), 0))
     areas = [at_points(ufl.JacobianDeterminant(domain), points).eval(domain, cells).reshape(len(cells), -1)
              for points in (term.rule.points, tying.low.points)]
     return tying.extrapolation * areas[1][:, None, :] / areas[0][:, :, None]
-
-
-@numba.njit(cache=True, fastmath=True)
-def _by_nodes(slopes, start, components, orders, table):
-    """Derivatives by the nodal values of a field that starts at a place of the jet.
-
-    `orders` is a tuple as long as the field has orders in the jet: a constant at compilation (see `elements`).
-    """
-    cells, points, strains, _ = slopes.shape
-    nodes = table.shape[2]
-    found = np.empty((cells, points, strains, components * nodes))
-    for c in range(cells):
-        for q in range(points):
-            for i in range(strains):
-                for a in range(components):
-                    place = start + a * len(orders)
-                    for n in range(nodes):
-                        total = 0.0
-                        for k in range(len(orders)):
-                            total += slopes[c, q, i, place + k] * table[k, q, n]
-                        found[c, q, i, a * nodes + n] = total
-    return found
 
 
 def _along(matrices: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Products of a matrix of each cell with values at its points, (cells, points, ...)."""
     found = matrices @ values.reshape(*values.shape[:2], -1)
     return found.reshape(*found.shape[:2], *values.shape[2:])
-
-
-@numba.njit(cache=True, fastmath=True)
-def _tie(full, low, projection, nearest, roots, tied):
-    """Replace tied strains by assumed ones; all polynomials are known by their values at the low points."""
-    width, polynomial = full.shape[3], np.empty((low.shape[1], full.shape[3]))
-    for c in range(full.shape[0]):
-        for t in range(len(tied)):
-            root = roots[c, t]
-            for p in range(low.shape[1]):
-                polynomial[p] = (1 - root**2) * low[c, p, t]
-                for q in range(full.shape[1]):
-                    weight, other = (root - root**2) * nearest[c, p, q], full[c, q, tied[t]]
-                    for m in range(width):
-                        polynomial[p, m] -= weight * other[m]
-            for q in range(full.shape[1]):
-                row = full[c, q, tied[t]]
-                for m in range(width):
-                    row[m] *= root
-                for p in range(low.shape[1]):
-                    weight = projection[c, q, p]
-                    for m in range(width):
-                        row[m] += weight * polynomial[p, m]
-
-
-@numba.njit(cache=True, fastmath=True)
-def _products_by_point(matrices, vectors):
-    """Products of a matrix and rows of vectors at each point; many moduli are zero."""
-    found = np.zeros_like(vectors)
-    for c in range(vectors.shape[0]):
-        for q in range(vectors.shape[1]):
-            for i in range(vectors.shape[2]):
-                row = found[c, q, i]
-                for j in range(vectors.shape[2]):
-                    modulus, other = matrices[c, q, i, j], vectors[c, q, j]
-                    if modulus != 0.0:
-                        for m in range(vectors.shape[3]):
-                            row[m] += modulus * other[m]
-    return found
-
-
-@numba.njit(cache=True, fastmath=True)
-def _add_component_pairs(matrices, found, pairs):
-    """Add matrices (cells, components * n, components * m) by pairs of components."""
-    rows, columns = matrices.shape[2:]
-    for c in range(len(matrices)):
-        for k in range(len(pairs)):
-            row, column = pairs[k, 0] * rows, pairs[k, 1] * columns
-            for i in range(rows):
-                for j in range(columns):
-                    matrices[c, k, i, j] += found[c, row + i, column + j]
