@@ -29,8 +29,6 @@ class Enforcement:
         again : whether a step from the same state has failed before
         """
         ways = [(False, self._multiples), (False, [1.0])] if len(self._multiples) > 1 else [(False, [1.0])]
-        if again:
-            ways += [(False, [times, 1.0]) for times in self._approaches if times < 1]
         if not (eliminates and self._system.steep and all(c.steep for c in self._rough)):
             return ways
         return [(True, [1.0]), *(ways if again else [])]
@@ -42,11 +40,8 @@ class Enforcement:
     @property
     def _multiples(self) -> list[float]:
         """Of the regularisation, through which solutions are approached."""
-        return sorted({1.0, *(times for times in self._approaches if times > 1)}, reverse=True)
-
-    @property
-    def _approaches(self) -> set[float]:
-        return {times for c in self._rough for times in c.approaches}
+        return sorted({1.0, *(times for c in self._rough for times in c.approaches if times > 1)},
+                      reverse=True)
 
     def solve(self, solve: Callable[[], bool], multiples: Sequence[float]) -> bool:
         """Call `solve`, which corrects from where it ended last, until all contributions hold."""

@@ -67,8 +67,7 @@ class Contribution:
     stage : number of the load stage that its load belongs to; None: it has none
     remembers, history_moved : whether it has laws with history, whose forces do work but have no energy; whether one
         remembers something by now, such as plastic strains, on any process
-    approaches : multiples of its regularisation through which a step's solution is approached; below 1: each by
-        itself, where the others fail
+    approaches : multiples of its regularisation through which a step's solution is approached
     steep : whether its forces change with motions that are far smaller than those of a step, but act on few unknowns at
         a time: each Newton iteration then finds them exactly, see `continuation.elimination`
     """

@@ -17,8 +17,7 @@ from .points import PointLaw, PointWork, Trace
 from .unknowns import Unknowns
 
 SPARE = 0.4  # of all pairs, those with the smallest gaps that the pattern of the tangent has beside those that act
-APPROACHES = 2.0, 0.5  # of states with friction: above 1 by given bounds of it, below 1 by sticking
-STICKING = 1e3  # coefficient of friction with which all pairs stick
+STICKING = 1e3  # coefficient of friction with which pairs stick
 STIFFER, MOST = 10.0, 8  # stiffness from one augmentation to the next, and how often it grows at most
 SLOW = 0.1  # part of the penetration that an augmentation leaves, above which the next one is stiffer
 
@@ -46,8 +45,7 @@ class PairWork(PointWork):
 
     def __init__(self, unknowns: Unknowns, first: Sequence[Trace], second: Trace | Partners, pairs: Pairs, contact,
                  name: str):
-        self.contact, self.approaches = contact, APPROACHES if pairs.parameters[2] > 0 else (1.0,)
-        self._first, self.pairs, self._name, d = list(first), pairs, name, pairs.dimension
+        self.contact, self._first, self.pairs, self._name, d = contact, list(first), pairs, name, pairs.dimension
         self._partners = None if isinstance(second, Trace) else second
         traces = [*first, *(self._partners.traces() if self._partners else [second])]
         self._slips, self._history = d - 1 if pairs.rubs else 0, np.zeros((pairs.count, 2 * d - 1))
@@ -181,6 +179,7 @@ class PairWork(PointWork):
         return history
 
     def commit(self) -> None:
+        self._slipping = None
         self._put_history(self._updated(self.pairs.augmented, slips=True))
         self._committed = self._history.copy()
         self._stiffen(0)
@@ -201,31 +200,13 @@ class PairWork(PointWork):
         self.rewind()
 
     def rewind(self) -> None:
+        self._slipping = None
         self._stiffen(0)
         self._put_history(self._committed.copy())
         if self._partners:
             self._partners.restore(self._partners_committed)
             self._renew()
             self._followed = None
-
-    def regularise(self, times: float) -> None:
-        """On the approach friction is bounded by the pressures of this moment (`times` above 1), or all pairs stick.
-
-        Pairs that have just closed slip freely then, and forces have a potential while the bounds stay (the fixed point
-        iteration on Tresca's friction of Panagiotopoulos 1975, of which one step is taken). Newton's iteration, which
-        hops between sticking and slipping the other way when pairs close, converges from there. Where pairs that slip
-        push each other open it finds those that stick from the other side.
-        """
-        self._slipping = None
-        if self._stiffened:
-            return
-        table = self.pairs.table()
-        if times > 1:
-            table[:, 3] += table[:, 2] * self.evaluate().pressure
-            table[:, 2] = 0.0
-        elif times < 1:
-            table[:, 2] = STICKING
-        self._put_parameters(table)
 
     def hold(self) -> bool:
         """Let pairs stick for one iteration that slip the other way than at the iterate before.
