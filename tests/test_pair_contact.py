@@ -210,6 +210,26 @@ def test_light_pressure_does_not_stop_steps():
     assert path.tracer.total_factorisations < 20
 
 
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_leaf_spring(friction):
+    """Two equal leaves clamped at one end touch along their length, without a gap; the upper one is loaded at its tip.
+
+    They touch there alone: each carries half of the load, and friction bends them by its arm, which takes 3/4 of its
+    coefficient times depth over length off the deflection (bending alone; shear adds a thousandth).
+    """
+    length, depth, load = 1.0, 0.05, 0.05
+    upper, lower = (line(n, (0.0, y), (length, y)) for n, y in ((8, depth), (10, 0.0)))
+    leaves = [fx.Beam(m, section=fx.Rectangle(0.1, depth), material=fx.Elastic(1.2e6, 0.0)) for m in (upper, lower)]
+    touch = fx.PairContact(upper, "bar", (lower, None), friction=friction, reach=0.06, toward=(0.0, -1.0))
+    scene = fx.Scene(leaves, [fx.clamp(m, "start") for m in (upper, lower)],
+                     [fx.PointForce(upper, "end", (0.0, -load))],
+                     fx.Monitor(upper, "end", "y", -1.0), joints=[touch])
+    last = fx.trace(fx.Case(scene, until=fx.Until(load=load))).states[-1]
+    bending = load * length**3 / (6 * 1.2e6 * 0.1 * depth**3 / 12)
+    assert last.load == pytest.approx(load)
+    assert last.deflection == pytest.approx(bending * (1 - 0.75 * friction * depth / length), rel=2e-3)
+
+
 def test_path_turns_back_where_a_prop_lets_go():
     """A clamped column pressed against a prop, which lets go at a load of 100, four times what the column alone bears.
 

@@ -18,7 +18,7 @@ class Enforcement:
         self._system = system
         self._rough = [c for c in system.contributions if not c.smooth]
 
-    def approaches(self, eliminates: bool, again: bool) -> list[tuple[bool, list[float]]]:
+    def approaches(self, eliminates: bool, again: bool, begins: bool) -> list[tuple[bool, list[float]]]:
         """Ways to try: whether contact forces are eliminated, and multiples of the regularisation, the last one is 1.
 
         Thick contact layers make long steps converge; a step shorter than their indentation fails in them.
@@ -27,8 +27,11 @@ class Enforcement:
         ----------
         eliminates : whether contact forces can be; where that fails, a shorter step is tried before other ways
         again : whether a step from the same state has failed before
+        begins : whether no step has led to that state
         """
         ways = [(False, self._multiples), (False, [1.0])] if len(self._multiples) > 1 else [(False, [1.0])]
+        if again and begins and len(self._detours) > 1:
+            ways += [(False, self._detours)]
         if not (eliminates and self._system.steep and all(c.steep for c in self._rough)):
             return ways
         return [(True, [1.0]), *(ways if again else [])]
@@ -36,6 +39,11 @@ class Enforcement:
     def elimination(self, linear: DirectSolver) -> Elimination:
         """Solver for the contact forces within iterations that use a factor."""
         return Elimination(self._system, linear, self.regularise, self._multiples)
+
+    @property
+    def _detours(self) -> list[float]:
+        """Of the regularisation, through which first steps are approached that fail otherwise."""
+        return [*sorted({times for c in self._rough for times in c.detours}, reverse=True), 1.0]
 
     @property
     def _multiples(self) -> list[float]:

@@ -107,7 +107,7 @@ class Tracer(Measuring):
         start, before, spent = self.state, self.total_factorisations, self.iterations
         self._count.start_from(start, self.x)
         alone = self.system.comm.size == 1 and self.control.newton == "full"
-        for eliminates, multiples in self.enforcement.approaches(alone, self._stuck is start):
+        for eliminates, multiples in self.enforcement.approaches(alone, self._stuck is start, not start.length):
             self._most, self.failure = 0, ""
             self.stepper.elimination = self._elimination if eliminates else None
             if eliminates:

@@ -68,6 +68,7 @@ class Contribution:
     remembers, history_moved : whether it has laws with history, whose forces do work but have no energy; whether one
         remembers something by now, such as plastic strains, on any process
     approaches : multiples of its regularisation through which a step's solution is approached
+    detours : those through which a first step's is that fails otherwise, however short
     steep : whether its forces change with motions that are far smaller than those of a step, but act on few unknowns at
         a time: each Newton iteration then finds them exactly, see `continuation.elimination`
     """
@@ -78,6 +79,7 @@ class Contribution:
     moved = gives_moments = remembers = history_moved = False
     stage: int | None = None
     approaches: Sequence[float] = (1.0,)
+    detours: Sequence[float] = ()
 
     def pattern(self, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
         """Global rows and columns of the entries of the tangent, -1 where an increment is zero.

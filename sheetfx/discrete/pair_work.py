@@ -38,6 +38,7 @@ class PairWork(PointWork):
     name : of its history in snapshots
     """
 
+    detours = 1e2, 1e1
     _least = 0  # how often the stiffness grows within a step at least
     _stiffened, _deepest = 0, inf
     _slack = 0.0  # part of the bound of friction by which tractions may be off where they slip
@@ -207,6 +208,12 @@ class PairWork(PointWork):
             self._partners.restore(self._partners_committed)
             self._renew()
             self._followed = None
+
+    def regularise(self, times: float) -> None:
+        """Make all pairs softer: where parts touch along a line without a gap, all pairs close or open at once."""
+        table = self.pairs.table()
+        table[:, :2] *= STIFFER ** self._stiffened / times
+        self._put_parameters(table)
 
     def hold(self) -> bool:
         """Let pairs stick for one iteration that slip the other way than at the iterate before.
