@@ -144,6 +144,7 @@ class Path:
         self.critical_states: dict[CriticalPoint, State] = {}
         self._listeners: list[Callable[[State], None]] = []
         self._earlier = self.start[-2] if len(start) > 1 else None
+        self._trail = [_outline(state) for state in self.start or [self.tracer.state]]
         if start:
             self.tracer.back_to(self.control.facing(self.start[-1]))
         else:
@@ -230,6 +231,7 @@ class Path:
         grown = length * self.control.growth(after.hardest)
         after = replace(after, next_length=min(largest, grown), critical=points)
         self.tracer.state, self._earlier = after, before
+        self._trail.append(_outline(after))
         return after
 
     def _try(self, before: State, length: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:
@@ -249,7 +251,7 @@ class Path:
 
     def _around_corner(self, before: State, wanted: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:
         """A step around a corner of the path, before which loads say nothing of those behind it."""
-        after = around_corner(self.tracer, before, wanted)
+        after = around_corner(self.tracer, before, wanted, self._trail)
         return None if after is None else self._searched(before, after, None, pi)
 
     def _searched(self, before: State, after: State, earlier: State | None,
@@ -312,6 +314,11 @@ class Path:
             "look at the structure at that state.")
         failure.cause = cause
         return failure
+
+
+def _outline(state: State) -> State:
+    """A state without what makes it large."""
+    return replace(state, fields={}, increment=state.increment[:0].copy(), response=state.response[:0].copy())
 
 
 def _preloading(stage: Stage) -> LoadControl:

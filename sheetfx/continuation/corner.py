@@ -8,6 +8,9 @@ tangent ahead of the corner, in whichever sense contacts go on as they are there
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import pairwise
+
 import numpy as np
 from petsc4py import PETSc
 
@@ -17,10 +20,11 @@ from .state import State
 LENGTHS = 1 / 16, 1 / 4, 1.0  # of a step, those that are tried
 LEAST = 1 / 8  # of the usual first step, that step: beside a corner steps have become short
 AHEAD = 0.5  # of these, distance at which the tangent is that of the other side
+ASIDE = 0.1  # of the rise of the load between two states, that a path may pass beside
 BACK = 0.95  # cosine of the angle with the step before, from which a step goes back where it came from
 
 
-def around_corner(tracer, before: State, wanted: float) -> State | None:
+def around_corner(tracer, before: State, wanted: float, trail: Sequence[State] = ()) -> State | None:
     """A step from a state that lies at a corner of the path; None, and back at the state, if none is found.
 
     None is looked for on smooth paths, nor where the control prescribes the load or leaves steps as they are.
@@ -28,6 +32,7 @@ def around_corner(tracer, before: State, wanted: float) -> State | None:
     Parameters
     ----------
     wanted : length of the step that was tried first
+    trail : states that have led here
     """
     control = tracer.control
     if tracer.system.smooth or not (before.length and control.guarded and control.passes_limits):
@@ -41,7 +46,7 @@ def around_corner(tracer, before: State, wanted: float) -> State | None:
         for sign in (forwards, -forwards):
             tracer.back_to(before)
             after = tracer.attempt_along(solution, sign, length)
-            if after is not None and _leads_on(tracer, before, after):
+            if after is not None and _leads_on(tracer, before, after) and not _returns(tracer, trail, after):
                 return after
     tracer.back_to(before)
     return None
@@ -58,6 +63,19 @@ def _ahead(tracer, before: State, distance: float) -> tuple[PETSc.Vec, float]:
     tracer.stepper.factorise(tracer.snes, tracer.x)
     tracer.stepper.linear.solve(tracer.load_vector(), solution)
     return solution, float(np.sign(tracer.inner((0.0, solution.array), (0.0, x)))) or 1.0
+
+
+def _returns(tracer, trail: Sequence[State], after: State) -> bool:
+    """Whether a step leads back onto its own path, by load and deflection, where modes are not counted."""
+    if tracer.system.conservative:
+        return False
+    for one, other in pairwise(trail):
+        way, span = other.deflection - one.deflection, abs(other.load - one.load)
+        part = (after.deflection - one.deflection) / way if way else -1.0
+        if (one.stage == after.stage and one.contact_points == after.contact_points and 0 <= part <= 1
+                and abs(one.load + part * (other.load - one.load) - after.load) < ASIDE * span):
+            return True
+    return False
 
 
 def _leads_on(tracer, before: State, after: State) -> bool:
