@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 LIMIT = 1e-8  # of loads; the largest difference that rounding may make
+NONE = 1e-4  # in the scene's units, what deflections and loads are compared with at least: a frame may not deflect
 
 # Options of scenes that take longer than a minute by default.
 CHEAPER = {
@@ -64,7 +65,8 @@ def _differences(one: Path, other: Path):
              for found in (points, modes)]
     # The load where a deflection ends the path, the deflection where a load does.
     last = max(_relative(*(float(states[-1][key]) for states in paths),
-                         max(abs(float(state[key])) for state in paths[0]) / 1000) for key in ("load", "deflection"))
+                         max(NONE, max(abs(float(state[key])) for state in paths[0]) / 1000))
+               for key in ("load", "deflection"))
     if len(paths[0]) == 1 and not modes[0]:
         remarks.append("nothing to compare: neither a path nor buckling loads")
     line = (f"{len(points[0]):6} {loads[0]:12.1e} {last:12.1e} {len(modes[0]):8} {loads[1]:12.1e} "
