@@ -162,10 +162,9 @@ class Contribution:
         return None
 
     def taken(self) -> float | None:
-        """Work that it has taken up, on all processes, less any that it had at the last accepted state and lost since.
+        """Energy that it stores now, and what friction has taken since the last accepted state, on all processes.
 
-        The energy where that is all; with friction what has been dissipated since the last accepted state, too. None:
-        it does not tell.
+        None: it does not tell.
         """
         return self.energy()
 
