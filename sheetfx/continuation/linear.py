@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from petsc4py import PETSc
 
@@ -80,15 +82,28 @@ class DirectSolver:
     def solve(self, right: PETSc.Vec, solution: PETSc.Vec) -> None:
         self.ksp.getPC().apply(right, solution)
 
-    def responses(self, rows: np.ndarray) -> np.ndarray:
-        """Solutions for unit forces at some rows, as columns, on one process."""
-        size, count = self.matrix.getSize()[0], len(rows)
-        units = np.zeros((size, count), order="F")
-        units[rows, np.arange(count)] = 1.0
-        right, solutions = (PETSc.Mat().createDense((size, count), array=a, comm=self.ksp.comm)
-                            for a in (units, np.empty_like(units)))
+    def solve_all(self, rights: Sequence[PETSc.Vec], solutions: Sequence[PETSc.Vec]) -> None:
+        """Solve for several right-hand sides, on one process together: two take little more time than one."""
+        if self.matrix.comm.size > 1 or len(rights) == 1:
+            for right, solution in zip(rights, solutions, strict=True):
+                self.solve(right, solution)
+            return
+        found = self._solved(np.column_stack([right.array_r for right in rights]))
+        for solution, column in zip(solutions, found.T, strict=True):
+            solution.array[:] = column
+
+    def _solved(self, rights: np.ndarray) -> np.ndarray:
+        """Solutions for the columns of an array, as columns, on one process."""
+        arrays = np.asfortranarray(rights), np.empty_like(rights, order="F")
+        right, solutions = (PETSc.Mat().createDense(rights.shape, array=a, comm=self.ksp.comm) for a in arrays)
         self.ksp.getPC().getFactorMatrix().matSolve(right, solutions)
         return solutions.getDenseArray().copy()
+
+    def responses(self, rows: np.ndarray) -> np.ndarray:
+        """Solutions for unit forces at some rows, as columns, on one process."""
+        units = np.zeros((self.matrix.getSize()[0], len(rows)), order="F")
+        units[rows, np.arange(len(rows))] = 1.0
+        return self._solved(units)
 
     def solve_transposed(self, right: PETSc.Vec, solution: PETSc.Vec) -> None:
         self.ksp.getPC().applyTranspose(right, solution)
