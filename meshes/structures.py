@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import gmsh
 import numpy as np
 
-from ..checks import Count, checked
+from ..checks import Choice, Count, checked
 from .surfaces import Lines, around, pieces
 from .tables import SAME_PLACE, Table
 
+BARS = "bars"  # what panels that share nodes with each other are separate from
+
 
 @checked
-def structure(table: Table, divisions: Count, triangles: bool = True, separate: bool = False) -> None:
+def structure(table: Table, divisions: Count, triangles: bool = True,
+              separate: bool | Annotated[str, Choice((BARS,))] = False) -> None:
     """Straight bars and flat panels of a table, which share nodes where they meet.
 
     Groups of curves: each bar ("bar 1-2"), all "bars", and edges of panels without a bar ("edge 1-2"). Groups of
@@ -23,8 +28,9 @@ def structure(table: Table, divisions: Count, triangles: bool = True, separate: 
     table : Table
     divisions : number of cells along each bar and edge; even where quadrilaterals fill panels of three nodes
     triangles : cells of panels are triangles
-    separate : panels share nodes neither with each other nor with bars: their corners are points "1 of panel 1-2-3",
-        their edges "edge 1-2 of panel 1-2-3", with nodes in the order of the bar there is
+    separate : True: panels share nodes neither with each other nor with bars; their corners are points "1 of panel
+        1-2-3", their edges "edge 1-2 of panel 1-2-3", with nodes in the order of the bar there is. "bars": panels share
+        nodes with each other, but not with bars; corners are "1 of panels", edges "edge 1-2 of panels"
 
     Raises
     ------
@@ -49,11 +55,11 @@ def structure(table: Table, divisions: Count, triangles: bool = True, separate: 
     _name(2, {name: [tag] for name, tag in surfaces.items()} | {"panels": [*surfaces.values()]})
 
 
-def _corner(node: str, panel: str, separate: bool) -> str:
-    return f"{node} of {panel}" if separate else node
+def _corner(node: str, panel: str, separate: bool | str) -> str:
+    return f"{node} of {'panels' if separate == BARS else panel}" if separate else node
 
 
-def edges_of(table: Table, separate: bool = False) -> dict[str, tuple[str, ...]]:
+def edges_of(table: Table, separate: bool | str = False) -> dict[str, tuple[str, ...]]:
     """Points at the ends of edges of panels, but for those along bars that share their nodes; see `structure`."""
     sides = [ends for row in table.panels for ends in around(row)]
     order = {frozenset(ends): ends for ends in reversed([*table.bars, *sides])}

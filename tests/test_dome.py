@@ -70,6 +70,8 @@ def test_cheap_models(model):
 
 
 def test_wrong_options_are_named():
+    with pytest.raises(ValueError, match="dome: faces is 'both', but shared edges of panels do not push against bars"):
+        case(model="contact", edges="shared", divisions=2)
     with pytest.raises(ValueError, match="dome: model is 'shell'; it must be one of coupled, contact, flange, bars"):
         case(model="shell")
     with pytest.raises(ValueError, match="no geometry 'round'; choose from arc, hex, plan"):

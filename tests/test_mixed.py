@@ -135,6 +135,17 @@ def test_separate_panels_share_no_nodes():
     assert set(mesh.curves.points) == {*table.nodes, *table.sets}
 
 
+def test_panels_share_nodes_with_each_other_alone():
+    table = meshes.dome("hex")
+    mesh, whole = mixed(table, 3, separate="bars"), mixed(table, 3)
+    assert len(mesh.shared_nodes()) == 0
+    assert len(mesh.surfaces.domain.geometry.x) == len(whole.surfaces.domain.geometry.x)
+    assert mesh.surfaces.measure == pytest.approx(whole.surfaces.measure, rel=1e-12)
+    assert len(mesh.surfaces.edges) == len(table.bars)
+    assert mesh.surfaces.edge_length("edge 1-2 of panels") == pytest.approx(length(table, ("1", "2")), rel=1e-12)
+    assert places(mesh.surfaces, "5 of panels").tolist() == [list(table.nodes["5"])]
+
+
 def test_curved_surface_with_a_bar_on_its_edge():
     """A bar along an arc and along a generator of a cylinder: nodes are the same to the last digit.
 

@@ -16,30 +16,35 @@ from ..model.shell import TRIANGLE, ShellForm
 
 FACES_OF_PANELS = (*FACES, "both")
 TIES = {"weld": weld, "bolt": bolt, "hinge": hinge}  # with all rotations, all but that in the panel's plane, none
+EDGES: dict[str, bool | str] = {"own": True, "shared": "bars"}  # of panels, and from what `structure` separates them
 INWARD = (0.0, 0.0, -1.0)  # roughly from the panels to the bars under them
 
 
-def separate_panels(table: meshes.Table, divisions: int, form: ShellForm) -> MixedMesh:
-    """Bars that meet at the nodes, and panels that share nodes with nothing."""
-    return read_mixed(partial(meshes.structure, table, divisions, form.cell == TRIANGLE, separate=True), ["bars"])
+def separate_panels(table: meshes.Table, divisions: int, form: ShellForm, edges: str) -> MixedMesh:
+    """Bars that meet at the nodes, and panels that share nodes with nothing, or with each other alone."""
+    return read_mixed(partial(meshes.structure, table, divisions, form.cell == TRIANGLE, EDGES[edges]), ["bars"])
 
 
-def joints(mesh: MixedMesh, table: meshes.Table, faces: str, length: float, tie: str, **contact) -> list[Joint]:
+def joints(mesh: MixedMesh, table: meshes.Table, faces: str, length: float, tie: str, edges: str,
+           **contact) -> list[Joint]:
     """Welds of a length from each corner of a panel along both its edges, and contact along the edges.
 
     Parameters
     ----------
+    edges : of panels, a key of `EDGES`
     faces : "seat", "butt", or "both"
     tie : of rotations in the welds, a key of `TIES`
     contact : further attributes of `PairContact`
     """
-    edges = meshes.edges_of(table, separate=True)
-    ends = [Stretch(point, along=edge, length=length) for edge, points in edges.items() for point in points]
+    lines = meshes.edges_of(table, EDGES[edges])
+    ends = [Stretch(point, along=line, length=length) for line, points in lines.items() for point in points]
     shortest = min(np.linalg.norm(np.subtract(table.nodes[a], table.nodes[b])) for a, b in table.bars)
     if not 0 < length < shortest / 2:
         raise ValueError(f"dome: weld is {length}; give a length between 0 and half of the shortest bar, "
                          f"{shortest / 2:.4g}")
+    if edges == "shared" and faces != "seat":
+        raise ValueError(f"dome: faces is {faces!r}, but shared edges of panels do not push against bars; give seat")
     chosen = FACES if faces == "both" else (faces,)
     return [TIES[tie](mesh.surfaces, ends, (mesh.curves, None)),
-            *(PairContact(mesh.surfaces, list(edges), (mesh.curves, None), face, toward=INWARD, name="contact",
+            *(PairContact(mesh.surfaces, list(lines), (mesh.curves, None), face, toward=INWARD, name="contact",
                           **contact) for face in chosen)]

@@ -40,7 +40,7 @@ from ..show.pairs import pair_history
 from ..show.pictures import shapes
 from . import looked_at
 from ._benchmark import Form
-from ._dome_contact import FACES_OF_PANELS, TIES, joints, separate_panels
+from ._dome_contact import EDGES, FACES_OF_PANELS, TIES, joints, separate_panels
 
 BAR, PANEL = Tube(40.0, 2.0), Plate(10.0)
 STEEL = Elastic(2.1e5, 0.3, density=7.85e-9)
@@ -77,6 +77,8 @@ def case(
     faces: Annotated[str, Choice(tuple(FACES_OF_PANELS)),
                      Option(help="that touch: panels lie on bars (`seat`), their edges push against bars (`butt`), or "
                                  "`both`")] = "both",
+    edges: Annotated[str, Choice(tuple(EDGES)),
+                     Option(help="of panels: each has its `own`, or neighbours `shared` ones")] = "own",
     weld: Annotated[float, POSITIVE,
                     Option(help="length of the welds from each corner of a panel along its edges, mm")] = 200.0,
     tie: Annotated[str, Choice(tuple(TIES)),
@@ -103,7 +105,7 @@ def case(
         dome = coupled(table, divisions, form, offset)
     elif model == "contact":
         dome = touching(table, divisions, form, offset, faces, weld, pairs, stiffness, tie=tie, gap=gap,
-                        friction=friction, enforcement=enforcement)
+                        friction=friction, enforcement=enforcement, edges=edges)
     else:
         dome = skeleton(table, divisions, offset if model == "flange" else None)
     bars = dome.bars
@@ -125,16 +127,16 @@ def coupled(table: meshes.Table, divisions: int, form: str, offset: float = 0.0)
 
 
 def touching(table: meshes.Table, divisions: int, form: str, offset: float, faces: str, weld: float,
-             pairs: int | None, stiffness: float | None, **joined) -> Dome:
+             pairs: int | None, stiffness: float | None, edges: str = "own", **joined) -> Dome:
     """Panels that are welded to the bars near their corners, and touch them elsewhere."""
     discrete = named_form(form)
-    mesh = separate_panels(table, divisions, discrete)
+    mesh = separate_panels(table, divisions, discrete, edges)
     if stiffness is not None and pairs is not None:
         lengths = [np.linalg.norm(np.subtract(table.nodes[a], table.nodes[b])) for a, b in table.bars]
         stiffness *= pairs / float(np.mean(lengths))
     beams = Beam(mesh.curves, BAR, STEEL, degree=discrete.displacement[1])
     return Dome(mesh.curves, [beams, Shell(mesh.surfaces, PANEL, STEEL, form=form, offset=offset)],
-                joints(mesh, table, faces, weld, pairs=pairs, stiffness=stiffness, **joined))
+                joints(mesh, table, faces, weld, edges=edges, pairs=pairs, stiffness=stiffness, **joined))
 
 
 def skeleton(table: meshes.Table, divisions: int, offset: float | None) -> Dome:
