@@ -227,9 +227,10 @@ class Path:
             if shortest:
                 raise failure
             length /= 2
+        else:
+            length = min(length, taken[0].length)
         after, points = taken
-        grown = min(length, after.length) * self.control.growth(after.hardest)
-        after = replace(after, next_length=min(largest, grown), critical=points)
+        after = replace(after, next_length=min(largest, length * self.control.growth(after.hardest)), critical=points)
         self.tracer.state, self._earlier = after, before
         self._trail.append(_outline(after))
         return after
