@@ -249,7 +249,7 @@ class Path:
 
     def _around_corner(self, before: State, wanted: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:
         """A step around a corner of the path, before which loads say nothing of those behind it."""
-        after = around_corner(self.tracer, before, wanted, self._trail)
+        after = around_corner(self.tracer, before, wanted, self._trail, self._earlier)
         return None if after is None else self._searched(before, after, None, pi)
 
     def _searched(self, before: State, after: State, earlier: State | None,

@@ -26,6 +26,14 @@ def test_surface_force_on_a_group_counts_its_area():
     assert total(mesh, fx.SurfaceForce(part, (0.0, 0.0, 4.0))) == pytest.approx(0.5 * 4.0 * 0.75, rel=1e-12)
 
 
+def test_surface_force_that_is_a_function_of_the_place():
+    """4 x over 0.25 < x < 1 on a strip of unit width."""
+    mesh = two_fields(0.25)
+    part = fx.Shell(mesh, fx.Plate(0.1), fx.Elastic(1e4, 0.3), form="naghdi-q2", group="right")
+    force = fx.SurfaceForce(part, lambda x: (0.0, 0.0, 4 * x[0]))
+    assert total(mesh, force) == pytest.approx(0.5 * 2 * (1 - 0.25**2), rel=1e-12)
+
+
 def test_force_at_several_vertices_counts_each():
     """Three vertices of an edge of two cells, of which those in the middle of cells get nothing."""
     mesh = two_fields(0.25)

@@ -51,7 +51,10 @@ def moment(law, curvature, place, others=()):
 @pytest.mark.parametrize("material", [STEEL, HARDENING], ids=["perfect", "hardening"])
 @pytest.mark.parametrize("kind", ["layers", "fibres in space", "fibres in the plane"])
 def test_moduli_are_the_derivatives_of_the_resultants(material, kind):
-    """Central differences, after a path that has yielded to another side; and symmetric."""
+    """Central differences, after a path that has yielded to another side; and symmetric.
+
+    Fibres that flow perfectly keep a millionth of their elastic moduli.
+    """
     law = {"layers": layers(material), "fibres in space": fibres(Rectangle(1.0, 2.0), material, 3),
            "fibres in the plane": fibres(Tube(2.0, 0.2), material)}[kind]
     count = law.update(np.zeros((1, 9)), np.zeros((1, law.remembered)))[0].shape[1] if kind == "layers" else (
@@ -64,7 +67,8 @@ def test_moduli_are_the_derivatives_of_the_resultants(material, kind):
     differences = np.column_stack([(law.update((strains + e)[None], history)[0][0]
                                     - law.update((strains - e)[None], history)[0][0]) / 2e-8
                                    for e in 1e-8 * np.eye(count)])
-    assert moduli[0] == pytest.approx(differences, rel=1e-5, abs=2e-6 * np.abs(moduli).max())
+    elastic = law.update(np.zeros((1, count)), np.zeros((1, law.remembered)))[1]
+    assert moduli[0] == pytest.approx(differences, rel=1e-5, abs=2e-6 * np.abs(elastic).max())
     assert np.abs(moduli[0] - moduli[0].T).max() < 1e-12 * np.abs(moduli).max()
 
 
@@ -98,7 +102,7 @@ def test_tension_of_a_plate_and_of_a_fibre(isotropic, kinematic):
     again = kinematic * flow - (200 + isotropic * flow)  # stress at which it yields back
     back = strain - (expected - again) / 200e3
     assert driven(bar, [[strain], [back + 1e-9]])[1][0, 0] == pytest.approx(200e3)
-    assert driven(bar, [[strain], [back - 1e-9]])[1][0, 0] == pytest.approx(200e3 * total / (200e3 + total))
+    assert driven(bar, [[strain], [back - 1e-9]])[1][0, 0] == pytest.approx(max(200e3 * total / (200e3 + total), 0.2))
 
 
 def exact_rectangle(times):

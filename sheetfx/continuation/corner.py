@@ -24,7 +24,8 @@ ASIDE = 0.1  # of the rise of the load between two states, that a path may pass 
 BACK = 0.95  # cosine of the angle with the step before, from which a step goes back where it came from
 
 
-def around_corner(tracer, before: State, wanted: float, trail: Sequence[State] = ()) -> State | None:
+def around_corner(tracer, before: State, wanted: float, trail: Sequence[State] = (),
+                  earlier: State | None = None) -> State | None:
     """A step from a state that lies at a corner of the path; None, and back at the state, if none is found.
 
     None is looked for on smooth paths, nor where the control prescribes the load or leaves steps as they are.
@@ -33,10 +34,12 @@ def around_corner(tracer, before: State, wanted: float, trail: Sequence[State] =
     ----------
     wanted : length of the step that was tried first
     trail : states that have led here
+    earlier : the one before; None: not known
     """
     control = tracer.control
     if tracer.system.smooth or not (before.length and control.guarded and control.passes_limits):
         return None
+    flows = earlier is not None and tracer.system.history.moved_since(earlier.fields)
     step = max(wanted, LEAST * tracer.usual)
     for length in (share * step for share in LENGTHS):
         try:
@@ -46,7 +49,8 @@ def around_corner(tracer, before: State, wanted: float, trail: Sequence[State] =
         for sign in (forwards, -forwards):
             tracer.back_to(before)
             after = tracer.attempt_along(solution, sign, length)
-            if after is not None and _leads_on(tracer, before, after) and not _returns(tracer, trail, after):
+            if (after is not None and _leads_on(tracer, before, after) and not _returns(tracer, trail, after)
+                    and not (flows and _unloads(tracer, before, after))):
                 return after
     tracer.back_to(before)
     return None
@@ -83,3 +87,14 @@ def _leads_on(tracer, before: State, after: State) -> bool:
     one, other = before.direction, after.direction
     return (after.unstable_modes != before.unstable_modes
             or tracer.inner(one, other) > -BACK * tracer.distance(*one) * tracer.distance(*other))
+
+
+def _unloads(tracer, before: State, after: State) -> bool:
+    """Whether a step goes back while what flowed unloads, as it can from each of its states: a structure that is
+    stiffer without other contacts, or in which nothing flows.
+    """
+    if tracer.inner(before.direction, after.direction) >= 0:
+        return False
+    stiffer = (tracer.system.conservative and after.unstable_modes < before.unstable_modes
+               and after.contact_points == before.contact_points)
+    return stiffer or not tracer.system.history.moved_since(before.fields)

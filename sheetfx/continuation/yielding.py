@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import warnings
+
 from mpi4py import MPI
 
 from ..discrete.plastic import is_plastic
+from ..model.loads import PointForce
 from ..model.scene import Scene
 from .events import Event
 from .state import State
@@ -16,7 +19,9 @@ NEAR = 1e-6  # of the yield stress
 def first_yield(scene: Scene) -> Event:
     """Event at which the first point of a plastic part yields, in layers and fibres at their own places.
 
-    Until then strains are elastic, so that stresses follow from them; they go on growing where it has yielded.
+    Until then strains are elastic, so that stresses follow from them; they go on growing where it has yielded. Under a
+    force at a point of a shell they grow with the logarithm of the number of cells, so that first yield has no limit
+    as the mesh is refined: a warning says so.
 
     Raises
     ------
@@ -26,6 +31,13 @@ def first_yield(scene: Scene) -> Event:
     laws = {f"history of part {n} 0": part.section_law for n, part in enumerate(scene.parts) if is_plastic(part)}
     if not laws:
         raise ValueError("first_yield: no part of the scene is plastic; give one an fx.Plastic material")
+    shells = [part.mesh for part in scene.parts if is_plastic(part) and hasattr(part, "discrete")]
+    for load in scene.loads:
+        if isinstance(load, PointForce) and load.mesh in shells and load.at in load.mesh.points:
+            warnings.warn(
+                f"first_yield: a force acts at the point {load.at!r} of a plastic shell, where first yield has no "
+                "limit as the mesh is refined; spread it by a SurfaceForce with a function of the place",
+                stacklevel=2)
     comm = scene.parts[0].mesh.domain.comm
 
     def excess(state: State) -> float:

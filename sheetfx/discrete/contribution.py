@@ -131,6 +131,10 @@ class Contribution:
     def restore(self, snapshot: dict[str, np.ndarray]) -> None:
         """Return to what `snapshot` gave."""
 
+    def history_moved_since(self, snapshot: dict[str, np.ndarray]) -> bool:
+        """Whether laws with history remember something else than in a snapshot, on any process."""
+        return False
+
     def rewind(self) -> None:
         """Forget what a step that failed has changed since the last accepted state."""
 

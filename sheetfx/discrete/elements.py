@@ -173,6 +173,10 @@ class ElementWork(Contribution):
     def history_moved(self) -> bool:
         return self.internal.domain.comm.allreduce(any(memory.moved for _, memory in self._memories), op=MPI.LOR)
 
+    def history_moved_since(self, snapshot: dict[str, np.ndarray]) -> bool:
+        moved = any(memory.moved_since(snapshot[f"{self._name} {n}"]) for n, (_, memory) in enumerate(self._memories))
+        return self.internal.domain.comm.allreduce(moved, op=MPI.LOR)
+
     def freeze(self, frozen: bool) -> None:
         for _, memory in self._memories:
             memory.frozen = frozen

@@ -58,6 +58,10 @@ class History:
         """Whether laws remember something, so that forces have no potential but for the comparison solid."""
         return any(contribution.history_moved for contribution in self._contributions)
 
+    def moved_since(self, snapshot: dict[str, np.ndarray]) -> bool:
+        """Whether laws remember something else than in an earlier state, as where points have flowed."""
+        return any(contribution.history_moved_since(snapshot) for contribution in self._contributions)
+
     @contextmanager
     def frozen(self) -> Iterator[None]:
         """Let history stand still, so that forces are a smooth function of the increments since the last state.

@@ -86,6 +86,10 @@ class RememberingLaw:
         """Whether a point of this process remembers something."""
         return bool(self._history.any())
 
+    def moved_since(self, kept: np.ndarray) -> bool:
+        """Whether a point of this process remembers something else than in a snapshot."""
+        return not np.array_equal(self._history, kept[..., self._strains.shape[2]:])
+
     def snapshot(self) -> np.ndarray:
         """Strains and history of the last accepted state."""
         return np.concatenate((self._strains, self._history), axis=2)

@@ -125,14 +125,10 @@ class LineForce(Load):
     def conservative(self) -> bool:  # type: ignore[override]
         return not self.follower
 
-    @property
-    def _components(self) -> Sequence:
-        """Numbers, or UFL expressions of the place."""
-        return self.force(ufl.SpatialCoordinate(self.beam.mesh.domain)) if callable(self.force) else self.force
-
     def work(self, fields):
         mesh = self.beam.mesh
-        force, u = [fields.factor * c for c in self._components], fields.displacement(mesh)
+        force = [fields.factor * c for c in _components(self.force, mesh)]
+        u = fields.displacement(mesh)
         if self.follower:
             density = forms.load.follower_force(force, self.beam.frame(), fields.rotation(mesh), u, fields.vary)
         else:
@@ -140,13 +136,22 @@ class LineForce(Load):
         return density * self.beam.measure()
 
     def total(self, fields) -> float:
-        domain, force = self.beam.mesh.domain, self._components
-        if callable(self.force):
-            size = ufl.sqrt(ufl.dot(forms.vector(force), forms.vector(force)))
-        else:
-            size = fem.Constant(domain, float(np.linalg.norm(force)))
-        work = compiled_form(lift_numbers(size * self.beam.measure(), domain))
-        return domain.comm.allreduce(fem.assemble_scalar(work))
+        return _size(self.force, self.beam)
+
+
+def _components(force: Sequence[float] | Callable, mesh: NamedMesh) -> Sequence:
+    """Numbers, or UFL expressions of the place."""
+    return force(ufl.SpatialCoordinate(mesh.domain)) if callable(force) else force
+
+
+def _size(force: Sequence[float] | Callable, part: Bar | Beam | Shell) -> float:
+    """Integral of the size of a force by length or area over a part."""
+    domain, components = part.mesh.domain, _components(force, part.mesh)
+    if callable(force):
+        size = ufl.sqrt(ufl.dot(forms.vector(components), forms.vector(components)))
+    else:
+        size = fem.Constant(domain, float(np.linalg.norm(components)))
+    return domain.comm.allreduce(fem.assemble_scalar(compiled_form(lift_numbers(size * part.measure(), domain))))
 
 
 @dataclass(frozen=True)
@@ -172,21 +177,26 @@ class EdgeForce(Load):
 
 @dataclass(frozen=True, eq=False)
 class SurfaceForce(Load):
-    """Force of fixed direction per reference area of a shell."""
+    """Force of fixed direction per reference area of a shell.
+
+    The force is given by numbers, or by a function from the place (UFL vector) to components.
+    """
 
     shell: Shell
-    force: tuple[float, float, float]
+    force: tuple[float, float, float] | Callable
 
     def __post_init__(self):
         check(self)
-        require_components("SurfaceForce: force", self.force, self.shell.mesh.dimension)
+        if not callable(self.force):
+            require_components("SurfaceForce: force", self.force, self.shell.mesh.dimension)
 
     def work(self, fields):
-        force, u = fields.factor * forms.vector(self.force), fields.displacement(self.shell.mesh)
-        return forms.load.dead_force(force, u, fields.vary) * self.shell.measure()
+        mesh = self.shell.mesh
+        force = fields.factor * forms.vector(_components(self.force, mesh))
+        return forms.load.dead_force(force, fields.displacement(mesh), fields.vary) * self.shell.measure()
 
     def total(self, fields) -> float:
-        return float(np.linalg.norm(self.force)) * self.shell.mesh.measure_of(self.shell.group)
+        return _size(self.force, self.shell)
 
 
 @dataclass(frozen=True, eq=False)

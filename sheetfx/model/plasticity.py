@@ -117,6 +117,8 @@ class Layers(PlasticLaw):
 class Fibres(PlasticLaw):
     """Beam section law of a plastic material by fibres along the axis; shear and torsion are elastic.
 
+    Where all fibres flow perfectly the section keeps a millionth of its elastic moduli, and its resultants are exact.
+
     Strains are those of `forms.beam.simo_reissner`, of a fibre e - y k_b in the plane, e - y k_b + z k_n in space, y
     being its distance along the normal (the direction of the depth) and z along the binormal.
 

@@ -12,6 +12,7 @@ import numpy as np
 
 ON_SURFACE = 1e-10  # distance from the yield surface, over its size, that is rounding
 MOST, EXACT = 50, 1e-14  # iterations for the plastic multiplier, and their relative error
+LEAST = 1e-6  # modulus of a fibre that flows perfectly, over Young's
 REMEMBERED = 7  # plastic strains (e11, e22, 2 e12), back stress (11, 22, 12), equivalent plastic strain
 
 
@@ -97,7 +98,9 @@ def plane_stress(strain, history, modulus, poisson, strength, isotropic, kinemat
 def one_axis(strain, plastic, back, hardened, modulus, strength, isotropic, kinematic):
     """Stress, modulus, plastic strain, back stress and equivalent plastic strain of a fibre.
 
-    Simo and Hughes (1998, box 1.5). Softening ends where the yield stress is zero.
+    Simo and Hughes (1998, box 1.5). Softening ends where the yield stress is zero. The modulus of perfect flow is LEAST
+    instead of zero: a section of which all fibres flow would have none, though half of them resist when its axis moves.
+    Stresses are not changed by it.
     """
     trial = modulus * (strain - plastic) - back
     size = strength + isotropic * hardened
@@ -113,5 +116,7 @@ def one_axis(strain, plastic, back, hardened, modulus, strength, isotropic, kine
         isotropic = 0.0
         flow = abs(trial) / (modulus + kinematic)
     tangent = modulus * (isotropic + kinematic) / (modulus + isotropic + kinematic)
+    if 0 <= tangent < LEAST * modulus:
+        tangent = LEAST * modulus
     return (trial - sign * modulus * flow + back, tangent, plastic + sign * flow, back + sign * kinematic * flow,
             hardened + flow)

@@ -6,14 +6,16 @@ A thickness of 12.7 snaps through, one of 6.35 snaps back as well.
 from __future__ import annotations
 
 from dataclasses import replace
+from math import pi
 from typing import Annotated
 
+import ufl
 from typer import Option
 
 from ..case import Case
 from ..checks import POSITIVE
 from ..continuation.control import ArcLength
-from ..model.loads import PointForce
+from ..model.loads import PointForce, SurfaceForce
 from ..model.plate import Plate
 from ..model.shell import Shell
 from ..model.supports import Support, symmetry
@@ -60,6 +62,9 @@ def case(
     step: FirstArc = 0.02,
     yield_stress: Yield = None,
     hardening: Hardening = 0.0,
+    spread: Annotated[float | None, POSITIVE, Option(
+        help="radius in mm that the force is spread over; default: a point, where first yield depends on the cells")
+    ] = None,
 ) -> Case:
     """Hinged roof: limit points of the force on the whole roof, of which a quarter is modelled.
 
@@ -67,15 +72,26 @@ def case(
     flow depends, are then halved and do not grow.
     """
     mesh = cylinder(form, (cells, cells), RADIUS, LENGTH / 2, HALF_ANGLE, {"crown": (0, 0)})
+    shell = Shell(mesh, Plate(thickness), material(3102.75, 0.3, yield_stress, hardening), form=form)
+    load = spread_force(shell, spread) if spread else PointForce(mesh, "crown", (0.0, 0.0, -0.25))
     case = benchmark(
-        Shell(mesh, Plate(thickness), material(3102.75, 0.3, yield_stress, hardening), form=form),
+        shell,
         [symmetry(mesh, "west", "x"), symmetry(mesh, "south", "y"), Support(mesh, "north", "x y z")],
-        [PointForce(mesh, "crown", (0.0, 0.0, -0.25))], READINGS, ("deflection of the crown (mm)", "force (N)"),
+        [load], READINGS, ("deflection of the crown (mm)", "force (N)"),
         symmetry_factor=4, control=ArcLength(step=step / 2, largest=1.0) if yield_stress else ArcLength(step=step),
-        until=Until(deflection=to), published=None if yield_stress else PUBLISHED.get(thickness),
+        until=Until(deflection=to), published=None if yield_stress or spread else PUBLISHED.get(thickness),
         quantities=_quantities)
     pictures = [*case.pictures, *([plastic_zones] if yield_stress else [])]
     return replace(case, events=yield_events(case.scene), pictures=pictures)
+
+
+def spread_force(shell: Shell, radius: float) -> SurfaceForce:
+    """A unit of force at the crown, spread over a disc as 1 - (distance / radius)^2, squared."""
+    def force(x):
+        inside = ufl.max_value(1 - (x[0] ** 2 + x[1] ** 2) / radius**2, 0.0)
+        return 0.0, 0.0, -3 / (pi * radius**2) * inside**2
+
+    return SurfaceForce(shell, force)
 
 
 def _quantities(record: Record) -> dict[str, float]:
