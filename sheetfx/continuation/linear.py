@@ -80,13 +80,10 @@ class DirectSolver:
     def solve(self, right: PETSc.Vec, solution: PETSc.Vec) -> None:
         self.ksp.getPC().apply(right, solution)
 
-    def responses(self, rows: np.ndarray) -> np.ndarray:
-        """Solutions for unit forces at some rows, as columns, on one process."""
-        size, count = self.matrix.getSize()[0], len(rows)
-        units = np.zeros((size, count), order="F")
-        units[rows, np.arange(count)] = 1.0
-        right, solutions = (PETSc.Mat().createDense((size, count), array=a, comm=self.ksp.comm)
-                            for a in (units, np.empty_like(units)))
+    def responses(self, forces: np.ndarray) -> np.ndarray:
+        """Solutions for forces that are the columns of an array, on one process."""
+        right, solutions = (PETSc.Mat().createDense(forces.shape, array=a, comm=self.ksp.comm)
+                            for a in (np.asfortranarray(forces), np.empty(forces.shape, order="F")))
         self.ksp.getPC().getFactorMatrix().matSolve(right, solutions)
         return solutions.getDenseArray().copy()
 
