@@ -22,17 +22,19 @@ from pathlib import Path
 from tempfile import mkstemp
 from typing import IO
 
+import cffi
 import dolfinx.jit
 import numpy as np
 from dolfinx import fem
 from llvmlite.binding import get_host_cpu_features
 
 from .recipes import Description, Recipe, Undescribed
+from .widening import ARGUMENT, CellExpression, builder_for
 
 # Python may have been built with -g, and passes it on: debugging information is a third of the time of compilation.
 # Kernels are long straight lines: more than -O1 makes the compiler slower, not them; fused products a quarter faster.
 FUSED = "avx2", "fma"  # what a processor must have for them
-OPTIONS = {"timeout": 600, "cffi_extra_compile_args": ["-O1", "-g0", "-ffp-contract=fast"]}
+OPTIONS = {"timeout": 600, "cffi_extra_compile_args": ["-O1", "-g0", "-ffp-contract=fast", ARGUMENT]}
 if all(get_host_cpu_features().get(name) for name in FUSED):
     OPTIONS["cffi_extra_compile_args"] += [f"-m{name}" for name in FUSED]
 ANNOUNCED, RECIPES = "compiling", "recipes"  # folders in the cache: files of processes that compile, and of kernels
@@ -67,7 +69,8 @@ def compiled_expression(expression, points: np.ndarray, prepare: Callable | None
         return _compile(expression, points, prepare)[0]
     file = folder / f"{description.key}.json"
     if recipe := _recipe(file, description.domains[0].ufl_cargo().comm):
-        return _with_kernel(recipe.standing_in(description), points, lambda *_, **__: _kernel(folder.parent, recipe))
+        return _with_kernel(recipe.standing_in(description), points, lambda *_, **__: _kernel(folder.parent, recipe),
+                            lambda: folder.parent / recipe.library)
     found, prepared, library = _compile(expression, points, prepare)
     recipe = Recipe.of(description, prepared, *library)
     if recipe:
@@ -172,9 +175,13 @@ def _compile(expression, points: np.ndarray, prepare: Callable | None) -> tuple[
         made.append(compiler(*arguments, **options))
         return made[0]
 
-    compiler = dolfinx.jit.ffcx_jit
-    with _announced():
-        found = _with_kernel(prepared, points, compile_it)
+    compiler, usual = dolfinx.jit.ffcx_jit, cffi.FFI
+    cffi.FFI = builder_for(prepared, points)
+    try:
+        with _announced():
+            found = _with_kernel(prepared, points, compile_it, lambda: Path(made[0][1].__file__))
+    finally:
+        cffi.FFI = usual
     library = Path(made[0][1].__file__)
     _libraries[library] = made[0][1]
     return found, prepared, (library.name, next(n for n in dir(made[0][1].lib) if n.startswith("expression_")))
@@ -190,10 +197,10 @@ def _kernel(folder: Path, recipe: Recipe) -> tuple:
     return getattr(_libraries[library].lib, recipe.name), _libraries[library], (None, None)
 
 
-def _with_kernel(expression, points: np.ndarray, compiler: Callable) -> fem.Expression:
+def _with_kernel(expression, points: np.ndarray, compiler: Callable, library: Callable[[], Path]) -> fem.Expression:
     """DOLFINx's expression with the kernel that a compiler in the place of its own gives."""
     usual, dolfinx.jit.ffcx_jit = dolfinx.jit.ffcx_jit, compiler
     try:
-        return fem.Expression(expression, points, jit_options=_options())
+        return CellExpression(expression, points, library, jit_options=_options())
     finally:
         dolfinx.jit.ffcx_jit = usual

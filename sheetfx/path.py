@@ -228,7 +228,7 @@ class Path:
                 raise failure
             length /= 2
         after, points = taken
-        grown = length * self.control.growth(after.hardest)
+        grown = min(length, after.length) * self.control.growth(after.hardest)
         after = replace(after, next_length=min(largest, grown), critical=points)
         self.tracer.state, self._earlier = after, before
         self._trail.append(_outline(after))
@@ -240,10 +240,7 @@ class Path:
         return None if after is None else self._searched(before, after, self._earlier, self.control.turn)
 
     def _past_corner(self, before: State, wanted: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:
-        """A short step past a corner close ahead; the next need not be short.
-
-        None, where there has just been one, and where steps have become short already.
-        """
+        """A short step past a corner close ahead; None where there has just been one, and where steps are short."""
         near = before.length <= 4 * SHORT * wanted or wanted < LEAST * self.tracer.usual
         if near or self.tracer.system.smooth or not self.control.guarded:
             return None
@@ -256,7 +253,7 @@ class Path:
 
     def _searched(self, before: State, after: State, earlier: State | None,
                   largest_turn: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:
-        """A step with its critical points; None and back to its start if it turns too far or leaves its branch."""
+        """A step, or its sound part, with critical points; None and back if it turns too far or leaves its branch."""
         try:
             turn = self.tracer.turn(before, after)
             if turn <= largest_turn:
@@ -265,6 +262,8 @@ class Path:
             self._refusal = f"it turns off the path by {turn:.2g} radians, more than {self.control.turn:g}"
         except Jump as jump:
             self._refusal = str(jump)
+            if jump.sound is not None:
+                return self._searched(before, jump.sound, earlier, largest_turn)
         except Missed:
             self._refusal = "it skips states in between"
         self.tracer.back_to(before)

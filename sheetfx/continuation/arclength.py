@@ -8,6 +8,8 @@ own work as in any SNES.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from math import inf
 
 import numpy as np
@@ -40,6 +42,15 @@ def create(comm, system, prefix: str, iterations: int) -> PETSc.SNES:
     snes.setFromOptions()
     snes.getPythonContext().attach(snes, system)
     return snes
+
+
+@contextmanager
+def fewer_iterations(snes: PETSc.SNES, part: float) -> Iterator[None]:
+    """Have a SNES give up after a part of its iterations."""
+    _, _, _, most = snes.getTolerances()
+    snes.setTolerances(max_it=int(part * most))
+    yield
+    snes.setTolerances(max_it=most)
 
 
 class PathStep:
@@ -159,11 +170,12 @@ class PathStep:
     def _correct(self, snes, x) -> None:
         anew = self._factorise_anew(snes, x)
         with self.system.clock("solve"):
-            self.linear.solve(self._residual, self._part)
-            self._part.scale(-1)
             if anew or len(self.history) == 1 or not self._load.equal(self._answered):
-                self.linear.solve(self._load, self._unit)
+                self.linear.solve_all((self._residual, self._load), (self._part, self._unit))
                 self._load.copy(self._answered)
+            else:
+                self.linear.solve(self._residual, self._part)
+            self._part.scale(-1)
             tangent = LoadResponse(self._unit, self.tangent.weights, self.tangent.functional,
                               self.tangent.initial_norm2, self.tangent.current_stiffness)
             change, part = self.control.correct(self.length, tangent, x, self.load_increment, self._part)

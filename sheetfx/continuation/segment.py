@@ -19,11 +19,21 @@ CLOSE = 0.02  # of the distance between its neighbours, by which a state misses 
 STATIONARY = 6  # interpolations of the load, after which a stationary one is looked for without them
 NOISY = 1e-9  # relative change of the load, below which rounding may keep a stationary one from being told better
 STRAY = 0.3  # of the distance between its neighbours, by which a state may miss their interpolation
+WITHIN = 0.5  # of the iterations of a step, those after which a shorter one within it is given up
 CORNERED = 0.6  # the same with contact: the path may bend by a right angle between them
 
 
 class Jump(ArithmeticError):
-    """The states of a step do not lie on one smooth piece of path: the step is too long or has left its branch."""
+    """The states of a step do not lie on one smooth piece of path: the step is too long or has left its branch.
+
+    Attributes
+    ----------
+    sound : a state within the step up to which they do; None: none is known
+    """
+
+    def __init__(self, reason: str, sound: State | None = None):
+        super().__init__(reason)
+        self.sound = sound
 
 
 class Missed(ArithmeticError):
@@ -64,7 +74,7 @@ class Segment:
             start = None if self.wavering else self.course.at(length, self.states)
             self.tracer.back_to(self.before)
             state = start and self.tracer.attempt(length, start)
-            state = state or self.tracer.attempt(length)
+            state = state or self.tracer.attempt(length, part=1.0 if self.wavering else WITHIN)
             if state is None:
                 raise Missed
             if self._strays(state, guess, left, right):

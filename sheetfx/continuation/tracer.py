@@ -10,7 +10,7 @@ from petsc4py import PETSc
 
 from ..discrete.discretisation import Discretisation
 from ..model.advice import advice_on_supports
-from .arclength import create
+from .arclength import create, fewer_iterations
 from .control import LoadResponse, StepRule
 from .crossings import Uncounted, UnstableModes, first_critical
 from .enforcement import Enforcement
@@ -73,14 +73,16 @@ class Tracer(Measuring):
             return self.monitored(self._response)
         return self.discretisation.load_of_unit() or 0.0
 
-    def attempt(self, length: float, guess: tuple[float, np.ndarray] | None = None) -> State | None:
+    def attempt(self, length: float, guess: tuple[float, np.ndarray] | None = None, part: float = 1.0) -> State | None:
         """Try one step of a given length from the current state; None if it does not converge.
 
         Parameters
         ----------
         guess : increments of the load factor and of the unknowns (this process's part) to begin with
+        part : of the iterations that a step is given
         """
-        return self._attempted(self.control, self.tangent, length, guess)
+        with fewer_iterations(self.snes, part):
+            return self._attempted(self.control, self.tangent, length, guess)
 
     def attempt_along(self, solution: PETSc.Vec, sign: float, length: float) -> State | None:
         """Try one step along a response to the load, or back along it, that is not the one of the current state."""
@@ -92,10 +94,8 @@ class Tracer(Measuring):
         It is given half as many iterations as others.
         """
         tangent = replace(self.tangent, functional=self._monitor)
-        _, _, _, most = self.snes.getTolerances()
-        self.snes.setTolerances(max_it=most // 2)
-        found = self._attempted(control, tangent, length)
-        self.snes.setTolerances(max_it=most)
+        with fewer_iterations(self.snes, 1 / 2):
+            found = self._attempted(control, tangent, length)
         if found is not None:
             x = self.system.create_vector(found.increment)
             self.state = replace(found, length=self.control.measure(self.tangent, x, found.load_increment))

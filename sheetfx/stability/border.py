@@ -64,15 +64,11 @@ class Border:
     def _inverse(self, length: float, vectors: Sequence[PETSc.Vec]) -> tuple[np.ndarray, list[PETSc.Vec]]:
         """The inverse of G at a state, and the solutions K^-1 W Phi."""
         self._tracer.factorise_at(self._segment[length])
-        solutions, inverse = [], np.empty((len(vectors),) * 2)
-        for j, vector in enumerate(vectors):
-            solution = vector.duplicate()
-            with self._tracer.system.clock("solve"):
-                self._tracer.stepper.linear.solve(self._weights * vector, solution)
-            solutions.append(solution)
-            weighted = self._weights * solution
-            inverse[:, j] = [one.dot(weighted) for one in vectors]
-        return inverse, solutions
+        solutions = [vector.duplicate() for vector in vectors]
+        with self._tracer.system.clock("solve"):
+            self._tracer.stepper.linear.solve_all([self._weights * vector for vector in vectors], solutions)
+        weighted = [self._weights * solution for solution in solutions]
+        return np.array([[one.dot(other) for other in weighted] for one in vectors]), solutions
 
     def at(self, length: float) -> np.ndarray:
         """G at a state."""

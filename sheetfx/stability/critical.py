@@ -130,16 +130,17 @@ def state_at(path, before: State, after: State, point: CriticalPoint) -> State:
 
 def _check(segment: Segment) -> None:
     """Look into the middle of pieces that turn, or that the tangents at their ends do not explain or interpolate."""
-    pieces = segment.pairs()
+    pieces = segment.pairs()[::-1]
     while pieces:
         left, right = pieces.pop()
         if not (explained(segment, left, right) and interpolates(segment, left, right)):
+            sound = segment.states[left] if left else None
             if right - left < SHORTEST * segment.after.length:
-                raise Jump("tangents within the step do not explain its load")
+                raise Jump("tangents within the step do not explain its load", sound)
             middle = (left + right) / 2
             if not segment.reach(middle):
-                raise Jump("the middle of the step does not converge")
-            pieces += [(left, middle), (middle, right)]
+                raise Jump("the middle of the step does not converge", sound)
+            pieces += [(middle, right), (left, middle)]
 
 
 def _limit(segment: Segment, length: float, rising: bool) -> tuple[CriticalPoint, State]:

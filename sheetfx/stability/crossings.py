@@ -22,6 +22,7 @@ ALTERNATELY = (0.1, (-1,)), (0.03, (1,)), (0.01, (-1,))  # likewise, first on on
 EXACT, ROUGH = 1e-8, 1e-5  # relative error of the load at which to stop, and which is too large
 SAMPLES = 6  # states that are interpolated between
 CLOSEST = 1e-4  # of a step, piece that is not divided any more
+HALVED = 0.3  # of a step, piece that is not divided any more where vectors miss a mode
 APART = 0.1  # of a piece of path, distance of crossings that are looked for one by one
 EVEN = 0.5  # smaller rate of the load factor over the larger one at the outer samples, where it tells them apart
 DOUBT = 4  # of the last correction of a load, difference from another value of it that shows which one is noise
@@ -58,7 +59,7 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
         If the path does not lead through one of them, or they are not found.
     """
     border, lengths = Border(segment, left, right, count), [left, right]
-    if len(border.numbers) != count and segment.guarded:
+    if len(border.numbers) != count and segment.guarded and right - left < HALVED * segment.after.length:
         raise Jump(f"{count} eigenvalues pass zero in the step, of which {len(border.numbers)} are found")
     if len(border.numbers) != count:
         return _halves(segment, left, right)
@@ -153,7 +154,7 @@ def _counted(segment: Segment, lengths: Sequence[float], roots: np.ndarray) -> b
 
 
 def _halves(segment: Segment, left: float, right: float) -> list[Crossing]:
-    """Crossings between two lengths, with one more state in the middle: for steps that nothing guards, which stay."""
+    """Crossings between two lengths, with one more state in the middle."""
     segment.reach((left + right) / 2)
     return _pieces(segment, left, right)
 

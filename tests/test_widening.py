@@ -1,0 +1,63 @@
+"""Kernels that do several cells at once have the values of those that FFCx writes."""
+
+import numpy as np
+import pytest
+import ufl
+from dolfinx import fem
+from dolfinx.mesh import CellType, create_unit_square
+from mpi4py import MPI
+
+from sheetfx.compat import interpolation_points
+from sheetfx.jit import compiled_expression
+
+POINTS = np.array([[0.2, 0.1], [0.3, 0.4], [0.1, 0.7]])
+
+
+def fields(cell, order=3):
+    """A mesh of 30 or 60 cells with two random fields of unlike elements, and a constant."""
+    mesh, random = create_unit_square(MPI.COMM_SELF, 6, 5, cell), np.random.default_rng(1)
+    found = [fem.Function(fem.functionspace(mesh, element)) for element in (("Lagrange", order, (2,)), ("DG", 1))]
+    for f in found:
+        f.x.array[:] = random.normal(size=len(f.x.array))
+    return mesh, *found, fem.Constant(mesh, (2.5, -1.0))
+
+
+def straight(f, g, k):
+    """Arithmetic, roots and powers, numbers that are the same in all cells, and zeros."""
+    slopes = ufl.grad(f) * k
+    x = ufl.SpatialCoordinate(ufl.domain.extract_unique_domain(f))
+    return ufl.as_vector([f[0] * x[0] + g, ufl.sqrt(f[1] ** 2 + 1), slopes[0] / (2 + slopes[1] ** 2), 3 * k[0], 0 * g])
+
+
+@pytest.mark.parametrize("cell", [CellType.triangle, CellType.quadrilateral])
+@pytest.mark.parametrize("count", [1, 3, 4, 29])
+def test_several_cells_at_once(cell, count):
+    mesh, f, g, k = fields(cell)
+    expression = straight(f, g, k)
+    compiled = compiled_expression(expression, POINTS)
+    assert compiled.several
+    cells = np.random.default_rng(2).permutation(30)[:count].astype(np.int32)
+    usual = fem.Expression(expression, POINTS)
+    assert compiled.eval(mesh, cells).ravel() == pytest.approx(usual.eval(mesh, cells).ravel(), rel=1e-13, abs=1e-13)
+    k.value[:], f.x.array[:] = (1.0, 3.0), 2 * f.x.array
+    assert compiled.eval(mesh, cells).ravel() == pytest.approx(usual.eval(mesh, cells).ravel(), rel=1e-13, abs=1e-13)
+
+
+@pytest.mark.parametrize("expression", [
+    lambda f, g, k: ufl.conditional(ufl.gt(f[0], 0), f[0], g), lambda f, g, k: ufl.sin(f[0]),
+    lambda f, g, k: (2 + ufl.sqrt(f[0] ** 2 + 1)) ** (1 + g ** 2)], ids=["condition", "sine", "power"])
+def test_what_is_not_arithmetic_alone_stays(expression):
+    mesh, f, g, k = fields(CellType.triangle)
+    compiled, cells = compiled_expression(expression(f, g, k), POINTS), np.arange(7, dtype=np.int32)
+    assert not compiled.several
+    assert (compiled.eval(mesh, cells) == fem.Expression(expression(f, g, k), POINTS).eval(mesh, cells)).all()
+
+
+def test_interpolation_goes_cell_by_cell():
+    """DOLFINx calls the kernel of one cell there."""
+    mesh, f, g, k = fields(CellType.triangle)
+    found = [fem.Function(fem.functionspace(mesh, ("DG", 1))) for _ in range(2)]
+    points = interpolation_points(found[0].function_space)
+    for function, compile_it in zip(found, (compiled_expression, fem.Expression), strict=True):
+        function.interpolate(compile_it(f[0] / (1 + g**2), points))
+    assert found[0].x.array == pytest.approx(found[1].x.array, rel=1e-13)
