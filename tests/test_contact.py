@@ -40,9 +40,12 @@ def test_two_zones_in_a_cell():
 
 
 def test_steps_with_contact_cost_what_steps_without_do():
-    """Eliminated contact forces leave three or four iterations to a step; 90 factors were made on this path."""
+    """Eliminated contact forces leave three or four iterations to a step, which begins with the factor of the last one.
+
+    38 factors are made on this path, 46 where each step makes that of its start again.
+    """
     record = trace(arch_case(**COARSE, to=20.0))
-    assert record.path.tracer.total_factorisations < 100
+    assert record.path.tracer.total_factorisations < 43
     assert max(s.iterations for s in record.states) <= 6
     assert np.diff([s.unstable_modes for s in record.states]).sum() == 1, "stable before the maximum, unstable behind"
 

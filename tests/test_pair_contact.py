@@ -210,24 +210,43 @@ def test_light_pressure_does_not_stop_steps():
     assert path.tracer.total_factorisations < 20
 
 
-@pytest.mark.parametrize("friction", [0.0, 0.3])
-def test_leaf_spring(friction):
-    """Two equal leaves clamped at one end touch along their length, without a gap; the upper one is loaded at its tip.
-
-    They touch there alone: each carries half of the load, and friction bends them by its arm, which takes 3/4 of its
-    coefficient times depth over length off the deflection (bending alone; shear adds a thousandth).
-    """
-    length, depth, load = 1.0, 0.05, 0.05
+def leaf_spring(friction, load, enforcement="penalty"):
+    """Two equal leaves clamped at one end touch along their length, without a gap; the upper one's tip is loaded."""
+    length, depth = 1.0, 0.05
     upper, lower = (line(n, (0.0, y), (length, y)) for n, y in ((8, depth), (10, 0.0)))
     leaves = [fx.Beam(m, section=fx.Rectangle(0.1, depth), material=fx.Elastic(1.2e6, 0.0)) for m in (upper, lower)]
-    touch = fx.PairContact(upper, "bar", (lower, None), friction=friction, reach=0.06, toward=(0.0, -1.0))
+    touch = fx.PairContact(upper, "bar", (lower, None), friction=friction, reach=0.06, toward=(0.0, -1.0),
+                           enforcement=enforcement)
     scene = fx.Scene(leaves, [fx.clamp(m, "start") for m in (upper, lower)],
                      [fx.PointForce(upper, "end", (0.0, -load))],
                      fx.Monitor(upper, "end", "y", -1.0), joints=[touch])
-    last = fx.trace(fx.Case(scene, until=fx.Until(load=load))).states[-1]
+    return fx.trace(fx.Case(scene, until=fx.Until(load=load)))
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_leaf_spring(friction):
+    """They touch at the tip alone: each leaf carries half of the load.
+
+    Friction bends them by its arm, which takes 3/4 of its coefficient times depth over length off the deflection
+    (bending alone; shear adds a thousandth).
+    """
+    length, depth, load = 1.0, 0.05, 0.05
+    last = leaf_spring(friction, load).states[-1]
     bending = load * length**3 / (6 * 1.2e6 * 0.1 * depth**3 / 12)
     assert last.load == pytest.approx(load)
     assert last.deflection == pytest.approx(bending * (1 - 0.75 * friction * depth / length), rel=2e-3)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_condensed_pairs_take_fewer_factorisations(friction):
+    """All pairs of the leaves close, open and slip at once: 13 factorisations in the place of 49 and 53.
+
+    Where the leaves end does not depend on how it is found; both are in balance to 1e-8.
+    """
+    plain, condensed = (leaf_spring(friction, 0.05, enforcement) for enforcement in ("penalty", "condensed"))
+    assert condensed.states[-1].deflection == pytest.approx(plain.states[-1].deflection, rel=1e-7)
+    spent = [record.path.tracer.total_factorisations for record in (plain, condensed)]
+    assert spent[1] < spent[0] / 2
 
 
 def test_path_turns_back_where_a_prop_lets_go():

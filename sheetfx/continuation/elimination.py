@@ -16,13 +16,14 @@ from collections.abc import Sequence
 
 import numpy as np
 from petsc4py import PETSc
+from scipy.sparse import csr_matrix
 
 from ..discrete.system import System
 from .linear import DirectSolver
 
-MOST = 300  # entries that are eliminated
 ITERATIONS = 25  # at each thickness
-LOOSE, EXACT = 1e-2, 1e-5  # error of contact forces over the load, from which one correction more is enough
+LOOSE = 1e-2  # error of contact forces over the load, from which one correction more is enough on the way
+CYCLING = 0.9  # error over that of two corrections before, from which half of a correction is taken
 NEAR = 0.1  # the same, of a plain step, from which no approach is needed
 
 
@@ -33,7 +34,14 @@ class Elimination:
     ----------
     regularise : function of the multiple of the regularisation
     multiples : through which solutions are approached, the last one is 1
+
+    Attributes
+    ----------
+    most : rows that are eliminated
+    exact : error of contact forces over the load, from which one correction more is enough
     """
+
+    most, exact = 300, 1e-5
 
     def __init__(self, system: System, linear: DirectSolver, regularise, multiples: Sequence[float]):
         self._system, self._linear, self._regularise, self._multiples = system, linear, regularise, multiples
@@ -59,7 +67,7 @@ class Elimination:
         system.configure(x, factor)
         self._x, self._factor, self._base, self._size = x, factor, step.array.copy(), size
         self._unit, self._normal = unit, normal
-        self._before, self._stiff = self._forces(), system.tangent_of_steep()
+        self._linearise()
         self._rows, self._loads = np.empty(0, dtype=np.int64), np.empty(0)
         self._columns = np.empty((len(self._base), 0))
         forces = self._solve()
@@ -68,6 +76,10 @@ class Elimination:
             raise ArithmeticError("contact forces are not found")
         step.array[:] = self._moved(forces)
         return -float(self._loads @ forces)
+
+    def _linearise(self) -> None:
+        """Take forces and stiffness as they are."""
+        self._before, self._stiff = self._forces(), self._system.tangent_of_steep()
 
     def _forces(self) -> np.ndarray:
         self._system.residual_of(self._system.steep, self._out)
@@ -79,14 +91,14 @@ class Elimination:
         if remainder is None:
             return None
         size = np.linalg.norm(remainder) / self._size
-        if size <= EXACT:
+        if size <= self.exact:
             return np.zeros(len(self._rows))
         sequences = [self._multiples, [1.0]]
         for multiples in sequences[::-1] if size < NEAR else sequences[:1]:
             forces = np.zeros(len(self._rows))
             for times in multiples:
                 self._regularise(times)
-                forces = self._converge(forces, EXACT if times == multiples[-1] else LOOSE)
+                forces = self._converge(forces, self.exact if times == multiples[-1] else LOOSE)
                 if forces is None:
                     break
             self._regularise(1.0)
@@ -96,22 +108,24 @@ class Elimination:
 
     def _converge(self, forces: np.ndarray, exact: float) -> np.ndarray | None:
         """Newton's iteration for the remaining forces at one thickness."""
+        errors: list[float] = []
         for _ in range(ITERATIONS):
             remainder = self._remainder(self._moved(forces))
             if remainder is None:
                 return None
             forces = np.concatenate([forces, np.zeros(len(self._rows) - len(forces))])
             off = remainder - forces
-            rows = np.ix_(self._rows, self._rows)
-            change = (self._system.tangent_of_steep() - self._stiff)[rows].toarray()
+            change = self._stiffened()[np.ix_(self._rows, self._rows)].toarray()
             try:
-                correction = np.linalg.solve(np.eye(len(off)) + change @ self._columns[self._rows], off)
+                correction = np.linalg.solve(np.eye(len(off)) + change @ self._flexibility(), off)
             except np.linalg.LinAlgError:
                 return None
-            forces = forces + correction
+            errors.append(float(np.linalg.norm(off)))
+            cycles = len(errors) > 2 and errors[-1] > CYCLING * errors[-3]
+            forces = forces + (0.5 if cycles else 1.0) * correction
             if not np.isfinite(correction).all():
                 return None
-            if np.linalg.norm(off) <= exact * self._size:
+            if errors[-1] <= exact * self._size:
                 return forces
         return None
 
@@ -123,25 +137,43 @@ class Elimination:
 
         None: these are too many.
         """
+        beyond = self._beyond(step)
+        new = np.setdiff1d(np.flatnonzero(beyond), self._rows)
+        if len(self._rows) + len(new) > self.most:
+            return None
+        if len(new):
+            self._rows = np.concatenate([self._rows, new])
+            columns, loads = self._responses(self._units(new))
+            self._columns, self._loads = np.hstack([self._columns, columns]), np.append(self._loads, loads)
+        return beyond[self._rows]
+
+    def _beyond(self, step: np.ndarray) -> np.ndarray:
+        """Forces after a step beyond those that are linear in it, at all rows there are."""
         system, trial = self._system, self._trial
         self._x.copy(trial)
         self._column.array[:] = step
         system.retract(trial, self._column)
         system.configure(trial, self._factor)
-        beyond = self._forces() - self._before - self._stiff @ step
-        new = np.setdiff1d(np.flatnonzero(beyond), self._rows)
-        if len(self._rows) + len(new) > MOST:
-            return None
-        if len(new):
-            self._rows = np.concatenate([self._rows, new])
-            columns, loads = self._responses(new)
-            self._columns, self._loads = np.hstack([self._columns, columns]), np.append(self._loads, loads)
-        return beyond[self._rows]
+        return self._forces() - self._before - self._stiff @ step
 
-    def _responses(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Responses to unit forces at rows that keep to the control's equation, and the changes of load in them."""
-        columns, (along, of_load) = self._linear.responses(rows), self._normal
+    def _stiffened(self) -> csr_matrix:
+        """Stiffness after the last step that was tried, less that before."""
+        return self._system.tangent_of_steep() - self._stiff
+
+    def _units(self, rows: np.ndarray) -> np.ndarray:
+        """Unit forces at rows, as columns."""
+        units = np.zeros((len(self._base), len(rows)), order="F")
+        units[rows, np.arange(len(rows))] = 1.0
+        return units
+
+    def _flexibility(self) -> np.ndarray:
+        """Motions at the rows by unit forces at them."""
+        return self._columns[self._rows]
+
+    def _responses(self, units: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Responses to forces that keep to the control's equation, and the changes of load in them."""
+        columns, (along, of_load) = self._linear.responses(units), self._normal
         if along is None:
-            return columns, np.zeros(len(rows))
+            return columns, np.zeros(units.shape[1])
         loads = -(along.array @ columns) / (along.dot(self._unit) + of_load)
         return columns + np.outer(self._unit.array, loads), loads

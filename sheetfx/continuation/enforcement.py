@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from ..discrete.system import System
+from .condensation import Condensation
 from .elimination import Elimination
 from .linear import DirectSolver
 
@@ -17,6 +18,8 @@ class Enforcement:
     def __init__(self, system: System):
         self._system = system
         self._rough = [c for c in system.contributions if not c.smooth]
+        self._condenses = bool(self._rough) and all(c.condenses for c in self._rough)
+        self._eliminates = self._condenses or (bool(self._rough) and all(c.steep for c in self._rough))
 
     def approaches(self, eliminates: bool, again: bool, begins: bool) -> list[tuple[bool, list[float]]]:
         """Ways to try: whether contact forces are eliminated, and multiples of the regularisation, the last one is 1.
@@ -32,13 +35,14 @@ class Enforcement:
         ways = [(False, self._multiples), (False, [1.0])] if len(self._multiples) > 1 else [(False, [1.0])]
         if again and begins and len(self._detours) > 1:
             ways += [(False, self._detours)]
-        if not (eliminates and self._system.steep and all(c.steep for c in self._rough)):
+        if not (eliminates and self._eliminates):
             return ways
-        return [(True, [1.0]), *(ways if again else [])]
+        return [(True, [1.0]), *(ways if again or self._condenses else [])]
 
     def elimination(self, linear: DirectSolver) -> Elimination:
         """Solver for the contact forces within iterations that use a factor."""
-        return Elimination(self._system, linear, self.regularise, self._multiples)
+        kind = Condensation if self._condenses else Elimination
+        return kind(self._system, linear, self.regularise, self._multiples)
 
     @property
     def _detours(self) -> list[float]:

@@ -88,22 +88,16 @@ class DirectSolver:
             for right, solution in zip(rights, solutions, strict=True):
                 self.solve(right, solution)
             return
-        found = self._solved(np.column_stack([right.array_r for right in rights]))
+        found = self.responses(np.column_stack([right.array_r for right in rights]))
         for solution, column in zip(solutions, found.T, strict=True):
             solution.array[:] = column
 
-    def _solved(self, rights: np.ndarray) -> np.ndarray:
+    def responses(self, rights: np.ndarray) -> np.ndarray:
         """Solutions for the columns of an array, as columns, on one process."""
         arrays = np.asfortranarray(rights), np.empty_like(rights, order="F")
         right, solutions = (PETSc.Mat().createDense(rights.shape, array=a, comm=self.ksp.comm) for a in arrays)
         self.ksp.getPC().getFactorMatrix().matSolve(right, solutions)
         return solutions.getDenseArray().copy()
-
-    def responses(self, rows: np.ndarray) -> np.ndarray:
-        """Solutions for unit forces at some rows, as columns, on one process."""
-        units = np.zeros((self.matrix.getSize()[0], len(rows)), order="F")
-        units[rows, np.arange(len(rows))] = 1.0
-        return self._solved(units)
 
     def solve_transposed(self, right: PETSc.Vec, solution: PETSc.Vec) -> None:
         self.ksp.getPC().applyTranspose(right, solution)

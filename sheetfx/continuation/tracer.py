@@ -48,7 +48,7 @@ class Tracer(Measuring):
         self._reference: tuple[float, float] | None = None
         self._stuck: State | None = None
         self.iterations, self._most, self.failure = 0, 0, ""
-        self._factored: tuple[State | None, int] = None, 0
+        self._factored: tuple[np.ndarray | None, int] = None, 0
         self._count = UnstableModes(self.system, self.stepper.linear)
         self.system.history.rebase()
         try:
@@ -59,6 +59,7 @@ class Tracer(Measuring):
         except SingularTangent:
             raise ValueError("the unloaded structure can move freely (its tangent is singular): "
                              + advice_on_supports(discretisation.scene)) from None
+        self._mark_factored()
         self._choose_first_length()
         self.state = replace(self.state, next_length=self.first)
 
@@ -217,13 +218,13 @@ class Tracer(Measuring):
         if self.state is not state:
             self.back_to(state)
         factored, count = self._factored
-        if factored is not state or count != self.total_factorisations:
+        if factored is not state.response or count != self.total_factorisations:
             self._respond()
             self._mark_factored()
 
     def _mark_factored(self) -> None:
-        """Remember that the last factor is that of the current state."""
-        self._factored = self.state, self.total_factorisations
+        """Remember that the last factor is that of the current state, which gave its response."""
+        self._factored = self.state.response, self.total_factorisations
 
     def spectrum(self, count: int, tolerance: float = 1e-12) -> tuple[list[float], list[PETSc.Vec]]:
         """Eigenvalues of the last factored tangent nearest to zero in the scaled inner product, and modes."""

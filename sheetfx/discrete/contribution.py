@@ -71,10 +71,12 @@ class Contribution:
     detours : those through which a first step's is that fails otherwise, however short
     steep : whether its forces change with motions that are far smaller than those of a step, but act on few unknowns at
         a time: each Newton iteration then finds them exactly, see `continuation.elimination`
+    condenses : whether it says how its forces follow from a few gaps and slips, on which each Newton iteration then
+        finds them, see `continuation.condensation`
     """
 
     smooth = conservative = True
-    steep = False
+    steep = condenses = False
     without_descent = ""
     moved = gives_moments = remembers = history_moved = False
     stage: int | None = None

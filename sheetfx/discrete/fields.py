@@ -16,6 +16,7 @@ from ..mesh.projection import Cells, cells_at
 from ..mesh.reader import NamedMesh
 from ..mesh.samples import Samples
 from ..model.scene import Scene
+from .condensed_pairs import CondensedPairs
 from .kinematics import Kinematics, kinematics_of
 from .load_factors import LoadFactors
 from .nodal_field import AdditiveField
@@ -265,7 +266,8 @@ class Fields:
             field, cells = self._field(to, QUANTITIES[0]), Cells(to, cells_at(*owner.to))
             partner = Partners(field, self.unknowns.fields.index(field), cells,
                                np.searchsorted(cells.cells, second.cells), second.reference)
-        return PairWork(self.unknowns, traces, partner, Pairs(first.places, **how), owner, self._unique("contact"))
+        kind = CondensedPairs if owner.enforcement == "condensed" else PairWork
+        return kind(self.unknowns, traces, partner, Pairs(first.places, **how), owner, self._unique("contact"))
 
     def surface_work(self, owner, samples: Samples, second: tuple, how: dict) -> SurfaceWork:
         """Contact of points with surfaces.

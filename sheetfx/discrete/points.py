@@ -129,12 +129,15 @@ class PointWork(Contribution):
         return groups
 
     def pattern(self, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
-        chosen = [layout.free_numbers[field][nodes[self._stiff]] for field, nodes, _ in self._groups()]
-        numbers = np.concatenate([n.reshape(len(n), n.shape[1] * n.shape[2]) for n in chosen], axis=1)
-        own, self._same = np.unique(numbers, axis=0, return_inverse=True)
+        own, self._same = np.unique(self._numbers(layout)[self._stiff], axis=0, return_inverse=True)
         self._same = self._same.ravel()
         shape = (*own.shape, own.shape[1])
         return np.broadcast_to(own[:, :, None], shape).ravel(), np.broadcast_to(own[:, None, :], shape).ravel()
+
+    def _numbers(self, layout: Layout) -> np.ndarray:
+        """Numbers of the increments that points depend on, in the order of `_derivatives`, (points, increments)."""
+        chosen = [layout.free_numbers[field][nodes] for field, nodes, _ in self._groups()]
+        return np.concatenate([n.reshape(len(n), n.shape[1] * n.shape[2]) for n in chosen], axis=1)
 
     def extrapolate_stress(self) -> None:
         held = self._unknowns.changes
@@ -198,7 +201,8 @@ class PointLaw:
         self._constant = fem.Constant(mesh, 0.0)
         self._z = self._on_cells(self._size)
         constants = self._data = [self._on_cells(d.shape[1], d) for d in data]
-        z, now = ufl.variable(self._z), ufl.variable(self._constant)
+        z = self._variable = ufl.variable(self._z)
+        now = ufl.variable(self._constant)
         ends = np.cumsum(sizes)
         values = [ufl.as_vector([z[int(i)] for i in range(end - size, end)]) for end, size in zip(ends, sizes,
                                                                                                   strict=True)]
@@ -208,7 +212,7 @@ class PointLaw:
         self._change, self._held = self._on_cells(self._size), self._on_cells(e.ufl_shape[0])
         force, held = (ufl.as_vector(s[i] * slopes[i, j], j) for s in (resultants, self._held))
         material = ufl.as_matrix(ufl.diff(resultants, z)[i, j] * slopes[i, k], (k, j))
-        self._strains = self._expression(e)
+        self._strains, self._measure, self._law = self._expression(e), e, law
         self._force, self._holding = self._expression(force), self._expression(held)
         self._stiffness = self._expression(material + ufl.diff(held, z))
         self._resultants = self._expression(resultants + ufl.dot(ufl.diff(resultants, z), self._change))
@@ -292,6 +296,24 @@ class PointLaw:
             return np.zeros((0, self._size)), np.zeros((0, self._size, self._size))
         self._put(self._held, resultants)
         return self._weighted(self._holding, z, self._size), self._weighted(self._stiffness, z, self._size, self._size)
+
+    @cached_property
+    def _of_strains(self) -> list[fem.Expression | None]:
+        """Derivatives of strains by z, then resultants and moduli as functions of strains that are given."""
+        given = ufl.variable(self._held)
+        resultants = self._law(given)
+        return [self._expression(e) for e in (
+            ufl.diff(self._measure, self._variable), resultants, ufl.diff(resultants, given))]
+
+    def slopes(self, z: np.ndarray) -> np.ndarray:
+        """Derivatives of the strains at z, shape (points, strains, m)."""
+        return self._evaluate(self._of_strains[0], z, self._held.function_space.dofmap.bs, self._size)
+
+    def at_strains(self, strains: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Resultants and moduli of given strains, times the weights."""
+        self._put(self._held, strains)
+        size = strains.shape[1]
+        return self._weighted(self._of_strains[1], z, size), self._weighted(self._of_strains[2], z, size, size)
 
     @cached_property
     def _energy(self) -> fem.Expression | None:

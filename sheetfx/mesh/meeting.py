@@ -260,8 +260,8 @@ def _way(part: Cells, piece: Piece, pair: _Pair) -> list[tuple[float, int]]:
         pair.check(point, [distances])
         t = _leaves(part, int(cells[0]), piece, ahead, part.sizes[cells[0]] / pace / 2)
         way.append((t, int(cells[0])))
-    point = piece.places(np.array([1.0]))
-    pair.check(point, [part.closest(point)[2]])
+    end = piece.places(np.array([1.0]))
+    pair.check(end, [np.linalg.norm(part.places(cells, part.nearest(cells, end)) - end, axis=1)])
     return way
 
 

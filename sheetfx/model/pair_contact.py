@@ -20,6 +20,7 @@ from .joints import Joint
 from .places import Place, each_of, meeting_of, require_places, title_of
 
 FACES = "seat", "butt"
+ENFORCEMENTS = "penalty", "uzawa", "condensed"
 PARALLEL = 1e-9  # sine of an angle, or an arm over the size of the mesh, that gives no direction
 POINTS = 3  # on each piece of a line
 STIFF = 10.0  # pressure per penetration, over the membrane stiffness of the softer part and the size of its cells
@@ -54,7 +55,8 @@ class PairContact(Joint):
     tangential : stiffness against slip before the cone is reached; None: a hundredth of `stiffness`, with which
         Newton's steps do not jump from slip to slip the other way
     enforcement : "penalty", or "uzawa": pressures are augmented until no pair penetrates by more than a millionth of
-        a cell
+        a cell; or "condensed": those of the penalty, found within each Newton iteration on the flexibility of the
+        structure at the pairs that open, close or slip, which pays where the stiffness is high
     law : function like `forms.contact.mohr_coulomb`
     reach : distance between the lines of both parts that may be filled
     name : what messages call it
@@ -73,7 +75,7 @@ class PairContact(Joint):
     pairs: Count | None = None
     stiffness: Positive | None = None
     tangential: Positive | None = None
-    enforcement: Annotated[str, Choice(("penalty", "uzawa"))] = "penalty"
+    enforcement: Annotated[str, Choice(ENFORCEMENTS)] = "penalty"
     law: Callable = forms.contact.mohr_coulomb
     reach: NotNegative = 0.0
     name: str = field(default="PairContact", kw_only=True)

@@ -25,6 +25,7 @@ from ..mesh.reader import NamedMesh, read
 from ..model.beam import Beam
 from ..model.joints import Compatible, Joint
 from ..model.loads import PointForce
+from ..model.pair_contact import ENFORCEMENTS
 from ..model.plate import Plate
 from ..model.scene import Monitor, Scene
 from ..model.section import Elastic, Flanged, Tube, effective_width
@@ -91,8 +92,8 @@ def case(
     stiffness: Annotated[float | None, POSITIVE,
                          Option(help="of a pair, N/mm, or without --pairs of contact, N/mm for each mm of edge; "
                                      "default by the panels' own")] = None,
-    enforcement: Annotated[str, Choice(("penalty", "uzawa")),
-                           Option(help="of contact: `penalty` or `uzawa`")] = "penalty",
+    enforcement: Annotated[str, Choice(ENFORCEMENTS),
+                           Option(help="of contact: `penalty`, `uzawa` or `condensed`")] = "penalty",
     to: Annotated[float, POSITIVE, Option(help="deflection of the apex at which the path ends, mm")] = 45.0,
     step: Annotated[float | None, POSITIVE, Option(help="first arc length; default chosen by the structure")] = None,
 ) -> Case:

@@ -1,0 +1,44 @@
+"""Pairs whose forces are found on the flexibility of the structure, see `continuation.condensation`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from scipy.sparse import bsr_matrix, csr_matrix
+
+from .layout import Layout
+from .pair_work import PairWork
+
+
+class CondensedPairs(PairWork):
+    """Virtual work of pairs that also tells gaps and slips apart from the law in them."""
+
+    condenses = True
+
+    def pattern(self, layout: Layout):
+        self._layout = layout
+        return super().pattern(layout)
+
+    def motions(self) -> csr_matrix:
+        """Derivatives of gaps and slips by increments, pair by pair, on one process."""
+        matrix = self._law.slopes(self.values())[:, :1 + self._slips] @ self._derivatives()
+        count = matrix.shape[0] * matrix.shape[1]
+        columns = np.broadcast_to(self._numbers(self._layout)[:, None, :], matrix.shape)
+        rows = np.broadcast_to(np.arange(count).reshape(*matrix.shape[:2], 1), matrix.shape)
+        free = columns >= 0
+        return csr_matrix((matrix[free], (rows[free], columns[free])), shape=(count, self._layout.size))
+
+    def law_of_changes(self) -> Callable[[np.ndarray], tuple[np.ndarray, bsr_matrix]]:
+        """Function from changes of gaps and slips to forces on these, and their derivatives; partners stay."""
+        z, own = self.values(), 1 + self._slips
+        strains = self._law.strains(z)
+
+        def law(changes: np.ndarray) -> tuple[np.ndarray, bsr_matrix]:
+            changed = strains.copy()
+            changed[:, :own] += changes.reshape(-1, own)
+            forces, moduli = self._law.at_strains(changed, z)
+            every = np.arange(len(strains) + 1)
+            return forces[:, :own].ravel(), bsr_matrix((moduli[:, :own, :own], every[:-1], every))
+
+        return law
