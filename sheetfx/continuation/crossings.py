@@ -25,7 +25,7 @@ from .linear import DirectSolver
 from .state import State
 
 PREFIX = "sheetfx_crossings_"
-FEW, MANY = 6, 48  # eigenvalues that are looked for, at first and at most
+FEW, MANY = 6, 48  # eigenvalues that are looked for: those that change most, and at most of those that pass zero
 REAL = 1e-5  # imaginary over real part of what counts as real: double eigenvalues split by rounding
 ALIKE = 1e-9  # of estimates that steps hang on, so that any number of processes takes the same steps
 CLOSE = 1e-3  # relative difference of eigenvalues whose directions are found together
@@ -157,10 +157,10 @@ def crossings(solver: DirectSolver, earlier: PETSc.Mat, weights: PETSc.Vec, sign
     if not change.norm() > 0:
         return 0
     size = change.getSize()[0]
-    asked = min(FEW, size)
+    asked = 1
     eps = _solver(solver, change, asked)
     values = _values(eps)
-    while asked == len(values) < min(MANY, size) and values.real.min() >= 1:
+    while asked <= len(values) < min(MANY, size) and values.real.min() >= 1:
         asked = min(2 * asked, MANY, size)
         eps = _solver(solver, change, asked)
         values = _values(eps)
