@@ -67,13 +67,14 @@ class PathStep:
     behind : length of the corrections since the factor at hand was made, of the tangent near a guess; infinite: it was
         not
     elimination : of contact forces from each step; None: they are part of the iteration
+    viscosity : of forces against the increments, in the inner product's weights: those of a step of a slow motion
     """
 
     def __init__(self):
         self.system = None
         self.control: StepRule | None = None
         self.history: list[float] = []
-        self.start = self.load_increment = self.rounding = 0.0
+        self.start = self.load_increment = self.rounding = self.viscosity = 0.0
         self.behind = inf
         self.elimination: Elimination | None = None
 
@@ -83,12 +84,19 @@ class PathStep:
         self._residual, self._load = system.create_vector(), system.create_vector()
         self._part, self._step, self._unit, self._answered = (system.create_vector() for _ in range(4))
         snes.setFunction(self._evaluate, self._residual)
-        snes.setJacobian(lambda snes, x, a, p: system.tangent(), system.matrix)
+        snes.setJacobian(lambda snes, x, a, p: self._linearise(), system.matrix)
         self.linear = DirectSolver(snes.getKSP(), system.matrix, system.conservative)
 
     def _evaluate(self, snes, x, out) -> None:
         self.system.configure(x, self.factor_now)
         self.system.residual(out)
+        if self.viscosity:
+            out.axpy(self.viscosity, self.system.weights * x)
+
+    def _linearise(self) -> None:
+        matrix = self.system.tangent()
+        if self.viscosity:
+            matrix.setDiagonal(matrix.getDiagonal() + self.viscosity * self.system.weights)
 
     @property
     def factor_now(self) -> float:

@@ -5,6 +5,11 @@ determinant, which pairs of eigenvalues leave as it was. Between two tangents K0
 those that pass zero are the real eigenvalues s between 0 and 1 of K0 + s (K1 - K0), which the factor of K1 finds: for a
 symmetric pencil Sylvester's law of inertia gives the same count.
 
+With Coulomb friction tangents jump where something begins or ceases to touch or to slip. There the other tangent is
+that of the same state with which all that touches sticks: it is symmetric, so that its inertia is known, and slipping
+changes it in few columns. (The symmetric part of the tangent is no help: pressure k g and traction mu k g make a matrix
+of the normal stiffness k whose symmetric part is indefinite as soon as anything slips, however stable the structure.)
+
 The SLEPc solver takes the prefix `sheetfx_crossings_`.
 """
 
@@ -17,11 +22,10 @@ from petsc4py import PETSc
 from slepc4py import SLEPc
 
 from .linear import DirectSolver
-from .spectrum import about_zero
 from .state import State
 
 PREFIX = "sheetfx_crossings_"
-FEW, MANY = 6, 48  # eigenvalues that are looked for, at first and at most
+FEW, MANY = 6, 48  # eigenvalues that are looked for: those that change most, and at most of those that pass zero
 REAL = 1e-5  # imaginary over real part of what counts as real: double eigenvalues split by rounding
 ALIKE = 1e-9  # of estimates that steps hang on, so that any number of processes takes the same steps
 CLOSE = 1e-3  # relative difference of eigenvalues whose directions are found together
@@ -41,7 +45,7 @@ class UnstableModes:
 
     def __init__(self, system, linear: DirectSolver):
         self._system, self._linear = system, linear
-        self._counts = system.smooth and not system.conservative
+        self._counts, self._sticks = system.smooth and not system.conservative, can_stick(system)
         self._start: State | None = None
         self._tangent: PETSc.Mat | None = None
         self.critical: State | None = None
@@ -58,7 +62,7 @@ class UnstableModes:
         system.configure(increment, present)
 
     def of_present(self, start: State | None, determinant: int | None) -> int | None:
-        """Number for the tangent that is factored; None: not known, as with friction, whose tangents waver.
+        """Number for the tangent that is factored; None: not known.
 
         Parameters
         ----------
@@ -72,6 +76,8 @@ class UnstableModes:
         if self._system.conservative:
             pivots = self._linear.negative_pivots()
             return None if pivots is None else pivots - self._system.multipliers
+        if self._sticks and determinant is not None:
+            return self._beside_sticking(determinant)
         if not self._counts or determinant is None:
             return None
         if start is None:
@@ -81,6 +87,32 @@ class UnstableModes:
             return None
         return before.unstable_modes + crossings(self._linear, self._tangent, self._system.weights,
                                                  determinant * before.determinant_sign)
+
+    def _beside_sticking(self, determinant: int) -> int:
+        """Number for the tangent that is factored, from that of the one with which all that touches sticks."""
+        system = self._system
+        earlier = sticking_tangent(system)
+        solver = DirectSolver(PETSc.KSP().create(system.comm), earlier, symmetric=True)
+        solver.factorise()
+        pivots = solver.negative_pivots() - system.multipliers
+        return pivots + crossings(self._linear, earlier, system.weights, determinant * (-1) ** pivots)
+
+
+def can_stick(system) -> bool:
+    """Whether all that has no potential is friction between parts, which has one where it sticks."""
+    return not system.conservative and all(c.conservative or c.sticks for c in system.contributions)
+
+
+def sticking_tangent(system) -> PETSc.Mat:
+    """The tangent of a system as if all that touches stuck where it is; that of the system stays as it is."""
+    present = system.matrix.copy()
+    for contribution in system.contributions:
+        contribution.stick()
+    sticking = system.tangent().copy()
+    for contribution in system.contributions:
+        contribution.release()
+    present.copy(system.matrix)
+    return sticking
 
 
 def first_critical(system, linear: DirectSolver, response: PETSc.Vec, ahead: float) -> float:
@@ -125,15 +157,15 @@ def crossings(solver: DirectSolver, earlier: PETSc.Mat, weights: PETSc.Vec, sign
     if not change.norm() > 0:
         return 0
     size = change.getSize()[0]
-    asked = min(FEW, size)
+    asked = 1
     eps = _solver(solver, change, asked)
-    values = _reciprocal(eps)
-    while asked == len(values) < min(MANY, size) and np.abs(values).min() >= 1:
+    values = _values(eps)
+    while asked <= len(values) < min(MANY, size) and values.real.min() >= 1:
         asked = min(2 * asked, MANY, size)
         eps = _solver(solver, change, asked)
-        values = _reciprocal(eps)
+        values = _values(eps)
     passed = [v for v in values if _passes(v)]
-    too_many = len(values) >= MANY and np.abs(values).min() >= 1
+    too_many = len(values) >= MANY and values.real.min() >= 1
     if too_many or (-1) ** len(passed) != signs:
         raise Uncounted("the tangent changes too much for the eigenvalues that pass zero to be counted")
     return _towards_negative(eps, solver, change, weights, asked) if passed else 0
@@ -147,7 +179,7 @@ def first_passing(solver: DirectSolver, change: PETSc.Mat) -> float:
     """
     if not change.norm() > 0:
         return inf
-    values = _reciprocal(_solver(solver, change, FEW, ALIKE))
+    values = _values(_solver(solver, change, FEW, ALIKE, SLEPc.EPS.Which.LARGEST_MAGNITUDE))
     fastest = max((-values.real) if solver.symmetric else np.abs(values))
     return 1 / fastest if fastest > 0 else inf
 
@@ -157,21 +189,38 @@ def _passes(value: complex) -> bool:
     return value.real > 1 and abs(value.imag) <= REAL * value.real
 
 
-def _solver(solver: DirectSolver | _Transposed, change: PETSc.Mat, count: int, tolerance: float = 1e-6) -> SLEPc.EPS:
-    """Solved eigenproblem K1 mode = (1 - s) (K1 - K0) mode for the values nearest to zero."""
-    eps = about_zero(solver, change, PREFIX)
-    eps.setProblemType(SLEPc.EPS.ProblemType.GNHEP)
+def _solver(solver: DirectSolver | _Transposed, change: PETSc.Mat, count: int, tolerance: float = 1e-6,
+            which=SLEPc.EPS.Which.LARGEST_REAL) -> SLEPc.EPS:
+    """Solved eigenproblem K1^-1 (K1 - K0) mode = mode / (1 - s)."""
+    eps = SLEPc.EPS().create(change.comm)
+    eps.setOptionsPrefix(PREFIX)
+    eps.setOperators(PETSc.Mat().createPython(change.getSizes(), _Change(solver, change), comm=change.comm))
+    eps.setProblemType(SLEPc.EPS.ProblemType.NHEP)
+    eps.setWhichEigenpairs(which)
     eps.setDimensions(count, min(max(2 * count + 8, 20), change.getSize()[0]))
     eps.setTolerances(tolerance, 30)
+    if which == SLEPc.EPS.Which.LARGEST_REAL:
+        eps.setConvergenceTest(SLEPc.EPS.Conv.ABS)
     eps.setFromOptions()
     eps.solve()
     return eps
 
 
-def _reciprocal(eps: SLEPc.EPS) -> np.ndarray:
+class _Change:
+    """The change of a tangent, relative to the tangent."""
+
+    def __init__(self, solver: DirectSolver | _Transposed, change: PETSc.Mat):
+        self._solver, self._change, self._right = solver, change, change.createVecLeft()
+
+    def mult(self, matrix, vector, out) -> None:
+        self._change.mult(vector, self._right)
+        self._solver.solve(self._right, out)
+
+
+def _values(eps: SLEPc.EPS) -> np.ndarray:
     """1 / (1 - s) for each eigenvalue found."""
     values = np.array([eps.getEigenvalue(i) for i in range(eps.getConverged())], dtype=complex)
-    return 1 / values if len(values) else np.zeros(1)
+    return values if len(values) else np.zeros(1)
 
 
 def _towards_negative(eps: SLEPc.EPS, solver: DirectSolver, change: PETSc.Mat, weights: PETSc.Vec, asked: int) -> int:
@@ -197,7 +246,7 @@ def _towards_negative(eps: SLEPc.EPS, solver: DirectSolver, change: PETSc.Mat, w
 def _modes(eps: SLEPc.EPS) -> list[tuple[complex, PETSc.Vec]]:
     """1 / (1 - s) for each eigenvalue found, by their real parts, and modes; of a pair both parts of one."""
     found = []
-    for i, value in enumerate(_reciprocal(eps)):
+    for i, value in enumerate(_values(eps)):
         real, imaginary = eps.getOperators()[0].createVecs()
         eps.getEigenvector(i, real, imaginary)
         found.append((complex(value), imaginary if value.imag > 0 else real))

@@ -26,9 +26,10 @@ class CriticalPoint:
     length : of that step up to the point, in the measure of the control
     multiplicity : number of null vectors of the tangent
     name : "maximum" or "minimum" of the load; "asymmetric", "stable symmetric", "unstable symmetric" or "multiple"
-        bifurcation, "comparison solid" where points have yielded (Hill 1958: the tangent is that of loading); "begins"
-        or "ends" of flutter; the name of an event; "" where the tangent is not symmetric or there is contact, and the
-        energy has no variations
+        bifurcation, "comparison solid" where points have yielded (Hill 1958: the tangent is that of loading), "corner"
+        where something begins or ceases to touch or to slip, and eigenvalues jump past zero; "begins" or "ends" of
+        flutter; the name of an event; "" where the tangent is not symmetric or there is contact, and the energy has no
+        variations
     slope, curvature : Koiter's a and b of a simple bifurcation, factor = critical factor (1 + a xi + b xi^2), where the
         load factor is that of forces or of a prescribed motion, and xi is the mode's largest displacement, its largest
         component being positive; None: not known
@@ -53,7 +54,8 @@ class CriticalPoint:
         if self.kind == "event":
             return self.name
         if self.spread:
-            return (f"{self.kind} points (at least {self.multiplicity}, not told apart, between the loads "
+            where = "at a corner" if self.name == "corner" else "not told apart"
+            return (f"{self.kind} points (at least {self.multiplicity}, {where}, between the loads "
                     f"{self.spread[0]:.8g} and {self.spread[1]:.8g})")
         name = f"{self.multiplicity}-fold" if self.multiplicity > 1 else self.name
         return f"{self.kind} point" + (f" ({name})" if name else "")

@@ -118,7 +118,7 @@ class Tracer(Measuring):
                 self.stepper.begin(control, tangent, length, load_increment)
             else:
                 self.stepper.begin(control, tangent, length, *guess)
-            if self.enforcement.solve(self._correct, multiples):
+            if self.enforcement.solve(self.correct, multiples):
                 try:
                     factored = self.stepper.behind <= NEAR * self.tangent.inner(self.x, self.x) ** 0.5
                     self.state = self._converged(start, self.iterations - spent, length, before, factored)
@@ -206,7 +206,8 @@ class Tracer(Measuring):
         if control.step is None:
             self.first = self.shortest
 
-    def _correct(self) -> bool:
+    def correct(self) -> bool:
+        """Solve for the step that has begun, or on from where its last solution ended; whether that converges."""
         self.snes.solve(None, self.x)
         self.stepper.continue_step()
         self.iterations += self.snes.getIterationNumber()

@@ -61,6 +61,7 @@ class Contribution:
     ----------
     smooth : whether its tangent changes continuously with the state; that of contact and of yielding does not
     conservative : whether its forces have a potential, so that its tangent is symmetric
+    sticks : whether it can `stick`, and has a potential then, though it is not conservative: contact with friction
     without_descent : why falls cannot descend its energy, in words; "": they can
     moved : whether it couples other unknowns than when `pattern` was last asked; the system then asks again
     gives_moments : whether it adds moments to `Forces.along_space`, which turn with the nodes
@@ -76,7 +77,7 @@ class Contribution:
     """
 
     smooth = conservative = True
-    steep = condenses = False
+    steep = condenses = sticks = False
     without_descent = ""
     moved = gives_moments = remembers = history_moved = False
     stage: int | None = None
@@ -153,8 +154,11 @@ class Contribution:
         """
         return False
 
+    def stick(self) -> None:
+        """Answer as if all that touches stuck where it is now, with the forces of now, until `release`."""
+
     def release(self) -> None:
-        """Answer again as it is, after `hold`."""
+        """Answer again as it is, after `hold` or `stick`."""
 
     def augment(self) -> bool:
         """Whether a converged solution satisfies the contribution; if not, change what the next solution starts from.

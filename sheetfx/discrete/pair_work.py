@@ -12,12 +12,13 @@ from .contact import OPEN, SLIP, status_of
 from .contribution import Contribution
 from .layout import Layout
 from .pairs import Pairs, PairState, friction_work, unilateral_energy
-from .partners import Partners
+from .partners import Partners, turned
 from .points import PointLaw, PointWork, Trace
 from .unknowns import Unknowns
 
 SPARE = 0.4  # of all pairs, those with the smallest gaps that the pattern of the tangent has beside those that act
 STICKING = 1e3  # coefficient of friction with which pairs stick
+BEYOND = 1e-7  # of the bound, by which tractions that slip are kept beyond it, so that they slip on in the next tangent
 STIFFER, MOST = 10.0, 8  # stiffness from one augmentation to the next, and how often it grows at most
 SLOW = 0.1  # part of the penetration that an augmentation leaves, above which the next one is stiffer
 
@@ -52,6 +53,7 @@ class PairWork(PointWork):
         self._slips, self._history = d - 1 if pairs.rubs else 0, np.zeros((pairs.count, 2 * d - 1))
         points = self._law_of([unknowns.fields[t.field].components for t in traces])
         super().__init__(unknowns, traces, points, smooth=False, conservative=not self._slips)
+        self.sticks = contact.law is forms.contact.mohr_coulomb
         self._committed = self._history.copy()
         self._partners_committed = self._partners.history() if self._partners else None
         self._pattern_nodes = self._followed = None
@@ -107,7 +109,7 @@ class PairWork(PointWork):
         """Find partners for values of the traces; whether any has changed."""
         along = self.pairs.axes[:, 1]
         if len(self._first) > 1:
-            along = _turned(values[:, self._parts[1]], along)
+            along = turned(values[:, self._parts[1]], along)
         return self._partners.follow(self.pairs.points + values[:, :self.pairs.dimension], along)
 
     def _renew(self) -> None:
@@ -169,6 +171,7 @@ class PairWork(PointWork):
         return self._law.strains(z), self._law.resultants(z)
 
     def _updated(self, pressures: bool, slips: bool) -> np.ndarray:
+        """What is remembered of now: pressures that are augmented, tractions, and slips that these belong to."""
         strains, resultants = self._now()
         history, n = self._history.copy(), self._slips
         if pressures:
@@ -179,9 +182,15 @@ class PairWork(PointWork):
                 history[:, 1 + n:] += strains[:, 1:1 + n]
         return history
 
+    def settle(self, pressures: bool = False) -> bool:
+        history, slipping = self._updated(pressures, slips=True), self.evaluate().status == SLIP
+        history[slipping, 1:1 + self._slips] *= 1 + BEYOND
+        self._put_history(history)
+        return bool(self._slips and slipping.any())
+
     def commit(self) -> None:
         self._slipping = None
-        self._put_history(self._updated(self.pairs.augmented, slips=True))
+        self.settle(self.pairs.augmented)
         self._committed = self._history.copy()
         self._stiffen(0)
         if self._partners:
@@ -233,7 +242,14 @@ class PairWork(PointWork):
         self._law.give(self._data_of_history + 1, held)
         return True
 
+    def stick(self) -> None:
+        held = self._table.copy()
+        held[:, 2:4] *= STICKING
+        self._law.give(self._data_of_history, self._updated(False, slips=True))
+        self._law.give(self._data_of_history + 1, held)
+
     def release(self) -> None:
+        self._law.give(self._data_of_history, self._history)
         self._law.give(self._data_of_history + 1, self._table)
 
     def augment(self) -> bool:
@@ -300,15 +316,3 @@ class PairWork(PointWork):
 def pairs_of(contributions: Sequence[Contribution]) -> list[PairWork]:
     """The contacts between deformable parts among contributions."""
     return [c for c in contributions if isinstance(c, PairWork)]
-
-
-def _turned(rotations: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """Vectors turned by angles of shape (n, 1), or by quaternions of shape (n, 4) and any length."""
-    if rotations.shape[1] == 1:
-        cosine, sine = np.cos(rotations[:, 0]), np.sin(rotations[:, 0])
-        return np.column_stack((cosine * vectors[:, 0] - sine * vectors[:, 1],
-                                sine * vectors[:, 0] + cosine * vectors[:, 1]))
-    scalar, vector = rotations[:, :1], rotations[:, 1:]
-    turn = np.cross(vector, vectors)
-    length2 = (rotations**2).sum(axis=1, keepdims=True)
-    return vectors + 2 * (scalar * turn + np.cross(vector, turn)) / length2

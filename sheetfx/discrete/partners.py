@@ -128,3 +128,15 @@ class Partners:
         """Places in the reference configuration, and their first and second derivative by arc length."""
         place, *slopes = self._before()
         return [place, *self._by_length(*slopes)]
+
+
+def turned(rotations: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """Vectors turned by angles of shape (n, 1), or by quaternions of shape (n, 4) and any length."""
+    if rotations.shape[1] == 1:
+        cosine, sine = np.cos(rotations[:, 0]), np.sin(rotations[:, 0])
+        return np.column_stack((cosine * vectors[:, 0] - sine * vectors[:, 1],
+                                sine * vectors[:, 0] + cosine * vectors[:, 1]))
+    scalar, vector = rotations[:, :1], rotations[:, 1:]
+    turn = np.cross(vector, vectors)
+    length2 = (rotations**2).sum(axis=1, keepdims=True)
+    return vectors + 2 * (scalar * turn + np.cross(vector, turn)) / length2

@@ -92,6 +92,11 @@ class Border:
         """Signs of the eigenvalues that pass zero."""
         return list(self._eigenvalues(self.at(length))[self.numbers] < 0)
 
+    def change(self, left: float, right: float) -> float:
+        """Of the eigenvalues that pass zero, from one length to another: the sum of its sizes."""
+        one, other = (self._eigenvalues(self.at(s))[self.numbers] for s in (left, right))
+        return float(np.abs(other - one).sum())
+
     def roots(self, samples: Sequence[float], places: Sequence[float] | None = None) -> np.ndarray:
         """Lengths at which eigenvalues pass zero, in ascending order, by an interpolation between states.
 

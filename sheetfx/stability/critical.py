@@ -152,17 +152,19 @@ def _limit(segment: Segment, length: float, rising: bool) -> tuple[CriticalPoint
 def _bifurcations(segment: Segment, limits: list[float]) -> list[Crossing]:
     """Where eigenvalues other than those of limit points pass zero, along the path.
 
-    With contact, where eigenvalues waver, only the ends of the step are compared; with friction nothing is.
+    With contact, where eigenvalues waver, only the ends of the step are compared.
     """
     near, system = 1e-5 * segment.after.length, segment.tracer.system
-    if not system.smooth and not system.conservative:
+    if segment.after.unstable_modes is None:
         return []
-    candidates = sorted(segment.states) if system.smooth else [0.0, segment.after.length]
-    lengths = [s for s in candidates if all(abs(s - limit) > near for limit in limits)]
+    lengths = [0.0, segment.after.length]
+    if system.smooth:
+        lengths = [s for s in sorted(segment.states) if all(abs(s - limit) > near for limit in limits)]
     found = []
     for pair in zip(lengths[:-1], lengths[1:], strict=True):
+        one, other = segment[pair[0]], segment[pair[1]]
         limit = (any(pair[0] < length < pair[1] for length in limits) if system.smooth else
-                 segment[pair[0]].load_rate * segment[pair[1]].load_rate < 0)
+                 one.load_rate * other.load_rate < 0 and one.unstable_modes != other.unstable_modes)
         found += _crossings(segment, *pair, near, limit)
     return found
 
@@ -206,7 +208,8 @@ def _clusters(crossings: list[Crossing], near: float) -> list[list[Crossing]]:
     clusters: list[list[Crossing]] = []
     for crossing in sorted(crossings, key=lambda c: c.length):
         last = clusters[-1][-1] if clusters else None
-        if (last and crossing.spread == last.spread and crossing.length - last.length <= near
+        if (last and (crossing.spread, crossing.corner) == (last.spread, last.corner)
+                and crossing.length - last.length <= near
                 and abs(crossing.load - last.load) <= SAME * abs(crossing.load)):
             clusters[-1].append(crossing)
         else:
@@ -236,7 +239,8 @@ def _bifurcation(segment: Segment, crossings: list[Crossing]) -> tuple[CriticalP
                           spread=first.spread)
     if not tracer.system.smooth or not tracer.system.conservative or first.spread:
         tracer.back_to(segment.states[min(s for s in segment.states if s >= first.length)])
-        return replace(point, name="comparison solid") if tracer.system.history.moved else point, None
+        solid = tracer.system.history.moved
+        return replace(point, name="comparison solid" if solid else "corner" if first.corner else ""), None
     led, _ = segment.seen(first.length)
     try:
         state = segment.on_path(first.length)

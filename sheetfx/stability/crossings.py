@@ -2,13 +2,14 @@
 
 They are roots of the determinant of a small matrix, `border.Border`. It is interpolated between states that keep a
 distance from the crossing, since at a critical point rounding decides where a state lies. With an unsymmetric tangent
-nothing changes.
+nothing changes. Where something begins or ceases to touch or to slip eigenvalues jump, and may pass zero with that: the
+number of solutions changes there too, as an odd change of the number of unstable modes shows.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from operator import itemgetter
 
 import numpy as np
@@ -21,8 +22,9 @@ REACHES = (0.1, 0.03, 0.01, 0.003)  # of a piece of path, distances from crossin
 ALTERNATELY = (0.1, (-1,)), (0.03, (1,)), (0.01, (-1,))  # likewise, first on one side each
 EXACT, ROUGH = 1e-8, 1e-5  # relative error of the load at which to stop, and which is too large
 SAMPLES = 6  # states that are interpolated between
-CLOSEST = 1e-4  # of a step, piece that is not divided any more
 HALVED = 0.3  # of a step, piece that is not divided any more where vectors miss a mode
+CLOSEST, CORNERED = 1e-4, 1 / 64  # of a step, piece that is not divided any more, in general and with contact
+STEEP = 4  # of an even change over the step, that of eigenvalues between two neighbouring states where they jump
 APART = 0.1  # of a piece of path, distance of crossings that are looked for one by one
 EVEN = 0.5  # smaller rate of the load factor over the larger one at the outer samples, where it tells them apart
 DOUBT = 4  # of the last correction of a load, difference from another value of it that shows which one is noise
@@ -35,19 +37,34 @@ ROUNDED = 1e-10  # of the structure's size, imperfection along a mode that round
 
 @dataclass(frozen=True)
 class Crossing:
-    """Where an eigenvalue of the tangent passes zero."""
+    """Where an eigenvalue of the tangent passes zero; at a corner of the path it jumps past it."""
 
     length: float
     load: float
     deflection: float
     spread: tuple[float, float] | None = None
+    corner: bool = False
 
 
 def unresolved(segment: Segment, left: float, right: float, count: int) -> list[Crossing]:
     """Crossings that are known to lie between two lengths, and no more."""
     one, other = segment[left], segment[right]
     low, high = sorted((one.load, other.load))
-    return [Crossing(left, (low + high) / 2, (one.deflection + other.deflection) / 2, (low, high))] * count
+    corner = segment.wavering and _jumps(segment, Border(segment, left, right, count), left, right)
+    found = Crossing(left, (low + high) / 2, (one.deflection + other.deflection) / 2, (low, high), corner)
+    return [found] * count
+
+
+def _jumps(segment: Segment, border: Border, left: float, right: float) -> bool:
+    """Whether eigenvalues change far more between two neighbouring states than over as much of the step elsewhere.
+
+    So they do in a step that leads around a corner of the path, which cannot be divided.
+    """
+    tracer = segment.tracer
+    if tracer.turn(segment.before, segment.after) > tracer.control.turn:
+        return True
+    near, whole = (border.change(*ends) for ends in ((left, right), (0.0, segment.after.length)))
+    return near * segment.after.length > STEEP * whole * (right - left)
 
 
 def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[Crossing]:
@@ -89,13 +106,16 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
         if error <= EXACT:
             break
     error, roots, samples = best
-    if not error <= ROUGH:
+    if not error <= ROUGH or (segment.wavering and not _counted(segment, lengths, roots)):
         if segment.guarded:
             raise Jump("eigenvalues pass zero in the step, but not smoothly")
         return _halves(segment, left, right)
     if segment.guarded:
         _compare_sides(segment, roots, samples, border)
-    return _at_loads(segment, _together(border, roots, lengths), samples, border)
+    found = _at_loads(segment, _together(border, roots, lengths), samples, border)
+    if segment.wavering and error > EXACT:
+        return [replace(c, corner=_jumps(segment, border, *segment.neighbours(c.length))) for c in found]
+    return found
 
 
 def _together(border: Border, roots: np.ndarray, lengths: Sequence[float]) -> np.ndarray:
@@ -169,7 +189,8 @@ def _pieces(segment: Segment, left: float, right: float) -> list[Crossing]:
     """
     lengths = [s for s in sorted(segment.states) if left <= s <= right]
     counts = [segment[s].unstable_modes for s in lengths]
-    if len(lengths) < 3 or right - left < CLOSEST * segment.after.length:
+    closest = CORNERED if segment.wavering else CLOSEST
+    if len(lengths) < 3 or right - left < closest * segment.after.length:
         if segment.guarded:
             raise Jump("eigenvalues pass zero in the step, but not smoothly")
         return unresolved(segment, left, right, abs(counts[0] - counts[-1]))

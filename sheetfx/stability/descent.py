@@ -60,6 +60,11 @@ class FallStep:
     deflection: float
 
 
+def unstable(state: State, hold: str) -> int:
+    """Unstable directions that are left while the load or the displacement is held; 0 where they are not known."""
+    return (state.unstable_modes or 0) - (hold == "displacement" and state.current_stiffness < 0)
+
+
 class _Held:
     """Factor of the tangent plus shift W under a held load or displacement; a solver for `spectrum`."""
 

@@ -8,9 +8,11 @@ from dataclasses import asdict, dataclass
 from itertools import pairwise
 from pathlib import Path as Folder
 
+from ..continuation.crossings import can_stick
 from ..continuation.state import State
 from ..continuation.tracer import tracer_of
-from .descent import Fall, FallStep
+from .descent import Fall, FallStep, unstable
+from .viscous import ViscousFall
 
 HOLDS = ("load", "displacement")
 
@@ -34,7 +36,7 @@ class Snap:
 
     @property
     def energy_released(self) -> float:
-        """What a real structure turns into motion and heat (force times length)."""
+        """What a real structure turns into motion and heat (force times length), beside what friction takes."""
         return -self.history[-1].energy
 
     @property
@@ -62,7 +64,8 @@ def snap(path, state: State, hold: str = "load", side: int = 1,
     Parameters
     ----------
     path : Path or Tracer that the state belongs to; it stays at its present state
-    state : unstable, or at a critical point
+    state : unstable, or at a critical point; with friction also a stable one ahead of which there is no equilibrium,
+        where a path ends: what is held is then raised by a thousandth of the load, as the path went on
     hold : what the test holds during the fall: "load", the load factor (with a prescribed displacement that one), or
         "displacement", that on which the load works: the monitored one where the load is a force there
     side : 1 or -1, the sense of the fall along the unstable direction; 1: that of the path where the two are not
@@ -72,7 +75,7 @@ def snap(path, state: State, hold: str = "load", side: int = 1,
     Raises
     ------
     ValueError
-        If the state is stable, or the structure has no energy: friction, follower loads, exact contact.
+        If the state is stable, or the structure has no energy: follower loads, exact contact, friction on an obstacle.
     SnapFailure
         If no stable state is found.
     """
@@ -81,7 +84,8 @@ def snap(path, state: State, hold: str = "load", side: int = 1,
     present = tracer.state
     try:
         tracer.back_to(state)
-        fall = Fall(tracer, hold, side, listener or (lambda step: None))
+        kind = Fall if tracer.system.conservative else ViscousFall
+        fall = kind(tracer, hold, side, listener or (lambda step: None))
         fall.run()
         return Snap(state, fall.state(), hold, tuple(fall.history))
     finally:
@@ -98,12 +102,7 @@ def snaps(path, states: Sequence[State], hold: str = "load") -> list[Snap]:
     hold : as of `snap`
     """
     return [snap(path, after, hold) for before, after in pairwise(states)
-            if _unstable(after, hold) and not _unstable(before, hold)]
-
-
-def _unstable(state: State, hold: str) -> int:
-    """Unstable directions that are left while the load or the displacement is held; 0 where they are not known."""
-    return (state.unstable_modes or 0) - (hold == "displacement" and state.current_stiffness < 0)
+            if unstable(after, hold) and not unstable(before, hold)]
 
 
 def _check(tracer, state: State, hold: str, side: int) -> None:
@@ -111,10 +110,11 @@ def _check(tracer, state: State, hold: str, side: int) -> None:
         raise ValueError(f"snap: hold is {hold!r}; it must be one of {', '.join(HOLDS)}")
     if side not in (1, -1):
         raise ValueError(f"snap: side is {side!r}; it must be 1 or -1")
-    if state.unstable_modes is None or not tracer.system.conservative:
-        raise ValueError("snap: the structure has no energy that could fall (friction, pressure, follower forces or "
-                         "moments in space make its tangent unsymmetric), or its tangent is not factored with its "
-                         "inertia; use loads of fixed direction, contact without friction, and the default solver")
+    if state.unstable_modes is None or not (tracer.system.conservative or can_stick(tracer.system)):
+        raise ValueError("snap: the structure has no energy that could fall (friction of an obstacle, pressure, "
+                         "follower forces or moments in space make its tangent unsymmetric), or its tangent is not "
+                         "factored with its inertia; use loads of fixed direction, contact with friction between parts "
+                         "alone, and the default solver")
     for contribution in tracer.system.contributions:
         if contribution.without_descent:
             raise ValueError(f"snap: {contribution.without_descent}")

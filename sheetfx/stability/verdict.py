@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ..continuation.control import StepRule
+from ..continuation.crossings import can_stick
 from ..discrete.discretisation import Discretisation
 from .flutter import COUNT
 
@@ -44,9 +45,21 @@ def _of_loads(discretisation: Discretisation) -> list[str]:
 def _of_points(system) -> list[str]:
     if not system.smooth:
         return ["limit points: where the load turns from one step to the next (contact makes its rate waver)",
-                "bifurcations: unstable modes compared at the ends of steps only" if system.conservative else
-                "bifurcations: not looked for (contact with friction)"]
+                *_of_bifurcations_with_contact(system)]
     counted = ("by the inertia of the tangent" if system.conservative else
                "by the real eigenvalues that pass zero between the tangents of neighbouring states")
     return ["limit points: by the rate of the load",
             f"bifurcations: {counted}, also within steps that the tangents at their ends do not explain"]
+
+
+def _of_bifurcations_with_contact(system) -> list[str]:
+    if not (system.conservative or can_stick(system)):
+        return ["bifurcations: not looked for (friction of an obstacle, or by a law of one's own, or contact beside "
+                "loads without a potential)"]
+    found = ["bifurcations: unstable modes compared at the ends of steps only; where something begins or ceases to "
+             "touch or to slip eigenvalues jump, and may jump past zero"]
+    if not system.conservative:
+        found += ["bifurcations with friction: of the loading tangent, with which what slips slips on, and what sticks "
+                  "or is open stays so; not those at which some of it would turn",
+                  "flutter: not looked for (friction)"]
+    return found

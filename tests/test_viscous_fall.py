@@ -1,0 +1,62 @@
+"""Falls of structures with friction, against closed forms of a truss that slides along a wall."""
+
+from __future__ import annotations
+
+import pytest
+from scipy.integrate import quad
+from scipy.optimize import brentq
+
+import sheetfx as fx
+from sheetfx.studies.traps import contact
+
+HELD = 2e-3  # friction of the wall at most, a force of 0.02 with a coefficient of 0.1
+TANGENTIAL = HELD / contact.SLIPS  # with which it is reached behind the truss's own maximum
+
+
+def truss(control):
+    case = contact.along_wall(0.02, 0.1, TANGENTIAL, 0.5)
+    return fx.Path(case.scene, control, case.until)
+
+
+def load_at(deflection):
+    return contact.resistance(deflection) + min(TANGENTIAL * deflection, HELD)
+
+
+def fallen(load):
+    """Deflection behind the minimum at which the truss and the friction against its motion bear a load."""
+    return brentq(lambda deflection: load_at(deflection) - load, 0.36, 0.5)
+
+
+def test_fall_from_an_unstable_state():
+    """The held load does more work on the way than truss and friction take: the rest is released.
+
+    The wall yields to its friction by a hundred-thousandth, which is not in the closed form.
+    """
+    path = truss(contact.SHORT)
+    states = []
+    for state in path:
+        states.append(state)
+        if state.unstable_modes:
+            break
+    fall = fx.snap(path, states[-1])
+    assert fall.after.unstable_modes == 0 and fall.after.load == pytest.approx(state.load, rel=1e-9)
+    assert fall.after.deflection == pytest.approx(fallen(state.load), rel=1e-6)
+    released, _ = quad(lambda x: state.load - load_at(x), state.deflection, fall.after.deflection, epsabs=1e-12)
+    assert fall.energy_released == pytest.approx(released, rel=2e-4)
+
+
+def test_fall_from_where_the_load_cannot_rise():
+    """A path under a rising load ends below its maximum; the structure falls, and bears more load from there."""
+    path, states = truss(fx.LoadControl(step=2e-4, target=6e-3)), []
+    with pytest.raises(fx.PathFailure):
+        for state in path:
+            states.append(state)
+    assert states[-1].unstable_modes == 0 and states[-1].load < load_at(contact.SLIPS)
+    fall = fx.snap(path, states[-1])
+    assert fall.after.load == pytest.approx(1.001 * states[-1].load, rel=1e-9)
+    assert fall.after.deflection == pytest.approx(fallen(fall.after.load), rel=1e-6)
+    held = fx.snap(path, states[-1], hold="displacement").after
+    assert held.deflection > contact.SLIPS and held.unstable_modes == 1, "stable while the displacement is held"
+    assert held.load == pytest.approx(load_at(held.deflection), rel=1e-4)
+    *_, last = fx.Path(path.scene, fx.LoadControl(step=2e-4, target=6e-3), start=[fall.after])
+    assert last.deflection == pytest.approx(fallen(6e-3), rel=1e-6)
