@@ -42,8 +42,7 @@ class Tracer(Measuring):
         self._elimination = self.enforcement.elimination(self.stepper.linear)
         self.x = self.system.create_vector()
         self._response, self._load = self.system.create_vector(), self.system.create_vector()
-        monitor = discretisation.scene.monitor
-        self._monitor = self._functional(monitor)
+        self._monitor = self._functional(discretisation.scene.monitor)
         self.tangent = LoadResponse(self._response, self.system.weights, self._controlled(control))
         self._reference: tuple[float, float] | None = None
         self._stuck: State | None = None
