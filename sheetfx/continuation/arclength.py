@@ -29,6 +29,8 @@ UNDAMPED = 5  # iterations, after which half steps are taken where it cycles
 VAIN = 6  # iterations, after which a residual that has not fallen to half gives up
 CLOSE = 1e-3  # residual over the load, below which it does not
 SAME = 1e-2  # relative difference of residuals that are the same
+TO_AND_FRO = ("contact changes to and fro, as where no equilibrium lies ahead; `record.snap(state, 'displacement')` "
+              "finds what the structure falls to")
 FARTHEST = 100.0  # increment in the scaled norm (sizes of the structure, radians), beyond which an iteration is lost
 
 

@@ -10,7 +10,7 @@ from petsc4py import PETSc
 
 from ..discrete.discretisation import Discretisation
 from ..model.advice import advice_on_supports
-from .arclength import create, fewer_iterations
+from .arclength import TO_AND_FRO, create, fewer_iterations
 from .control import LoadResponse, StepRule
 from .crossings import Uncounted, UnstableModes, first_critical
 from .enforcement import Enforcement
@@ -248,7 +248,7 @@ class Tracer(Measuring):
     def reason(self) -> str:
         """Why the last attempt failed."""
         if self.failure or self.stepper.cycles:
-            return self.failure or "contact changes to and fro, as where no equilibrium lies ahead"
+            return self.failure or TO_AND_FRO
         names = {v: k for k, v in vars(PETSc.SNES.ConvergedReason).items() if isinstance(v, int)}
         return names.get(self.snes.getConvergedReason(), "contact augmentation did not converge")
 

@@ -1,0 +1,91 @@
+"""Ways past the place where panels' edges lift off the dome without friction: `python3 demos/studies/lift_off.py`.
+
+The exact path, branches of its bifurcations, snaps under held load and held displacement, and domes whose nodes lie off
+their places, as measured ones do (normally distributed, the same for bars and panels). Takes some ten minutes.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+import sheetfx as fx
+from sheetfx import meshes
+from sheetfx.scenes import dome
+
+END = 20.0  # deflection of the apex, mm
+DEVIATIONS, SEEDS = (0.5, 5.0), (1, 2)  # of nodes, mm, and of the random numbers
+OPTIONS = {"model": "contact", "divisions": 4, "to": END}
+
+
+def say(title: str, states: list[fx.State], message: str = "") -> None:
+    """Critical points of a piece of path, and where it ends."""
+    print(f"{title}: {message}")
+    for state in states:
+        for point in state.critical:
+            print(f"    {point.title} at {point.load / 1e3:.2f} kN, {point.deflection:.3f} mm")
+    last = states[-1]
+    print(f"    ends at {last.load / 1e3:.2f} kN, {last.deflection:.3f} mm, {last.unstable_modes} unstable", flush=True)
+
+
+def go_on(case: fx.Case, title: str, start: fx.State) -> None:
+    """The path from a state on, to the end or to where it fails."""
+    path, states = fx.Path(case.scene, case.control, fx.Until(deflection=END, steps=start.step + 80), start=[start]), []
+    try:
+        states.extend(path)
+        say(title, [start, *states], path.message)
+    except fx.PathFailure as failure:
+        say(title, [start], str(failure))
+
+
+def perfect() -> None:
+    """The dome of the table: its path, branches and falls."""
+    case = dome.case(**OPTIONS)
+    record = fx.trace(case)
+    say("path", record.states, record.path.message)
+    for point in record.critical_points:
+        if point.kind == "bifurcation" and not point.spread:
+            try:
+                for branch in record.branches(point):
+                    go_on(case, f"branch at {point.load / 1e3:.2f} kN {branch.doubt}", branch.start)
+            except ArithmeticError as failure:
+                print(f"branches at {point.load / 1e3:.2f} kN: {failure}", flush=True)
+    for hold in ("load", "displacement"):
+        fall_and_go_on(record, hold)
+
+
+def fall_and_go_on(record: fx.Record, hold: str) -> None:
+    """A fall from the first unstable state of a path, and the path from there."""
+    unstable = next(state for state in record.states if state.unstable_modes)
+    fall = record.snap(unstable, hold)
+    print(f"snap under held {hold} from {unstable.load / 1e3:.2f} kN, {unstable.deflection:.3f} mm to "
+          f"{fall.after.load / 1e3:.2f} kN, {fall.after.deflection:.3f} mm")
+    go_on(record.case, "    after it", fall.after)
+
+
+def measured(deviation: float, seed: int) -> None:
+    """A dome whose nodes lie off their places."""
+    random, table = np.random.default_rng(seed), meshes.dome("hex")
+    nodes = {name: (place + deviation * random.normal(size=3)).tolist() for name, place in table.nodes.items()}
+    title = f"nodes {deviation} mm off, seed {seed}"
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "measured.json"
+        file.write_text(json.dumps(asdict(table) | {"nodes": nodes}))
+        case = dome.case(geometry=str(file), **OPTIONS)
+    try:
+        record = fx.trace(case)
+        say(title, record.states, record.path.message)
+    except fx.PathFailure as failure:
+        say(title, failure.record.states, str(failure))
+        fall_and_go_on(failure.record, "load")
+
+
+if __name__ == "__main__":
+    for size in DEVIATIONS:
+        for number in SEEDS:
+            measured(size, number)
+    perfect()
