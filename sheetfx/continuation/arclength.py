@@ -51,8 +51,10 @@ def fewer_iterations(snes: PETSc.SNES, part: float) -> Iterator[None]:
     """Have a SNES give up after a part of its iterations."""
     _, _, _, most = snes.getTolerances()
     snes.setTolerances(max_it=int(part * most))
-    yield
-    snes.setTolerances(max_it=most)
+    try:
+        yield
+    finally:
+        snes.setTolerances(max_it=most)
 
 
 class PathStep:
