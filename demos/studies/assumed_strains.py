@@ -10,13 +10,11 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import subprocess
-import sys
 from pathlib import Path
 
 import matplotlib.pyplot as plt
+from times import HERE, run
 
-HERE = Path(__file__).parents[2]
 SCENES = "scordelis_lo", "pinched_cylinder", "hemisphere", "slit_annulus", "roof"
 LARGEST = 400  # cells: finer meshes of a scene's chart are left out
 REPEAT = 3
@@ -42,11 +40,9 @@ for member in scene.CHART:
 
 def measure(tree: Path, scene: str) -> list[dict]:
     """Members of a scene's chart in a tree, in a process of its own."""
-    places = {"PYTHONPATH": str(tree), "PYTHONSAFEPATH": "1", "OMP_NUM_THREADS": "1"}
-    done = subprocess.run([sys.executable, "-c", CODE, scene], env=os.environ | places, capture_output=True, text=True)
-    if done.returncode:
-        raise RuntimeError(f"{scene} fails in {tree}:\n{done.stderr}")
-    return [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")]
+    cache = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache"))
+    *_, output = run(tree, "-c", CODE, scene, cache=cache)
+    return [json.loads(line) for line in output.splitlines() if line.startswith("{")]
 
 
 def draw(results: dict[str, list[list[dict]]], file: Path) -> None:
