@@ -188,14 +188,24 @@ def test_overlap_is_named():
 
 
 def test_friction_takes_the_work_of_its_path():
-    """A traction that grows with slip to its bound, then slides on: b^2 / 2 k until there, b times slip from there."""
-    stiffness, bound = 4.0, 2.0
-    slips = np.array([[0.3, 0.0], [0.0, -2.5]])
-    tractions = np.array([[1.2, 0.0], [0.0, -bound]])
-    work = friction_work(slips, tractions, np.zeros((2, 2)), stiffness)
-    assert work == pytest.approx([1.2**2 / 2 / stiffness, bound**2 / 2 / stiffness + bound * (2.5 - bound / stiffness)])
-    back = friction_work(-slips[:1], np.zeros((1, 2)), tractions[:1], stiffness)
-    assert back == pytest.approx(-work[:1]), "elastic slip gives it back"
+    """A traction that grows with slip to its bound, then slides on: b^2 / 2 k until there, b times slip from there.
+
+    Where it slips from the beginning, and the pressure grows, it is the mean traction times slip.
+    """
+    normal, stiffness, friction = 100.0, 4.0, 0.2
+    table = np.tile([normal, stiffness, friction, 0.0, 0.0], (3, 1))
+    slips = np.array([[0.3, 0.0], [0.0, -2.5], [0.6, 0.8]])
+    gaps = np.array([[-0.1, -0.1, -0.05], [-0.1, -0.1, -0.15]])
+    bound = friction * normal * 0.1
+    before = np.array([[0.0, 0.0], [0.0, 0.0], [0.6, 0.8]])
+
+    def work(slips, before):
+        return friction_work(gaps[:, :len(slips)], slips, before, np.zeros(len(slips)), table[:len(slips)])
+
+    assert work(slips, before) == pytest.approx(
+        [1.2**2 / 2 / stiffness, bound**2 / 2 / stiffness + bound * (2.5 - bound / stiffness), 2.0], rel=1e-12)
+    back = work(-slips[:1], np.array([[1.2, 0.0]]))
+    assert back == pytest.approx([-1.2**2 / 2 / stiffness]), "elastic slip gives it back"
 
 
 def test_light_pressure_does_not_stop_steps():

@@ -19,24 +19,29 @@ POINTS = 5  # of integration of residuals along a straight way: exact for energi
 def work_matches(segment: Segment, earlier: State | None) -> bool:
     """Whether the work along a step is stored or dissipated; also where contributions do not tell their work.
 
-    The load in between is that of the parabola through the states, `earlier` being the one before the step.
+    Load and motion in between are those of parabolas through the states, `earlier` being the one before the step.
     """
     before, after, tracer = segment.before, segment.after, segment.tracer
     if not tracer.system.work_known:
         return True
     change, way = _energy(segment)
     rise = after.load_increment
-    expected, steepest = rise * way / 2, abs(rise)
+    expected, steepest, farthest = rise * way / 2, abs(rise), abs(way)
     if earlier is not None and before.stage == after.stage and before.length:
-        expected += _bend(before, after) * way / 6
-        steepest = max(steepest, abs(before.load_increment) * after.length / before.length)
-    return abs(change - expected) <= UNBALANCED * steepest * abs(way) + WAVER * abs(after.factor * way)
+        share, way_before = after.length / before.length, _way(segment, before)
+        bends = [share * (share * a - b) / (1 + share) for a, b in ((before.load_increment, rise), (way_before, way))]
+        expected += (bends[0] * way - bends[1] * rise) / 6
+        steepest = max(steepest, share * abs(before.load_increment))
+        farthest = max(farthest, share * abs(way_before))
+    return abs(change - expected) <= UNBALANCED * steepest * farthest + WAVER * abs(after.factor) * farthest
 
 
-def _bend(before: State, after: State) -> float:
-    """Of the parabola through the loads of three states, its rise above the last chord, times 4."""
-    rates = [state.load_increment / state.length for state in (before, after)]
-    return (rates[0] - rates[1]) * after.length**2 / (before.length + after.length)
+def _way(segment: Segment, state: State) -> float:
+    """Motion of the step that led to a state, along the load where the segment starts."""
+    segment.tracer.back_to(segment.before)
+    load = segment.tracer.load_vector().array
+    segment.tracer.back_to(segment.after)
+    return segment.tracer.system.comm.allreduce(float(load @ state.increment))
 
 
 def _energy(segment: Segment) -> tuple[float, float]:
@@ -45,21 +50,26 @@ def _energy(segment: Segment) -> tuple[float, float]:
     system, increment = tracer.system, after.increment
     smooth, rough = ([c for c in system.contributions if (c.smooth or c.remembers) == wanted]
                      for wanted in (True, False))
-    out, place, ways = system.create_vector(), system.create_vector(), []
+    out, moved, ways = system.create_vector(), system.create_vector(), []
     tracer.back_to(before)
-    stored = -sum(c.taken() for c in rough)
+    places = [c.place() for c in rough]
+
+    def taken():
+        return sum(c.taken(place) for c, place in zip(rough, places, strict=True))
+
+    stored = -taken()
     ways.append(tracer.load_vector().array @ increment)
     points, weights = np.polynomial.legendre.leggauss(POINTS)
     change = 0.0
     with system.additive_increments(frozen=False):
         for part, weight in zip((1 + points) / 2, weights / 2, strict=True):
-            place.array[:] = part * increment
-            system.configure(place, before.factor)
+            moved.array[:] = part * increment
+            system.configure(moved, before.factor)
             system.residual_of(smooth, out)
             change += weight * float(out.array @ increment)
-        place.array[:] = increment
-        system.configure(place, before.factor)
-        stored += sum(c.taken() for c in rough)
+        moved.array[:] = increment
+        system.configure(moved, before.factor)
+        stored += taken()
         system.load(out)
         ways.append(out.array @ increment)
     tracer.back_to(after)

@@ -171,10 +171,18 @@ class Contribution:
         """Energy that it stores now, on all processes; None: it does not tell."""
         return None
 
-    def taken(self) -> float | None:
+    def place(self) -> np.ndarray | None:
+        """What `taken` has to know of the state that a step starts from, when the system is there."""
+        return None
+
+    def taken(self, start: np.ndarray | None) -> float | None:
         """Energy that it stores now, and what friction has taken since the last accepted state, on all processes.
 
         None: it does not tell.
+
+        Parameters
+        ----------
+        start : `place` of the last accepted state
         """
         return self.energy()
 

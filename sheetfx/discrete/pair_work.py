@@ -271,18 +271,21 @@ class PairWork(PointWork):
         self._put_parameters(table)
 
     def energy(self) -> float | None:
-        return None if self._slips else self.taken()
+        return None if self._slips else self.taken(None)
 
-    def taken(self) -> float | None:
-        """Energy of pressures, and what friction has taken since the last accepted state."""
+    def place(self) -> np.ndarray:
+        """Gaps now."""
+        return self._law.strains(self.values())[:, 0]
+
+    def taken(self, start: np.ndarray | None) -> float | None:
+        """Energy of pressures, and what friction has taken since the last accepted state, which had the gaps `start`."""
         if self.pairs.augmented or self.contact.law is not forms.contact.mohr_coulomb:
             return None
-        gap = self._law.strains(self.values())[:, 0]
-        work = unilateral_energy(gap, self._history[:, 0], self.pairs.table())
-        if self._slips:
-            own = slice(1, 1 + self._slips)
-            strains, resultants = self._now()
-            work += friction_work(strains[:, own], resultants[:, own], self._history[:, own], self.pairs.parameters[1])
+        strains, table, n = self._law.strains(self.values()), self.pairs.table(), self._slips
+        work = unilateral_energy(strains[:, 0], self._history[:, 0], table)
+        if n:
+            gaps = start, strains[:, 0]
+            work += friction_work(gaps, strains[:, 1:1 + n], self._history[:, 1:1 + n], self._history[:, 0], table)
         return float((self.pairs.weights * self._here) @ work)
 
     def touching(self) -> tuple[int, float]:

@@ -9,6 +9,9 @@ import numpy as np
 
 from .contact import ContactState
 
+STRETCHES = 16  # of a step, in which the work of friction is added up
+TINY = 1e-300
+
 
 @dataclass(frozen=True)
 class PairState(ContactState):
@@ -83,19 +86,37 @@ def unilateral_energy(gap, pressure, parameters):
     return (held**2 / 2 + held * (trial - held) - np.maximum(pressure, -strength)**2 / 2) / normal
 
 
-def friction_work(slips, tractions, before, stiffness: float) -> np.ndarray:
-    """Work of tractions along slips from where they were `before`, stored in elastic slip or dissipated.
+def friction_work(gaps, slips, before, pressure, parameters):
+    """Work of the tractions of `forms.contact.mohr_coulomb`, stored in elastic slip or dissipated.
 
-    They change along elastic slip first, then stay; exact where pairs stick, or slip under a constant pressure.
+    Gap and slip grow evenly, in stretches; in each of them tractions that have not slipped before do so at its end.
+    Exact where pairs stick, slip under a pressure that changes evenly, or stick first and then slip under a constant one.
 
     Parameters
     ----------
-    slips, tractions, before : arrays, shape (n, d - 1)
-    stiffness : against elastic slip
+    gaps : pair of arrays, shape (n,), before and now
+    slips : array, shape (n, d - 1), since before
+    before : array, shape (n, d - 1), tractions before
+    pressure : array, shape (n,), the multiplier
+    parameters : array, shape (n, 5)
 
     Returns
     -------
     array, work per length of the line of contact.
     """
-    elastic = (tractions - before) / stiffness
-    return ((before + tractions) / 2 * elastic + tractions * (slips - elastic)).sum(axis=1)
+    normal, stiffness, friction, cohesion, strength = parameters.T
+    work, traction, slip = np.zeros(len(slips)), before, slips / STRETCHES
+
+    def bounds(part):
+        trial = pressure - normal * ((1 - part) * gaps[0] + part * gaps[1])
+        return np.where(trial >= -strength, np.maximum(friction * trial + cohesion, 0), 0)
+
+    slipping = np.linalg.norm(before, axis=1) >= bounds(0.0)
+    for stretch in range(1, STRETCHES + 1):
+        trial, bound = traction + stiffness[:, None] * slip, bounds(stretch / STRETCHES)
+        size = np.maximum(np.linalg.norm(trial, axis=1), TINY)
+        then = np.minimum(1.0, bound / size)[:, None] * trial
+        even = np.where(slipping[:, None], slip, (then - traction) / stiffness[:, None])
+        work += ((traction + then) / 2 * even + then * (slip - even)).sum(axis=1)
+        traction, slipping = then, size >= bound
+    return work

@@ -73,7 +73,7 @@ class System:
         """Whether there are contributions that are not smooth, laws with history aside, and all tell their work."""
         rough = [c for c in self.contributions if not (c.smooth or c.remembers)]
         return bool(rough) and all(c.conservative or c in rough for c in self.contributions) and all(
-            c.taken() is not None for c in rough)
+            c.taken(c.place()) is not None for c in rough)
 
     def free_rows(self, wanted: Callable[[AdditiveField], bool]) -> np.ndarray:
         """Rows of the free increments of some fields in this process's part of a vector."""
