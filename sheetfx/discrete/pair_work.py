@@ -278,7 +278,7 @@ class PairWork(PointWork):
         return self._law.strains(self.values())[:, 0]
 
     def taken(self, start: np.ndarray | None) -> float | None:
-        """Energy of pressures, and what friction has taken since the last accepted state, which had the gaps `start`."""
+        """Energy of pressures, and what friction has taken since the last accepted state, whose gaps `start` is."""
         if self.pairs.augmented or self.contact.law is not forms.contact.mohr_coulomb:
             return None
         strains, table, n = self._law.strains(self.values()), self.pairs.table(), self._slips

@@ -90,7 +90,7 @@ def friction_work(gaps, slips, before, pressure, parameters):
     """Work of the tractions of `forms.contact.mohr_coulomb`, stored in elastic slip or dissipated.
 
     Gap and slip grow evenly, in stretches; in each of them tractions that have not slipped before do so at its end.
-    Exact where pairs stick, slip under a pressure that changes evenly, or stick first and then slip under a constant one.
+    Exact where pairs stick, slip under a pressure that changes evenly, or stick and then slip under a constant one.
 
     Parameters
     ----------
