@@ -42,7 +42,7 @@ class Border:
         self._vectors = self._soft(right, self._modes_at(right, count))
         self.numbers = self._changing(left, right)
         if len(self.numbers) != count:
-            self._vectors = self._soft(right, [*self._vectors, *self._modes_at(left, count)])
+            self._vectors = self._soft(left, [*self._modes_at(left, count), *self._vectors])
             self.numbers = self._changing(left, right)
         self._left, self._right = (self._signs(s) for s in (left, right))
 
