@@ -10,12 +10,10 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from functools import partial
+from dataclasses import replace
 from math import copysign, inf, isclose, pi
-from typing import Annotated, Any
+from typing import Any
 
-from .checks import Positive, Range, check
 from .continuation.control import ArcLength, DisplacementControl, LoadControl, StepRule
 from .continuation.corner import LEAST, around_corner
 from .continuation.events import Event, end_at, occurrences
@@ -23,15 +21,16 @@ from .continuation.scattered import ScatteredState
 from .continuation.segment import Jump, Missed
 from .continuation.state import CriticalPoint, State
 from .continuation.tracer import Tracer
+from .continuation.until import AT_BOUND, Until
 from .discrete.discretisation import Discretisation
 from .model.scene import Scene, Stage
 from .stability.critical import locate
 from .stability.flutter import Flutter
 from .stability.verdict import searched
 
-AT_BOUND = 1e-6  # relative distance from a bound at which a path has reached it
 CORNERED = 1 / 16  # of a step, length with which it fails where the path is taken to have a corner
 SHORT = 1 / 64  # of a step that fails and with half of its length does, length that gets past a corner close ahead
+BEHIND = 1 / 8  # of such a step, from which the next one grows: what made both fail may lie further ahead
 
 
 class PathFailure(ArithmeticError):
@@ -45,67 +44,6 @@ class PathFailure(ArithmeticError):
 
     record: Any = None
     cause = ""
-
-
-def _beyond(name: str, bound: float, state: State) -> float:
-    """How far a value of a state is beyond a bound."""
-    return abs(getattr(state, name)) - bound
-
-
-@dataclass(frozen=True)
-class Until:
-    """Where a path ends: at the first of the given bounds (absolute values); `steps` 0: unloaded.
-
-    The last step ends at the bound, and critical points beyond it are not reported.
-
-    Attributes
-    ----------
-    event : where the path ends: an Event, or the test function of one
-    deflection, load : in the last stage; met to a millionth
-    steps : of all stages
-    """
-
-    event: Event | Callable[[State], float | bool] | None = None
-    deflection: Positive | None = None
-    load: Positive | None = None
-    steps: Annotated[int, Range(least=0)] = 2000
-
-    def __post_init__(self):
-        if not (self.event is None or isinstance(self.event, Event) or callable(self.event)):
-            raise ValueError(f"Until: event is {self.event!r}; it must be an Event or a function of a state (name "
-                             "the bounds: Until(deflection=...))")
-        check(self)
-
-    @property
-    def ending(self) -> Event | None:
-        """The event that ends the path."""
-        return self.event if self.event is None or isinstance(self.event, Event) else Event("end", self.event)
-
-    @property
-    def bounds(self) -> list[Event]:
-        """Events at which deflection or load reach their bounds."""
-        return [Event(f"{name} {bound:g}", partial(_beyond, name, bound), AT_BOUND * bound)
-                for name, bound in self.prescribed]
-
-    @property
-    def prescribed(self) -> list[tuple[str, float]]:
-        """Attributes of states that are bounded, and their bounds."""
-        bounds = (("deflection", self.deflection), ("load", self.load))
-        return [(name, bound) for name, bound in bounds if bound is not None]
-
-    def reached(self, state: State) -> str | None:
-        """Why the path ends at this state of its last stage, or None."""
-        for bound in self.bounds:
-            if bound.value(state) >= -bound.near:
-                return f"{bound.name} reached"
-        return self.stopped(state)
-
-    def stopped(self, state: State) -> str | None:
-        """Why the path ends at this state in any stage, or None."""
-        ending = self.ending
-        if ending and any(p.kind == "event" and p.name == ending.name for p in state.critical):
-            return f"event {ending.name!r} reached"
-        return f"{self.steps} steps taken" if state.step >= self.steps else None
 
 
 class Path:
@@ -219,6 +157,7 @@ class Path:
             shortest = length / 2 < self.control.smallest * self.tracer.shortest
             failure = self._failure(before, length / 2)
             if length == wanted / 2 and (taken := self._past_corner(before, wanted)):
+                length = BEHIND * wanted
                 break
             cornered = length <= CORNERED * wanted < 2 * length
             if (shortest or cornered) and (taken := self._around_corner(before, wanted)):

@@ -24,7 +24,8 @@ from .number import NumberField, shared_by_all
 from .origins import components
 from .pair_work import Pairs, PairWork
 from .partners import Partners
-from .points import PointLaw, PointWork, Trace
+from .point_law import PointLaw
+from .points import PointWork, Trace
 from .sharing import Sharing, same_places
 from .surface_partners import SurfacePartners
 from .surface_work import SurfaceWork

@@ -13,7 +13,8 @@ from .contribution import Contribution
 from .layout import Layout
 from .pairs import Pairs, PairState, friction_work, unilateral_energy
 from .partners import Partners, turned
-from .points import PointLaw, PointWork, Trace
+from .point_law import PointLaw
+from .points import PointWork, Trace
 from .unknowns import Unknowns
 
 SPARE = 0.4  # of all pairs, those with the smallest gaps that the pattern of the tangent has beside those that act
@@ -56,7 +57,7 @@ class PairWork(PointWork):
         self.sticks = contact.law is forms.contact.mohr_coulomb
         self._committed = self._history.copy()
         self._partners_committed = self._partners.history() if self._partners else None
-        self._pattern_nodes = self._followed = None
+        self._pattern_nodes = self._seen = None
         self._table = pairs.table()
 
     def _law_of(self, sizes: Sequence[int]) -> PointLaw:
@@ -94,16 +95,13 @@ class PairWork(PointWork):
         places = np.einsum("nij,nj->ni", pairs.axes, self._arms)
         return np.column_stack((pairs.gap, places, self._partners.travelled))
 
-    def _follow(self) -> None:
-        """Bring partners to where they are opposite now."""
-        if self._partners is None:
-            return
-        tables = [f.table for f in self._fields[:len(self._first) + 1]]
-        if self._followed is not None and all(map(np.array_equal, tables, self._followed)):
-            return
-        self._followed = [table.copy() for table in tables]
-        if self._find(super().values()):
+    def _followed(self) -> np.ndarray:
+        """Values of the traces, the partners having been brought to where they are opposite now."""
+        values = super().values()
+        if self._partners and self._find(values):
             self._renew()
+            return super().values()
+        return values
 
     def _find(self, values: np.ndarray) -> bool:
         """Find partners for values of the traces; whether any has changed."""
@@ -124,8 +122,10 @@ class PairWork(PointWork):
         self._law.give(self._data_of_start, self._start())
 
     def values(self) -> np.ndarray:
-        self._follow()
-        return super().values()
+        tables = [f.table for f in self._fields[:len(self._first) + 1]]
+        if self._seen is None or not all(map(np.array_equal, tables, self._seen[0])):
+            self._seen = [table.copy() for table in tables], self._followed()
+        return self._seen[1]
 
     def extrapolate_stress(self) -> None:
         """Pressures have no linear change to be extrapolated by."""
@@ -216,7 +216,7 @@ class PairWork(PointWork):
         if self._partners:
             self._partners.restore(self._partners_committed)
             self._renew()
-            self._followed = None
+            self._seen = None
 
     def regularise(self, times: float) -> None:
         """Make all pairs softer: where parts touch along a line without a gap, all pairs close or open at once."""

@@ -7,7 +7,7 @@ import numpy as np
 from .. import forms
 from .closest_point import ClosestPoint
 from .pair_work import PairWork
-from .points import EVERY, PointLaw
+from .point_law import EVERY, PointLaw
 from .surface_partners import SECOND, SurfacePartners
 
 
