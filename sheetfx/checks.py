@@ -107,8 +107,12 @@ def _objection(value, annotation) -> str | None:
     if (nested := NESTED.get(get_origin(annotation))) is not None:
         return nested(value, get_args(annotation))
     if isinstance(annotation, type) and annotation not in SAYS_NOTHING:
-        return None if isinstance(value, annotation) else f"a {annotation.__name__}"
+        return None if isinstance(value, annotation) else f"{_article(annotation.__name__)} {annotation.__name__}"
     return None
+
+
+def _article(name: str) -> str:
+    return "an" if name[0] in "AEIOU" else "a"
 
 
 def _annotated(value, given) -> str | None:
@@ -125,7 +129,7 @@ def _one_of_several(value, annotations) -> str | None:
     if len(objections) < len(annotations):
         return None
     kinds = [o for o in objections if o != "None"]
-    near = [o for o in kinds if not o.startswith("a ")] if _real(value) or _sequence(value) else []
+    near = [o for o in kinds if not o.startswith(("a ", "an "))] if _real(value) or _sequence(value) else []
     return " or ".join(dict.fromkeys(near or kinds))
 
 

@@ -77,6 +77,7 @@ def examples() -> dict[str, dict]:
         "Interface": joined | {"law": "x y z"}, "Laminate": {"plies": [fx.Ply(0.1, 0.0, 2.0, 1.0, 0.3, 0.5)]},
         "LineForce": {"beam": p.beam, "force": (0.0, 1.0)}, "LinePressure": {"beam": p.beam, "pressure": 1.0},
         "Moment": {"mesh": p.line, "at": "b", "moment": 1.0}, "Monitor": {"on": p.line, "at": "b", "component": "y"},
+        "ObstacleContact": {"mesh": p.line, "at": "b", "obstacle": p.cylinder},
         "ObstacleForce": {"obstacle": p.cylinder, "force": 1.0},
         "PairContact": {"mesh": p.plate, "at": "south", "to": (p.space, None), "toward": (0.0, 0.0, 1.0)},
         "Plastic": {"modulus": 1.0, "yield_stress": 1.0}, "Plate": {"thickness": 0.1},
@@ -87,6 +88,7 @@ def examples() -> dict[str, dict]:
         "Pressure": {"shell": p.shell, "pressure": 1.0}, "Rectangle": {"width": 1.0, "depth": 1.0},
         "RigidCylinder": {"radius": 1.0, "centre": (0.0, 0.0)},
         "RigidPlane": {"point": (0.0, 0.0), "normal": (0.0, 1.0)},
+        "RigidSphere": {"radius": 1.0, "centre": (0.0, 0.0)},
         "Scene": {"parts": [p.beam], "supports": [p.support], "loads": [p.force],
                   "monitor": fx.Monitor(p.line, "b", "y")},
         "Shell": {"mesh": p.plate, "section": fx.Plate(0.1), "material": p.material},
@@ -147,14 +149,16 @@ LEGITIMATE = [
     Right("only the unloaded state", (0,), "Until.steps *.steps"),
     Right("by default from the cells along the other side", (0,), "slit-annulus.across"),
     Right("an angle like any other", (0,), "arc.start arc.end"),
-    Right("the origin", ((0.0, 0.0),), "RigidCylinder.centre RigidPlane.point Stretch.start"),
+    Right("the origin", ((0.0, 0.0),), "RigidCylinder.centre RigidPlane.point RigidSphere.centre "
+          "Stretch.start"),
     Right("a name, free or of what is looked for later", ("wrong",), "Event.name *.name Stretch.start Stretch.along "
           "Stretch.end"),
     Right("none of these", ((),), "Case.events Case.pictures Scene.contacts Scene.joints Scene.stages frame.releases"),
     Right("a sequence may have any length", ((1.0,), (1.0,) * 7), "Contact.approach"),
     Right("one amplitude for one shape", ((1.0,),), "imperfect.amplitude"),
     Right("nothing is held", ("",), "Support.fixed"),
-    Right("all cells, or wherever parts are", (None,), "*.group SurfaceContact.at Compatible.at"),
+    Right("all cells, or wherever parts are", (None,), "*.group SurfaceContact.at ObstacleContact.at "
+          "Compatible.at"),
 ]
 
 

@@ -166,6 +166,9 @@ class TwoWayRule(StepRule):
         return copysign(1.0, SIGNS[self.sign](state))
 
 
+ACROSS = 0.1  # cosine of the angle of load responses with the step, below which the load goes on as it did
+
+
 MONITORS = Like("a Monitor", lambda monitor: monitor is None or hasattr(monitor, "component"))
 
 
@@ -215,7 +218,8 @@ class ArcLength(TwoWayRule):
     reference load so that both terms have one unit).
 
     Where the quadratic has no real root, only that part of the equilibrium correction is used
-    for which it has one.
+    for which it has one. Of two roots the one that leads on is taken; where the response to the load is at a right angle
+    to the step, as where something meets an obstacle, the one with which the load goes on.
 
     Attributes
     ----------
@@ -264,6 +268,8 @@ class ArcLength(TwoWayRule):
         root = sqrt(max(b * b - a * c, 0.0))
         candidates = ((-b + root) / a, (-b - root) / a)
         along = xf + weight * load_increment
+        if along**2 < ACROSS**2 * a * (xx + weight * load_increment**2):
+            along = load_increment
         return max(candidates, key=lambda change: change * along), part
 
 

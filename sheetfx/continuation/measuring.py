@@ -13,6 +13,8 @@ from ..model.scene import Monitor
 from .control import StepRule
 from .state import State
 
+STILL = 1e-14  # of the structure's size, motion that is none, as of what rests on something rigid
+
 
 class Measuring:
     """What can measure increments of the load factor and of the unknowns (this process's part).
@@ -54,9 +56,11 @@ class Measuring:
         return min(self.angle(after.direction, way) for way in ways)
 
     def angle(self, one: tuple[float, np.ndarray], other: tuple[float, np.ndarray]) -> float:
-        """Angle between two increments of load factor and unknowns."""
-        lengths = self.distance(*one) * self.distance(*other)
-        return acos(np.clip(self.inner(one, other) / lengths, -1.0, 1.0)) if lengths else 0.0
+        """Angle between two increments of load factor and unknowns; zero where one of them is rounding."""
+        lengths = self.distance(*one), self.distance(*other)
+        if min(lengths) <= STILL:
+            return 0.0
+        return acos(np.clip(self.inner(one, other) / (lengths[0] * lengths[1]), -1.0, 1.0))
 
     def distance(self, load: float, increment: np.ndarray) -> float:
         """Length of an increment of load factor and unknowns (this process's part) in the control's measure."""

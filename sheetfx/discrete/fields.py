@@ -21,6 +21,7 @@ from .kinematics import Kinematics, kinematics_of
 from .load_factors import LoadFactors
 from .nodal_field import AdditiveField
 from .number import NumberField, shared_by_all
+from .obstacle_work import ObstacleWork
 from .origins import components
 from .pair_work import Pairs, PairWork
 from .partners import Partners
@@ -284,6 +285,20 @@ class Fields:
         partners = SurfacePartners(field, self.unknowns.fields.index(field), *second, owner.border(self))
         return SurfaceWork(self.unknowns, [first], partners, Pairs(samples.places, **how), owner,
                            self._unique("contact"))
+
+    def obstacle_work(self, owner, samples: Samples, how: dict) -> ObstacleWork:
+        """Contact of points with a rigid obstacle.
+
+        Parameters
+        ----------
+        owner : ObstacleContact
+        how : attributes of `Pairs` but for the points
+        """
+        first = self.trace_in(owner.mesh, samples.cells, samples.reference)
+        travel = (self.own_trace(owner.obstacle, "travel", np.zeros(len(samples.places), dtype=np.int64))
+                  if self.has(owner.obstacle, "travel") else None)
+        return ObstacleWork(self.unknowns, [first], travel, Pairs(samples.places, **how), owner,
+                            self._unique("contact"))
 
 
 class NodalForces:

@@ -34,24 +34,27 @@ class PairWork(PointWork):
     ----------
     unknowns : Unknowns
     first : traces of the first part: displacement and, where it has one, rotation
-    second : trace of the second part's displacement, or partners that follow the first part's points
+    second : trace of the second part's displacement, or partners that follow the first part's points; None: an obstacle
+        without unknowns
     pairs : Pairs
     contact : PairContact, which has the law
     name : of its history in snapshots
     """
 
     detours = 1e2, 1e1
+    _without = 1  # directions along which no slip is counted: that out of the first part's face
     _least = 0  # how often the stiffness grows within a step at least
     _stiffened, _deepest = 0, inf
     _slack = 0.0  # part of the bound of friction by which tractions may be off where they slip
     _slipping: np.ndarray | None = None  # tractions of pairs that slipped at the last iterate, zero at others
 
-    def __init__(self, unknowns: Unknowns, first: Sequence[Trace], second: Trace | Partners, pairs: Pairs, contact,
-                 name: str):
-        self.contact, self._first, self.pairs, self._name, d = contact, list(first), pairs, name, pairs.dimension
-        self._partners = None if isinstance(second, Trace) else second
-        traces = [*first, *(self._partners.traces() if self._partners else [second])]
-        self._slips, self._history = d - 1 if pairs.rubs else 0, np.zeros((pairs.count, 2 * d - 1))
+    def __init__(self, unknowns: Unknowns, first: Sequence[Trace], second: Trace | Partners | None, pairs: Pairs,
+                 contact, name: str):
+        self.contact, self._first, self.pairs, self._name = contact, list(first), pairs, name
+        n = self._directions = pairs.dimension - self._without
+        self._partners = None if second is None or isinstance(second, Trace) else second
+        traces = [*first, *(self._partners.traces() if self._partners else [second] if second else [])]
+        self._slips, self._history = n if pairs.rubs else 0, np.zeros((pairs.count, 1 + 2 * n))
         points = self._law_of([unknowns.fields[t.field].components for t in traces])
         super().__init__(unknowns, traces, points, smooth=False, conservative=not self._slips)
         self.sticks = contact.law is forms.contact.mohr_coulomb
@@ -302,7 +305,7 @@ class PairWork(PointWork):
         z, d, n = self.values(), self.pairs.dimension, self._slips
         strains, resultants = self._law.strains(z), self._law.resultants(z)
         pressure = np.where(self._here, -resultants[:, 0], 0.0)
-        traction = resultants[:, 1:1 + n] * self._here[:, None] if n else np.zeros((len(z), d - 1))
+        traction = resultants[:, 1:1 + n] * self._here[:, None] if n else np.zeros((len(z), self._directions))
         _, _, friction, cohesion, _ = self.pairs.parameters
         bound = (friction * pressure + cohesion) * (1 - self._slack)
         status = status_of(pressure, np.linalg.norm(traction, axis=1), bound)
@@ -312,7 +315,7 @@ class PairWork(PointWork):
     def _slip(self, strains: np.ndarray) -> np.ndarray:
         """Slip since the beginning; without friction it is not known."""
         if not self._slips:
-            return np.zeros((len(strains), self.pairs.dimension - 1))
+            return np.zeros((len(strains), self._directions))
         return strains[:, 1:1 + self._slips] + self._history[:, 1 + self._slips:]
 
 

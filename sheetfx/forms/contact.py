@@ -67,6 +67,29 @@ def on_moving_partner(first, second, arm, slopes, curvatures, axes, start):
     return [start[0] + across[0], passed, *across[2:]]
 
 
+def on_obstacle(gap, place, shift, before, slipped):
+    """Gap of a point to a rigid obstacle, and its slips past that, in the plane that touches it, along each direction.
+
+    Parameters
+    ----------
+    gap : function from a place and a shift of the obstacle to the distance of the place from it
+    place : UFL vector, where the point is
+    shift : list of UFL scalars, how far the obstacle has moved along each direction
+    before : UFL vector, where the point was at the last accepted state, seen from the obstacle
+    slipped : UFL vector, slips until then
+
+    Returns
+    -------
+    list of UFL scalars: the gap, and a slip for each direction of space.
+    """
+    here = ufl.variable(place)
+    distance = gap(here, shift)
+    normal = ufl.diff(distance, here)
+    passed = place - ufl.as_vector(shift) - before
+    along = slipped + passed - ufl.dot(passed, normal) * normal
+    return [distance, *(along[i] for i in range(place.ufl_shape[0]))]
+
+
 def mohr_coulomb(gap, slips, pressure, tractions, parameters):
     """Unilateral contact with Coulomb friction, cohesion and a tensile strength (thesis, eq. 3.12).
 

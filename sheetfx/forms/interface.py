@@ -28,6 +28,12 @@ def cylinder_slip(x, centre, x_before, centre_before, radius):
     return radius * ufl.atan2(a[0] * b[1] - a[1] * b[0], ufl.dot(a, b))
 
 
+def sphere_gap(x, centre, radius):
+    """Distance of point `x` from a sphere (a circle in the plane) about `centre`; negative inside."""
+    r = x - ufl.as_vector(centre)
+    return ufl.sqrt(ufl.dot(r, r)) - radius
+
+
 def plane_gap(x, point, normal):
     """Distance of `x` from the plane through `point` with unit `normal`."""
     return ufl.dot(x - point, normal)

@@ -32,6 +32,26 @@ class Samples:
     weights: np.ndarray
     extent: int
 
+    @property
+    def size(self) -> float:
+        """Of all that they stand for: a length; 0: of points."""
+        return float(self.weights.sum()) ** (1 / self.extent) if self.extent else 0.0
+
+
+def samples_at(mesh: NamedMesh, places: Sequence[str | Stretch | None], points: int, title: str) -> Samples:
+    """Those of several places, which are all points, all lines or all surfaces; see `samples_of`.
+
+    Raises
+    ------
+    ValueError
+        If places are of several kinds, naming `title`.
+    """
+    found = [samples_of(mesh, place, points) for place in places]
+    if len({s.extent for s in found}) > 1:
+        raise ValueError(f"{title}: its places are of several kinds; make a contact for points, one for lines and one "
+                         "for surfaces")
+    return merged(found)
+
 
 def samples_of(mesh: NamedMesh, at: str | Stretch | None, points: int) -> Samples:
     """Gauss points of a named edge or point, a group of cells or a stretch of a line; None: of all cells.

@@ -15,7 +15,7 @@ from ..jit import compiled_form
 from ..mesh.numbers import lift_numbers
 from ..mesh.reader import COMPONENTS, NamedMesh
 from .beam import Bar, Beam
-from .obstacles import RigidCylinder, RigidPlane
+from .obstacles import Obstacle
 from .shell import Shell
 from .work import Acting
 
@@ -203,7 +203,7 @@ class SurfaceForce(Load):
 class ObstacleForce(Load):
     """Force on an obstacle along its travel."""
 
-    obstacle: RigidCylinder | RigidPlane
+    obstacle: Obstacle
     force: float
 
     def __post_init__(self):

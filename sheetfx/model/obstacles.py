@@ -2,22 +2,48 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, ClassVar, Protocol, runtime_checkable
 
 from .. import forms
 from ..checks import NONZERO, Positive, check
 
 
+@runtime_checkable
+class Obstacle(Protocol):
+    """What an `ObstacleContact` asks of an obstacle; one of one's own need not derive from anything.
+
+    Attributes
+    ----------
+    travel : direction of its free motion; None: it is fixed
+    dimensions : of the spaces that it can stand in
+    """
+
+    travel: Sequence[float] | None
+    dimensions: Sequence[int]
+
+    def gap(self, x, shift):
+        """Distance of a place from the obstacle as a UFL scalar, negative inside, with a slope of 1.
+
+        Parameters
+        ----------
+        x : UFL vector
+        shift : list of UFL scalars or numbers, how far the obstacle has moved along each direction of space
+        """
+
+
 @dataclass(frozen=True, eq=False)
 class RigidCylinder:
-    """Rigid cylinder (a circle in the plane of x and y) that may travel along a direction.
+    """Rigid cylinder along z (a circle in the plane of x and y) that may travel along a direction.
 
     Attributes
     ----------
     radius, centre : of the circle
     travel : direction of its free motion; None: it is fixed
     """
+
+    dimensions: ClassVar = 2, 3
 
     radius: Positive
     centre: tuple[float, float]
@@ -33,22 +59,35 @@ class RigidCylinder:
         return forms.interface.cylinder_slip(x, self._centre(shift), x_before, self._centre(shift_before), self.radius)
 
     def _centre(self, shift):
-        return [c + s for c, s in zip(self.centre, shift, strict=True)]
+        return [c + s for c, s in zip(self.centre, shift, strict=False)]
 
 
 @dataclass(frozen=True, eq=False)
 class RigidPlane:
-    """Rigid half-plane behind `point`; `normal` points to the free side."""
+    """Rigid half of the plane, or of space, behind `point`; `normal` points to the free side.
 
-    point: tuple[float, float]
-    normal: Annotated[tuple[float, float], NONZERO]
-    travel: Annotated[tuple[float, float], NONZERO] | None = None
+    Attributes
+    ----------
+    point, normal : with as many components as the space that it stands in has dimensions; a unit normal
+    travel : direction of its free motion; None: it is fixed
+    """
+
+    point: tuple[float, ...]
+    normal: Annotated[tuple[float, ...], NONZERO]
+    travel: Annotated[tuple[float, ...], NONZERO] | None = None
 
     def __post_init__(self):
         check(self)
+        if not len(self.point) == len(self.normal) == len(self.travel or self.point) in (2, 3):
+            raise ValueError(f"RigidPlane: point is {self.point}, normal {self.normal}, travel {self.travel}; give two "
+                             "components to each in the plane, three in space")
         length = sum(c * c for c in self.normal) ** 0.5
         if abs(length - 1) > 1e-12:
             raise ValueError(f"RigidPlane: normal {self.normal} has length {length}; it must be a unit vector")
+
+    @property
+    def dimensions(self) -> Sequence[int]:
+        return [len(self.point)]
 
     def gap(self, x, shift):
         return forms.interface.plane_gap(x, self._point(shift), self._vector(self.normal))
@@ -63,3 +102,31 @@ class RigidPlane:
     @staticmethod
     def _vector(components):
         return forms.vector(components)
+
+
+@dataclass(frozen=True, eq=False)
+class RigidSphere:
+    """Rigid sphere (a circle in the plane) that may travel along a direction; for an `ObstacleContact`.
+
+    Attributes
+    ----------
+    radius, centre : with as many components as the space that it stands in has dimensions
+    travel : direction of its free motion; None: it is fixed
+    """
+
+    radius: Positive
+    centre: tuple[float, ...]
+    travel: Annotated[tuple[float, ...], NONZERO] | None = None
+
+    def __post_init__(self):
+        check(self)
+        if not len(self.centre) == len(self.travel or self.centre) in (2, 3):
+            raise ValueError(f"RigidSphere: centre is {self.centre}, travel {self.travel}; give two components to each "
+                             "in the plane, three in space")
+
+    @property
+    def dimensions(self) -> Sequence[int]:
+        return [len(self.centre)]
+
+    def gap(self, x, shift):
+        return forms.interface.sphere_gap(x, [c + s for c, s in zip(self.centre, shift, strict=True)], self.radius)

@@ -14,7 +14,8 @@ from ..checks import NONZERO, Choice, Count, NotNegative, Positive, check
 from ..mesh.lines import Stretch
 from ..mesh.projection import Cells, cells_at
 from ..mesh.reader import NamedMesh
-from ..mesh.samples import Samples, merged, samples_of
+from ..mesh.samples import Samples, samples_at
+from .beam import Bar, Beam
 from .interface import stiffness_over
 from .joints import Joint
 from .pair_contact import ELASTIC_SLIP, PARALLEL, PENETRATION, STIFF
@@ -93,11 +94,7 @@ class SurfaceContact(Joint):
 
     @cached_property
     def _samples(self) -> Samples:
-        found = [samples_of(self.mesh, place, self.samples) for place in self._places]
-        if len({s.extent for s in found}) > 1:
-            raise ValueError(f"{self._title}: its places are of several kinds; make a contact for points, one for "
-                             "lines and one for surfaces")
-        return merged(found)
+        return samples_at(self.mesh, self._places, self.samples, self._title)
 
     @property
     def conservative(self) -> bool:  # type: ignore[override]
@@ -116,7 +113,8 @@ class SurfaceContact(Joint):
             place = ", ".join(f"{x:.6g}" for x in samples.places[gaps.argmin()])
             raise ValueError(f"{self._title}: the parts overlap by {-gaps.min():.6g} at ({place}); move one of them, "
                              "or give a smaller distance")
-        stiffness = self.stiffness or self._default_stiffness(fields, size)
+        sides = [[part for part in fields.scene.parts if part.mesh is mesh] for mesh in (self.mesh, self.to[0])]
+        stiffness = self.stiffness or touch_stiffness(sides, max(size, samples.size), samples.extent)
         tangential = self.tangential or ELASTIC_SLIP * stiffness
         yield fields.surface_work(self, samples, (cells, which, reference, side), {
             "arms": arms, "axes": np.zeros((len(arms), 3, 3)), "gap": np.full(len(arms), apart),
@@ -134,22 +132,27 @@ class SurfaceContact(Joint):
     def _distance(self, fields) -> float:
         if self.distance is not None:
             return self.distance
-        return sum(max(_half_thickness(p) for p in fields.scene.parts if p.mesh is mesh)
+        return sum(max(half_thickness(p) for p in fields.scene.parts if p.mesh is mesh)
                    for mesh in (self.mesh, self.to[0]))
 
     def border(self, fields) -> float:
         """How far the surface goes on beyond its edges."""
         if self.overhang is not None:
             return self.overhang
-        return max(_half_thickness(p) for p in fields.scene.parts if p.mesh is self.to[0])
-
-    def _default_stiffness(self, fields, size: float) -> float:
-        extent = self._samples.extent
-        size = max(size, float(self._samples.weights.sum()) ** (1 / extent) if extent else 0.0)
-        both = [max(stiffness_over(part, size)[1] for part in fields.scene.parts if part.mesh is mesh)
-                for mesh in (self.mesh, self.to[0])]
-        return STIFF * min(both) / size ** (1 + extent)
+        return max(half_thickness(p) for p in fields.scene.parts if p.mesh is self.to[0])
 
 
-def _half_thickness(part) -> float:
+def touch_stiffness(sides: Sequence[Sequence[Shell | Beam | Bar]], size: float, extent: int) -> float:
+    """Pressure over penetration: ten times the bending stiffness of the softer side over a size.
+
+    Parameters
+    ----------
+    sides : parts on each side
+    extent : as of `Samples`
+    """
+    return STIFF * min(max(stiffness_over(part, size)[1] for part in parts) for parts in sides) / size ** (1 + extent)
+
+
+def half_thickness(part: Shell | Beam | Bar) -> float:
+    """From the mid-surface or axis of a part to its face."""
     return (part.section.thickness if isinstance(part, Shell) else part.section.depth) / 2

@@ -111,7 +111,7 @@ def _check(tracer, state: State, hold: str, side: int) -> None:
     if side not in (1, -1):
         raise ValueError(f"snap: side is {side!r}; it must be 1 or -1")
     if state.unstable_modes is None or not (tracer.system.conservative or can_stick(tracer.system)):
-        raise ValueError("snap: the structure has no energy that could fall (friction of an obstacle, pressure, "
+        raise ValueError("snap: the structure has no energy that could fall (friction of a Contact, pressure, "
                          "follower forces or moments in space make its tangent unsymmetric), or its tangent is not "
                          "factored with its inertia; use loads of fixed direction, contact with friction between parts "
                          "alone, and the default solver")

@@ -54,7 +54,7 @@ def _of_points(system) -> list[str]:
 
 def _of_bifurcations_with_contact(system) -> list[str]:
     if not (system.conservative or can_stick(system)):
-        return ["bifurcations: not looked for (friction of an obstacle, or by a law of one's own, or contact beside "
+        return ["bifurcations: not looked for (friction of a Contact, or by a law of one's own, or contact beside "
                 "loads without a potential)"]
     found = ["bifurcations: unstable modes compared at the ends of steps only; where something begins or ceases to "
              "touch or to slip eigenvalues jump, and may jump past zero"]
