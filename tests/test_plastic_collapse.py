@@ -1,9 +1,9 @@
-"""Collapse of frames by plastic hinges against the mechanisms of limit analysis."""
+"""Collapse of frames, of bars that touch and of welded sections by plastic hinges, against limit analysis."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from math import sqrt
+from math import asin, sqrt
 
 import numpy as np
 import pytest
@@ -98,3 +98,68 @@ def test_a_bar_flows_as_a_whole():
     scene = steel(5, {"clamp": (0, 0), "tip": (1000, 0)}, {"clamp": fx.clamp}, "tip", (1.0, 0.0), ("x",))
     *_, last = fx.Path(scene, fx.DisplacementControl(0.5), fx.Until(deflection=20.0))
     assert last.load == pytest.approx(235.0 * 400, rel=1e-3) and last.deflection == pytest.approx(20.0)
+
+
+def plastic_bar(deflection, diameter):
+    """Force on the middle of a bar held at both ends over that of three hinges, which also stretch as it sags.
+
+    Its neutral axis is half the deflection off the middle of each hinge; moment and force of the rest of a circle about
+    that chord (rigid, perfectly plastic).
+    """
+    h = deflection / diameter
+    moment, force = (1 - h**2) ** 1.5, 1.5 * (asin(h) + h * sqrt(1 - h**2))
+    return moment + force * h
+
+
+@pytest.mark.slow
+def test_two_round_bars_that_touch_collapse_together():
+    """The tip of a cantilever comes down on the middle of a clamped bar: M_p / L_1 + 4 M_p / L_2, then a catenary.
+
+    Hinges lie 0.21 cells from clamps and contact, which makes bars 1.0 % shorter, the lower one at both ends.
+    """
+    length, half, diameter, gap, cells = 600.0, 800.0, 20.0, 0.5, 20
+    upper = fx.read(lambda: meshes.frame({"clamp": (-length, diameter), "tip": (0, diameter)},
+                                         {"bar": ("clamp", "tip", cells)}), 2)
+    lower = fx.read(lambda: meshes.frame({"left": (-half, 0), "middle": (0, 0), "right": (half, 0)},
+                                         {"one": ("left", "middle", cells), "other": ("middle", "right", cells)}), 2)
+    steel = fx.Plastic(200e3, 0.3, yield_stress=2.35)
+    beams = [fx.Beam(mesh, fx.round_bar(diameter, 20), steel) for mesh in (upper, lower)]
+    touch = fx.PairContact(upper, "tip", (lower, None), toward=(0.0, -1.0), gap=gap, reach=diameter, stiffness=1e6)
+    moment = 2.35 * diameter**3 / 6
+    scene = fx.Scene(beams, [fx.clamp(upper, "clamp"), fx.clamp(lower, "left"), fx.clamp(lower, "right")],
+                     [fx.PointForce(upper, "tip", (0.0, -1.0))], fx.Monitor(upper, "tip", "y", -1.0), joints=[touch])
+    states = list(fx.Path(scene, fx.DisplacementControl(0.1), fx.Until(deflection=12.0)))
+    shorter = 1 - 0.21 / cells
+    alone = [s.load for s in states if 0.45 < s.deflection < gap]
+    assert alone[-1] == pytest.approx(moment / length / shorter, rel=1e-2)
+    for state in (s for s in states if s.deflection > 1.0):
+        sag = state.deflection - gap
+        expected = moment / length / shorter + 4 * moment / half / shorter * plastic_bar(sag, diameter)
+        assert state.load == pytest.approx(expected, rel=1.5e-2)
+
+
+@pytest.mark.slow
+def test_a_tee_of_two_welded_shells_collapses():
+    """A cantilever, free to contract across at its clamp: M_p / L about the axis that halves the area of both shells.
+
+    The first of Gauss's points lie 0.21 cells, 1.1 % of the length, from the clamp; cells half as long leave 1.1 %,
+    twice as many across of degree 3 0.8 %.
+    """
+    length, width, depth, thickness, strength = 1000.0, 80.0, 80.0, 4.0, 2.35
+    flange = fx.read(lambda: meshes.rectangle((20, 8), (length, width)), 3, 2,
+                     lambda x: np.column_stack((x[:, 0], x[:, 1] - width / 2, 0 * x[:, 0])))
+    web = fx.read(lambda: meshes.rectangle((20, 4), (length, depth)), 3, 2,
+                  lambda x: np.column_stack((x[:, 0], 0 * x[:, 0], x[:, 1] - depth)))
+    steel, plate = fx.Plastic(200e3, 0.3, yield_stress=strength), fx.Plate(thickness, points=5, rule="simpson")
+    shells = [fx.Shell(mesh, plate, steel, form="naghdi-q2") for mesh in (flange, web)]
+    supports = [fx.Support(flange, "west", "x ry rz"), fx.Support(web, "west", "x ry rz"),
+                fx.Support(web, "north-west", "y z"), fx.Support(web, "south-west", "y")]
+    scene = fx.Scene(shells, supports, [fx.EdgeForce(web, "east", (0.0, 0.0, -1.0 / depth))],
+                     fx.Monitor(web, "north-east", "z", -1.0), joints=[fx.weld(web, "north", (flange, None))])
+    *_, before, last = fx.Path(scene, fx.DisplacementControl(0.03), fx.Until(deflection=0.6))
+    z = np.linspace(-depth, thickness / 2, 200_001)
+    widths = width * (np.abs(z) <= thickness / 2) + thickness * (z <= 0)
+    axis = z[np.searchsorted(np.cumsum(widths), widths.sum() / 2)]
+    moment = strength * np.trapezoid(widths * np.abs(z - axis), z)
+    assert last.load == pytest.approx(before.load, rel=5e-3)
+    assert moment / length < last.load < 1.025 * moment / length
