@@ -218,8 +218,9 @@ class ArcLength(TwoWayRule):
     reference load so that both terms have one unit).
 
     Where the quadratic has no real root, only that part of the equilibrium correction is used
-    for which it has one. Of two roots the one that leads on is taken; where the response to the load is at a right angle
-    to the step, as where something meets an obstacle, the one with which the load goes on.
+    for which it has one. Of two roots the one that leads on is taken; where the response to the load
+    is at a right angle to the step, as where something meets an obstacle, the one with which the load
+    goes on.
 
     Attributes
     ----------
