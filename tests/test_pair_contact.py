@@ -220,6 +220,24 @@ def test_light_pressure_does_not_stop_steps():
     assert path.tracer.total_factorisations < 20
 
 
+@pytest.mark.parametrize("unit", [1.0, 1e3])
+def test_a_point_is_as_stiff_in_all_units(unit):
+    """A stub on a short, clamped rod: penetration over its size hangs on neither the unit of length nor that of force.
+
+    The default stiffness is ten times that of a cell of the softer part, EA over the length of its two cells.
+    """
+    stub, wall = line(1, (0.0, unit), (0.0, 0.0)), line(2, (-unit / 2, 0.0), (unit / 2, 0.0), name="wall")
+    beams = [fx.Beam(m, fx.Rectangle(0.1 * unit, 0.1 * unit), fx.Elastic(1.2e6)) for m in (stub, wall)]
+    contact = fx.PairContact(stub, "end", (wall, None), toward=(0.0, -1.0))
+    scene = fx.Scene(beams, [fx.Support(stub, "start", "x rz"), fx.clamp(wall, "start"), fx.clamp(wall, "end")],
+                     [fx.PointForce(stub, "start", (0.0, -unit**2))], fx.Monitor(stub, "start", "y"), joints=[contact])
+    record = fx.trace(fx.Case(scene, fx.LoadControl(1.0, fixed=True)))
+    record.show(record.states[-1])
+    pairs = record.pairs(contact)
+    assert pairs.pressure[0] == pytest.approx(unit**2, rel=1e-9)
+    assert pairs.gap[0] / unit == pytest.approx(-1.0 / (10 * 1.2e4 / 0.5), rel=1e-9)
+
+
 def leaf_spring(friction, load, enforcement="penalty"):
     """Two equal leaves clamped at one end touch along their length, without a gap; the upper one's tip is loaded."""
     length, depth = 1.0, 0.05
