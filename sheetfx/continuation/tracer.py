@@ -107,8 +107,10 @@ class Tracer(Measuring):
         start, before, spent = self.state, self.total_factorisations, self.iterations
         self._count.start_from(start, self.x)
         alone = self.system.comm.size == 1 and self.control.newton == "full"
-        for eliminates, multiples in self.enforcement.approaches(alone, self._stuck is start, not start.length):
+        again, begins = self._stuck is start, not start.length
+        for eliminates, multiples in self.enforcement.approaches(alone, again, begins):
             self._most, self.failure = 0, ""
+            self.stepper.patient = again and begins and len(multiples) > 1
             self.stepper.elimination = self._elimination if eliminates else None
             if eliminates:
                 self.factorise_at(start)
