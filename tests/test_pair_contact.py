@@ -269,7 +269,7 @@ def test_leaf_spring(friction):
 def test_leaves_are_pulled_apart(friction):
     """All pairs open in the first step, one after the other from the tip on: the upper leaf is alone.
 
-    P L^3 / 3 EI + P L / k GA. Newton's iteration, which opens some pairs in each, was given up before it had opened all.
+    P L^3 / 3 EI + P L / k GA. Newton's iteration opens some pairs in each pass, and was given up before all were open.
     """
     load = 0.05
     last = leaf_spring(friction, -load).states[-1]
@@ -280,9 +280,9 @@ def test_leaves_are_pulled_apart(friction):
 
 @pytest.mark.parametrize("side, bound", [(-1.0, 1.0), (1.0, 4.0)])
 def test_column_beside_a_stop_that_it_touches(side, bound):
-    """A little force bends a column away from a stop at its middle, or presses it on: pi^2 EI / L^2, or four times that.
+    """A little force bends a column away from a stop at its middle, or presses it on: its load, or four times that.
 
-    Away from it the column is a free one, whose middle moves by Q L^3 / 48 EI times 3 (tan u - u) / u^3 with
+    Away from it the column is a free one: its middle moves by Q L^3 / 48 EI times 3 (tan u - u) / u^3 with
     u = L sqrt(P / EI) / 2 (Timoshenko and Gere 1961, section 1.8).
     """
     nodes = {"base": (0.0, 0.0), "middle": (0.0, 0.5), "top": (0.0, 1.0)}
