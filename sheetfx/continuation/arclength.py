@@ -72,8 +72,7 @@ class PathStep:
         not
     elimination : of contact forces from each step; None: they are part of the iteration
     viscosity : of forces against the increments, in the inner product's weights: those of a step of a slow motion
-    patient : whether it goes on though iterations have long led nowhere: where parts that touch along a line without a
-        gap are pulled apart, the contact peels off by some points in each
+    patient : whether it goes on where iterations lead nowhere for long, as where each peels off some points of contact
     """
 
     def __init__(self):
@@ -81,8 +80,7 @@ class PathStep:
         self.control: StepRule | None = None
         self.history: list[float] = []
         self.start = self.load_increment = self.rounding = self.viscosity = 0.0
-        self.behind = inf
-        self.patient = False
+        self.behind, self.patient = inf, False
         self.elimination: Elimination | None = None
 
     def attach(self, snes: PETSc.SNES, system) -> None:
