@@ -278,6 +278,15 @@ def test_leaves_are_pulled_apart(friction):
     assert last.deflection == pytest.approx(-alone, rel=1e-3), "geometrical nonlinearity at 0.013"
 
 
+def test_unloading_has_no_limit_point():
+    """Up and down again under a prescribed load: it turns because it is told to, and deflections are the same (1 %)."""
+    record = leaf_spring(0.0, 0.05)
+    up = record.states[-1]
+    back = list(fx.Path(record.case.scene, fx.LoadControl(0.25, target=0.1), start=[up]))
+    assert [p for s in [*record.states, *back] for p in s.critical] == []
+    assert back[-1].deflection == pytest.approx(0.1 * up.deflection, rel=0.01)
+
+
 @pytest.mark.parametrize("side, bound", [(-1.0, 1.0), (1.0, 4.0)])
 def test_column_beside_a_stop_that_it_touches(side, bound):
     """A little force bends a column away from a stop at its middle, or presses it on: its load, or four times that.
