@@ -14,6 +14,7 @@ from dataclasses import replace
 from math import copysign, inf, isclose, pi
 from typing import Any
 
+from .checks import require
 from .continuation.control import ArcLength, DisplacementControl, LoadControl, StepRule
 from .continuation.corner import LEAST, around_corner
 from .continuation.events import Event, end_at, occurrences
@@ -69,13 +70,13 @@ class Path:
     def __init__(self, scene: Scene, control: StepRule | None = None, until: Until | None = None, *,
                  start: Sequence[State] = (), mixed_points: bool = True, prefix: str = "sheetfx_",
                  events: Sequence[Event] = ()):
+        require("Path", control=(control, StepRule | None), until=(until, Until | None), events=(events, list[Event]))
         self.scene, self.until = scene, until or Until()
         self._controls = [*map(_preloading, scene.stages), control or ArcLength()]
         self._ending = self.until.ending
         self.events = [*events, *([self._ending] if self._ending else [])]
         self.discretisation = Discretisation(scene, mixed_points)
-        self.start = self._taken(start)
-        self._started = time.process_time()
+        self.start, self._started = self._taken(start), time.process_time()
         self.tracer = Tracer(self.discretisation, self._controls[start[-1].stage if start else 0], prefix)
         self._others = [Flutter(self.tracer)] if Flutter.concerns(self.tracer) else []
         self.message = self._refusal = ""

@@ -186,8 +186,11 @@ class Record:
 
     def pairs(self, contact) -> PairState:
         """State of the pairs of a `PairContact` in the shown state, on this process."""
-        works = pairs_of(self.path.discretisation.system.contributions)
-        return next(work for work in works if work.contact is contact).evaluate()
+        works = [w for w in pairs_of(self.path.discretisation.system.contributions) if w.contact is contact]
+        if not works:
+            raise ValueError(f"pairs: {type(contact).__name__} is no contact of pairs of this scene; give one of its "
+                             "joints that is a PairContact")
+        return works[0].evaluate()
 
     def balance(self, accuracy: float | None = None) -> Balance:
         """Energies in all states against the work of the loads, see `continuation.balance`.

@@ -8,6 +8,7 @@ from math import pi
 import numpy as np
 import pytest
 from helpers import on_two_processes
+from scipy.optimize import brentq
 from test_following import follower, ring, steps
 
 import sheetfx as fx
@@ -142,3 +143,32 @@ def test_waves_of_a_ring_do_not_flutter():
     pressed = waves**2 * (waves**2 - 1) * (waves**2 - 1 - state.load / (2 * pi)) / (waves**2 + 1) + BED
     assert squares[:3] == pytest.approx(3 * [BED], rel=1e-4)
     assert squares[3:] == pytest.approx(np.repeat(pressed, 2), rel=3e-3)
+
+
+@pytest.mark.parametrize("end, expected", [(8.0, ["begins"]), (16.0, ["begins", "ends"])])
+def test_stiff_rods_on_springs(end, expected):
+    """Ziegler's pendulum of two rods: M q'' + K q = 0 in two angles, whose squares meet, and part again below zero.
+
+    The rods are stiffer than the springs by 4e3 (1e-3: their bending) and have squares up to 1e10, so that rounding
+    moves those that meet: states at the ends of short pieces told points that their modes did not show.
+    """
+    length, stiffness, mass, modulus = 1.0, 2.0, 0.03, 1e9
+    rods = [fx.read(lambda x=x: fx.meshes.frame({"start": (x, 0.0), "end": (x + length, 0.0)},
+                                                {"rod": ("start", "end", 2)}), 2) for x in (0.0, length)]
+    one, two = rods
+    scene = fx.Scene([fx.Beam(m, fx.Rectangle(0.1, 0.1), fx.Elastic(modulus, 0.0, density=3.0)) for m in rods],
+                     [fx.pin(one, "start")], [fx.FollowerForce(two, "end", (-1.0, 0.0))], fx.Monitor(two, "end", "x"),
+                     joints=[fx.hinge(one, "end", (two, "start")), fx.Spring(one, "start", "rz", stiffness),
+                             fx.Spring(one, "end", "rz", stiffness, (two, "start"))])
+    inertia = mass * (length**2 / 3 + 0.1**2 / 12)
+    masses = np.array([[inertia + mass * length**2, mass * length**2 / 2], [mass * length**2 / 2, inertia]])
+
+    def discriminant(load):
+        tangent = np.array([[2 * stiffness - load, load - stiffness], [-stiffness, stiffness]])
+        squares = np.linalg.eigvals(np.linalg.solve(masses, tangent)).astype(complex)
+        return ((squares[0] - squares[1]) ** 2).real
+
+    exact = [brentq(discriminant, 2.0, 7.0), brentq(discriminant, 7.0, 14.0)]
+    points = found(scene, 20.0, fx.LoadControl(step=0.6, target=end))
+    assert [(what, number) for what, _, number in points] == [(f"flutter {name}", 1) for name in expected]
+    assert [load for _, load, _ in points] == pytest.approx(exact[:len(expected)], rel=1e-3)

@@ -306,6 +306,40 @@ def test_same_part_twice_is_refused():
         fx.Scene([p.beam, p.beam], [p.support], [p.force], fx.Monitor(p.line, "b", "y"))
 
 
+@pytest.mark.parametrize(("what", "make", "words"), [
+    ("supports", lambda m, b: fx.clamp(m, "a"), "Support at 'a'"),
+    ("loads", lambda m, b: fx.PointForce(m, "a", (0.0, 1.0)), "PointForce at 'a'"),
+    ("loads", lambda m, b: fx.LineForce(b, (0.0, 1.0)), "LineForce"),
+    ("joints", lambda m, b: fx.Foundation(b, (0.0, 1.0)), "Foundation"),
+    ("joints", lambda m, b: fx.Spring(parts().line, "b", "y", 1.0, (m, "b")), "Spring at 'b'"),
+    ("joints", lambda m, b: fx.weld(parts().line, "b", (m, "b")), "Interface at 'b'"),
+    ("contacts", lambda m, b: fx.Contact(b, parts().cylinder), "Contact"),
+    ("monitor", lambda m, b: fx.Monitor(m, "b", "y"), "Monitor at 'b'")])
+def test_what_is_on_a_mesh_of_no_part_is_refused(what, make, words):
+    """As where a mesh is read twice: such a support held nothing, without a word; others ended in a KeyError."""
+    other = fx.read(lambda: fx.meshes.frame({"a": (0, 0), "b": (1, 0)}, {"copy": ("a", "b", 1)}), 2)
+    given = make(other, fx.Beam(other, parts().section, parts().material))
+    right = examples()["Scene"]
+    with pytest.raises(ValueError, match=f"{words}: is on a mesh of copy that no part of the scene has; give one"):
+        fx.Scene(**right | {what: given if what == "monitor" else [*right.get(what, []), given]})
+
+
+def test_what_is_asked_of_a_path_is_looked_at():
+    scene = parts().scene
+    for given in ({"control": 3}, {"until": 3}, {"events": [3]}):
+        with pytest.raises(ValueError, match=f"Path: {next(iter(given))} is .*3.*; it must be"):
+            fx.Path(scene, **given)
+    record = fx.trace(fx.Case(scene, fx.LoadControl(1.0, fixed=True)))
+    for count in (0, True):
+        with pytest.raises(ValueError, match=f"buckling: count is {count}; it must be"):
+            record.buckling(record.states[0], count=count)
+    for accuracy in (0, -1.0, nan):
+        with pytest.raises(ValueError, match=f"balance: accuracy is {accuracy}; it must be"):
+            record.balance(accuracy)
+    with pytest.raises(ValueError, match="pairs: PointForce is no contact of pairs of this scene"):
+        record.pairs(scene.loads[0])
+
+
 @pytest.mark.parametrize(("change", "words"), [
     ({"membrane": ((1.0, 0.5, 0.0), (0.2, 1.0, 0.0), (0.0, 0.0, 0.4))}, "membrane is .*; it must be symmetric"),
     ({"membrane": ((1.0, 2.0, 0.0), (2.0, 1.0, 0.0), (0.0, 0.0, 0.4))}, "membrane, coupling and bending are not posi"),

@@ -216,6 +216,7 @@ def test_models_that_nothing_joins_are_told():
 @pytest.mark.parametrize(("make", "words"), [
     (lambda m: fx.Spring(m, "end", "z", 1.0), "Spring at 'end': no component 'z'; choose from x y rz"),
     (lambda m: fx.Spring(m, "tip", "y", 1.0), "no point or edge named 'tip'"),
+    (lambda m: fx.Spring(m, "end", "y", 1.0, (m, "end")), "Spring at 'end': joins the point to itself"),
     (lambda m: fx.Interface(m, "end", (m, "end"), "x"), "Interface at 'end': ties the point to itself"),
     (lambda m: fx.Interface(m, "end", (m, "start"), "x w"), "Interface at 'end': no component 'w'"),
     (lambda m: fx.Uniform(m, "end", "rz"), "Uniform at 'end': no component 'rz'"),

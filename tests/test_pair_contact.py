@@ -220,6 +220,24 @@ def test_light_pressure_does_not_stop_steps():
     assert path.tracer.total_factorisations < 20
 
 
+@pytest.mark.parametrize("unit", [1.0, 1e3])
+def test_a_point_is_as_stiff_in_all_units(unit):
+    """A stub on a short, clamped rod: penetration over its size hangs on neither the unit of length nor that of force.
+
+    The default stiffness is ten times that of a cell of the softer part, EA over the length of its two cells.
+    """
+    stub, wall = line(1, (0.0, unit), (0.0, 0.0)), line(2, (-unit / 2, 0.0), (unit / 2, 0.0), name="wall")
+    beams = [fx.Beam(m, fx.Rectangle(0.1 * unit, 0.1 * unit), fx.Elastic(1.2e6)) for m in (stub, wall)]
+    contact = fx.PairContact(stub, "end", (wall, None), toward=(0.0, -1.0))
+    scene = fx.Scene(beams, [fx.Support(stub, "start", "x rz"), fx.clamp(wall, "start"), fx.clamp(wall, "end")],
+                     [fx.PointForce(stub, "start", (0.0, -unit**2))], fx.Monitor(stub, "start", "y"), joints=[contact])
+    record = fx.trace(fx.Case(scene, fx.LoadControl(1.0, fixed=True)))
+    record.show(record.states[-1])
+    pairs = record.pairs(contact)
+    assert pairs.pressure[0] == pytest.approx(unit**2, rel=1e-9)
+    assert pairs.gap[0] / unit == pytest.approx(-1.0 / (10 * 1.2e4 / 0.5), rel=1e-9)
+
+
 def leaf_spring(friction, load, enforcement="penalty"):
     """Two equal leaves clamped at one end touch along their length, without a gap; the upper one's tip is loaded."""
     length, depth = 1.0, 0.05
@@ -230,7 +248,7 @@ def leaf_spring(friction, load, enforcement="penalty"):
     scene = fx.Scene(leaves, [fx.clamp(m, "start") for m in (upper, lower)],
                      [fx.PointForce(upper, "end", (0.0, -load))],
                      fx.Monitor(upper, "end", "y", -1.0), joints=[touch])
-    return fx.trace(fx.Case(scene, until=fx.Until(load=load)))
+    return fx.trace(fx.Case(scene, until=fx.Until(load=abs(load))))
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])
@@ -245,6 +263,56 @@ def test_leaf_spring(friction):
     bending = load * length**3 / (6 * 1.2e6 * 0.1 * depth**3 / 12)
     assert last.load == pytest.approx(load)
     assert last.deflection == pytest.approx(bending * (1 - 0.75 * friction * depth / length), rel=2e-3)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_leaves_are_pulled_apart(friction):
+    """All pairs open in the first step, one after the other from the tip on: the upper leaf is alone.
+
+    P L^3 / 3 EI + P L / k GA. Newton's iteration opens some pairs in each pass, and was given up before all were open.
+    """
+    load = 0.05
+    last = leaf_spring(friction, -load).states[-1]
+    alone = load * (1 / (3 * 1.2e6 * 0.1 * 0.05**3 / 12) + 1 / (5 / 6 * 0.6e6 * 0.1 * 0.05))
+    assert last.load == pytest.approx(load) and not last.contact_points
+    assert last.deflection == pytest.approx(-alone, rel=1e-3), "geometrical nonlinearity at 0.013"
+
+
+def test_unloading_has_no_limit_point():
+    """Up and down again under a prescribed load: it turns because it is told to, and deflections are the same (1 %)."""
+    record = leaf_spring(0.0, 0.05)
+    up = record.states[-1]
+    back = list(fx.Path(record.case.scene, fx.LoadControl(0.25, target=0.1), start=[up]))
+    assert [p for s in [*record.states, *back] for p in s.critical] == []
+    assert back[-1].deflection == pytest.approx(0.1 * up.deflection, rel=0.01)
+
+
+@pytest.mark.parametrize("side, bound", [(-1.0, 1.0), (1.0, 4.0)])
+def test_column_beside_a_stop_that_it_touches(side, bound):
+    """A little force bends a column away from a stop at its middle, or presses it on: its load, or four times that.
+
+    Away from it the column is a free one: its middle moves by Q L^3 / 48 EI times 3 (tan u - u) / u^3 with
+    u = L sqrt(P / EI) / 2 (Timoshenko and Gere 1961, section 1.8).
+    """
+    nodes = {"base": (0.0, 0.0), "middle": (0.0, 0.5), "top": (0.0, 1.0)}
+    column = fx.read(lambda: fx.meshes.frame(nodes, {"a": ("base", "middle", 6), "b": ("middle", "top", 6)}), 2)
+    stop = line(1, (0.0, 0.4), (0.0, 0.6), name="stop")
+    beams = [fx.Beam(column, fx.Rectangle(0.01, 0.01), fx.Elastic(1.2e9, 0.0)),
+             fx.Beam(stop, fx.Rectangle(0.1, 0.1), fx.Elastic(1.2e9, 0.0))]
+    touch = fx.PairContact(column, "middle", (stop, None), toward=(1.0, 0.0))
+    scene = fx.Scene(beams, [fx.pin(column, "base"), fx.Support(column, "top", "x"), fx.clamp(stop, "start"),
+                             fx.clamp(stop, "end")],
+                     [fx.PointForce(column, "top", (0.0, -1.0)), fx.PointForce(column, "middle", (1e-3 * side, 0.0))],
+                     fx.Monitor(column, "middle", "x"), joints=[touch])
+    record = fx.trace(fx.Case(scene, fx.LoadControl(target=0.9 * bound * np.pi**2), fx.Until()))
+    last = record.states[-1]
+    assert last.factor == pytest.approx(0.9 * bound * np.pi**2) and last.unstable_modes == 0
+    assert record.critical_points == []
+    if side < 0:
+        assert not last.contact_points
+        u = np.sqrt(last.factor) / 2
+        exact = last.factor * 1e-3 / 48 * 3 * (np.tan(u) - u) / u**3
+        assert last.deflection == pytest.approx(-exact, rel=2e-3), "shear and shortening take 2e-4 off the Euler load"
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])

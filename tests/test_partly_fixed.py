@@ -53,6 +53,19 @@ def test_state_does_not_depend_on_the_steps(fixed, steps):
         assert other == pytest.approx(one, abs=1e-8)
 
 
+@pytest.mark.parametrize("axes", [np.eye(3), TURN], ids=["space", "turned"])
+def test_reactions_balance_the_forces(axes):
+    """Where they act now, in sum and in moment; the moment at the base is along the axis that turns with it."""
+    record = follow(bent_beam("rx", axes), fx.LoadControl(0.125, fixed=True))
+    base, tip = (record.reactions(at, about=(0.0, 0.0, 0.0)) for at in ("base", "tip"))
+    record.show(record.states[-1])
+    forces, turning = base.force[-1] + tip.force[-1], base.moment[-1] + tip.moment[-1]
+    for load, place in zip(record.case.scene.loads, (axes[0] / 2, axes[0]), strict=True):
+        forces = forces + load.force
+        turning = turning + np.cross(place + record.displacement(load.at), load.force)
+    assert np.abs(forces).max() < 1e-6 * 67 and np.abs(turning).max() < 1e-6 * 67
+
+
 def test_rotation_of_a_point_is_about_an_axis_across_the_fixed_one():
     turned = Rotation.from_matrix(bent("rx", 8)[0]).as_rotvec()
     assert abs(turned[0]) < 1e-12 and min(abs(turned[1:])) > 0.3

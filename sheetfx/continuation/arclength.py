@@ -72,6 +72,7 @@ class PathStep:
         not
     elimination : of contact forces from each step; None: they are part of the iteration
     viscosity : of forces against the increments, in the inner product's weights: those of a step of a slow motion
+    patient : whether it goes on where iterations lead nowhere for long, as where each peels off some points of contact
     """
 
     def __init__(self):
@@ -79,7 +80,7 @@ class PathStep:
         self.control: StepRule | None = None
         self.history: list[float] = []
         self.start = self.load_increment = self.rounding = self.viscosity = 0.0
-        self.behind = inf
+        self.behind, self.patient = inf, False
         self.elimination: Elimination | None = None
 
     def attach(self, snes: PETSc.SNES, system) -> None:
@@ -248,7 +249,7 @@ class PathStep:
         if self._guess is not None:
             return len(self.history) > 1 and self.history[-1] > max(WRONG, self.history[-2])
         before, last = self.history[:-VAIN], self.history[-VAIN:]
-        newton = self.control.guarded and self.control.newton == "full"
+        newton = self.control.guarded and self.control.newton == "full" and not self.patient
         vain = bool(before) and 2 * min(last) > min(before) > CLOSE
         return newton and (vain or self.cycles)
 

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import KroghInterpolator
 
+from ..checks import Positive, require
 from .accounts import Account, Accounts
 from .state import State
 from .tracer import Tracer
@@ -98,6 +99,7 @@ def balance(tracer: Tracer, states: Sequence[State], accuracy: float | None = No
     accuracy : of the work over the largest energy; states within steps are found where it needs them. None: what the
         states of the path tell
     """
+    require("balance", accuracy=(accuracy, Positive | None))
     system, works, present = tracer.system, tracer.discretisation.works_of_parts, tracer.state
     untold = {f"{type(c).__name__} does not tell its energy" for c in system.contributions
               if c.stage is None and c not in works and c.energy() is None}

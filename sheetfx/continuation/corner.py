@@ -28,7 +28,8 @@ def around_corner(tracer, before: State, wanted: float, trail: Sequence[State] =
                   earlier: State | None = None) -> State | None:
     """A step from a state that lies at a corner of the path; None, and back at the state, if none is found.
 
-    None is looked for on smooth paths, nor where the control prescribes the load or leaves steps as they are.
+    None is looked for on smooth paths, nor where the control leaves steps as they are, nor, but for a first step, where
+    it prescribes the load.
 
     Parameters
     ----------
@@ -37,7 +38,11 @@ def around_corner(tracer, before: State, wanted: float, trail: Sequence[State] =
     earlier : the one before; None: not known
     """
     control = tracer.control
-    if tracer.system.smooth or not (before.length and control.guarded and control.passes_limits):
+    if tracer.system.smooth or not control.guarded:
+        return None
+    if not before.length:
+        return _from_rest(tracer, before, LENGTHS[0] * wanted)
+    if not control.passes_limits:
         return None
     flows = earlier is not None and tracer.system.history.moved_since(earlier.fields)
     step = max(wanted, LEAST * tracer.usual)
@@ -52,6 +57,15 @@ def around_corner(tracer, before: State, wanted: float, trail: Sequence[State] =
             if (after is not None and _leads_on(tracer, before, after) and not _returns(tracer, trail, after)
                     and not (flows and _unloads(tracer, before, after))):
                 return after
+    tracer.back_to(before)
+    return None
+
+
+def _from_rest(tracer, before: State, length: float) -> State | None:
+    """A first step that leads to the tangent at its end: what touches without a force at its start opens at once."""
+    after = tracer.attempt(length)
+    if after is not None and tracer.angle(after.direction, after.tangent) <= tracer.control.turn:
+        return after
     tracer.back_to(before)
     return None
 

@@ -31,11 +31,14 @@ def slide_off(scene: Scene, contact: SurfaceContact) -> Event:
     Raises
     ------
     ValueError
-        If the scene does not have the contact.
+        If the scene does not have the contact, or it is one of pairs, which do not know how far an end is.
     """
     contacts = [joint for joint in scene.joints if isinstance(joint, (PairContact, SurfaceContact))]
     if contact not in contacts:
         raise ValueError("slide_off: the scene does not have the contact; give one of its joints")
+    if not isinstance(contact, SurfaceContact):
+        raise ValueError(f"slide_off: contact is the {contact.name}, whose pairs have no margin; give a "
+                         "SurfaceContact, or watch the displacement of the point that slides by an Event of your own")
     name = f"contact{contacts.index(contact)} partners"
     return Event("slide-off", partial(_margin, name, contact.to[0].size), NEAR * contact.to[0].size)
 

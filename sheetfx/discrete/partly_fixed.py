@@ -40,6 +40,7 @@ class PartlyFixed:
     Attributes
     ----------
     nodes : numbers of the nodes
+    start : directions of the components in the reference configuration, as given
     on_edge : numbers of those among them that are on an edge
     fixed_on_edge : of each of these the number of its fixed component
     twist : of each of these the second derivative of the Rodrigues vector by the components of an increment, which is
@@ -47,7 +48,7 @@ class PartlyFixed:
     """
 
     def __init__(self, nodes: np.ndarray, fixed: np.ndarray, axes: np.ndarray, edges: np.ndarray):
-        self.nodes, self._start = nodes, axes.copy()
+        self.nodes, self.start = nodes, axes.copy()
         held = np.take_along_axis(axes, fixed[:, None, None], axis=2)[..., 0]
         across = np.eye(3) - np.einsum("ni,nj->nij", held, held)
         sizes, directions = np.linalg.eigh(across @ edges @ across)
@@ -62,7 +63,7 @@ class PartlyFixed:
 
     def axes(self, quaternions: np.ndarray) -> np.ndarray:
         """Directions of the components of increments from given rotations of the nodes, as columns."""
-        axes = _turned(quaternions + np.eye(4)[0], self._start)
+        axes = _turned(quaternions + np.eye(4)[0], self.start)
         along = _turned(quaternions[self._edge], self._along[:, :, None])[..., 0]
         own = np.stack((np.cross(along, self._across), along, self._across), axis=2)
         on_edge = np.empty_like(own)

@@ -82,8 +82,10 @@ def fixed_by(kinematics: Kinematics, support: Support) -> np.ndarray:
         if field.axes is None:
             dofs.append(table[nodes][:, components].ravel())
             continue
-        fixed = _directions(field, support, nodes)[:, :, components]
-        along = np.einsum("nki,nkj->nij", field.axes[nodes], fixed)
+        fixed, axes = _directions(field, support, nodes)[:, :, components], field.axes.copy()
+        if field.curved and field.partly_fixed is not None:
+            axes[field.partly_fixed.nodes] = field.partly_fixed.start
+        along = np.einsum("nki,nkj->nij", axes[nodes], fixed)
         chosen = np.isclose((along**2).sum(axis=2), 1.0, atol=1e-8)
         if not np.all(chosen.sum(axis=1) == len(components)):
             raise ValueError(f"Support at {support.at!r}: its axes differ from those of another support there, and "

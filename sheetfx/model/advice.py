@@ -5,6 +5,7 @@ from __future__ import annotations
 from ..mesh.pieces import loose_pieces, straight_joints
 from .beam import Bar
 from .joints import Compatible
+from .loads import PrescribedDisplacement, PrescribedRotation
 
 
 def piece_without_support(scene) -> str | None:
@@ -30,4 +31,7 @@ def advice_on_supports(scene) -> str:
         if count := straight_joints(bars.mesh):
             return (f"{count} nodes join two bars in line, which hinge there; mesh each bar with one cell, or make the "
                     "bars beams")
-    return "check that the supports hold all rigid motions of every part"
+    prescribed = (PrescribedDisplacement, PrescribedRotation)
+    twice = any(isinstance(load, prescribed) for load in scene.all_loads)
+    return "check that the supports hold all rigid motions of every part" + (
+        ", and that nothing else, no support or weld, holds what is prescribed" if twice else "")

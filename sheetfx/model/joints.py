@@ -78,6 +78,8 @@ class Spring(Joint):
         require_known_component(f"Spring at {self.at!r}", self.component, known)
         for end in self._ends:
             end.mesh.require(f"Spring at {end.at!r}", end.at, "point", "edge")
+        if self.to == (self.mesh, self.at):
+            raise ValueError(f"Spring at {self.at!r}: joins the point to itself; name another point in `to`")
 
     @property
     def _ends(self) -> list[End]:

@@ -50,8 +50,8 @@ class PairContact(Joint):
     moving : whether pairs find their partner along the curve as they slide; else they stay as they are first
     pairs : number of pairs on each line, evenly spaced; None: three Gauss points on each piece that is in one
         cell of both parts
-    stiffness : pressure (force per length) over penetration; None: ten times that of the softer part in its plane over
-        a cell
+    stiffness : pressure (force per length, a force at named points) over penetration; None: ten times that of the
+        softer part in its plane over a cell
     tangential : stiffness against slip before the cone is reached; None: a hundredth of `stiffness`, with which
         Newton's steps do not jump from slip to slip the other way
     enforcement : "penalty", or "uzawa": pressures are augmented until no pair penetrates by more than a millionth of
@@ -178,7 +178,8 @@ class PairContact(Joint):
         size = self.meeting.size
         both = [max(stiffness_over(part, size)[0] for part in fields.scene.parts if part.mesh is mesh)
                 for mesh in (self.mesh, self.to[0])]
-        return STIFF * min(both)
+        at_points = all(isinstance(at, str) and at in self.mesh.points for at in each_of(self.at))
+        return STIFF * min(both) * (size if at_points else 1.0)
 
 
 @lru_cache(maxsize=4)

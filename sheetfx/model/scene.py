@@ -105,6 +105,7 @@ class Scene:
         if not self.supports and not self.joints:
             raise ValueError("Scene: supports is empty: the structure has no support and can move freely; add "
                              "a support")
+        self._check_meshes()
         self._check_prescribed()
         for mesh in self.meshes:
             self._check_spaces([part for part in self.parts if part.mesh is mesh])
@@ -123,6 +124,18 @@ class Scene:
     def meshes(self) -> list[NamedMesh]:
         """The meshes of the parts, each once, in order."""
         return list(dict.fromkeys(part.mesh for part in self.parts))
+
+    def _check_meshes(self) -> None:
+        """Refuse what is on a mesh that no part has: it would act on nothing."""
+        known = self.meshes
+        placed: list[Any] = [*self.supports, *self.all_loads, *self.joints, *self.contacts, self.monitor]
+        for one in placed:
+            for mesh in _meshes_of(one):
+                if mesh not in known:
+                    at = f" at {one.at!r}" if isinstance(getattr(one, "at", None), str) else ""
+                    raise ValueError(f"{type(one).__name__}{at}: is on a mesh of {', '.join(mesh.cells)} that no part "
+                                     "of the scene has; give one of the meshes of its parts (what is read twice is two "
+                                     "meshes), or a part on this one")
 
     def _check_prescribed(self) -> None:
         """Refuse loads that prescribe one displacement twice, but at common corners of edges that move alike."""
@@ -176,6 +189,14 @@ class Scene:
         if self.monitor.on is mesh and component.startswith("r"):
             raise ValueError(f"Monitor at {self.monitor.at!r}: component is {component}, but bars have no rotations; "
                              "choose a displacement")
+
+
+def _meshes_of(one: Any) -> list[NamedMesh]:
+    """Meshes that a support, load, joint, contact or monitor is on."""
+    parts = [getattr(one, name, None) for name in ("part", "beam", "shell")]
+    found = [getattr(one, "mesh", None), getattr(one, "on", None), *(getattr(part, "mesh", None) for part in parts)]
+    joined = [mesh for mesh, _ in one.points] if isinstance(one, Joint) else []
+    return [mesh for mesh in (*found, *joined) if isinstance(mesh, NamedMesh)]
 
 
 def _named(part: Beam | Bar | Shell) -> str:

@@ -101,7 +101,8 @@ def branches(path, states: Sequence[State], point: CriticalPoint, amplitude: flo
 def _found(reduction: Reduction, piece: FirstPiece, amplitude: float) -> list[Branch]:
     """Branches at the largest amplitude for which the search converges, and starts are on first pieces.
 
-    Where they are not for any amplitude, the branches with the fewest doubts.
+    Where they are not for any amplitude, those of the one that leaves the most branches without doubt. Forces that
+    single out branches at one amplitude vanish at small ones: these show no continuum.
     """
     search = {1: _both_ways, 2: _around_circle}.get(len(reduction.modes), _over_sphere)
     smallest, certain = SMALLEST * amplitude, CERTAIN * amplitude
@@ -109,6 +110,8 @@ def _found(reduction: Reduction, piece: FirstPiece, amplitude: float) -> list[Br
     while amplitude > (certain if doubtful else smallest):
         try:
             directions, family = search(reduction, amplitude)
+            if family and doubtful and not doubtful[-1][0].family:
+                break
             found = [_branch(reduction, piece, c, amplitude, family) for c in directions]
             if not any(branch.doubt for branch in found):
                 return found
@@ -117,7 +120,7 @@ def _found(reduction: Reduction, piece: FirstPiece, amplitude: float) -> list[Br
             pass
         amplitude /= 2
     if doubtful:
-        return min(doubtful, key=lambda found: sum(bool(branch.doubt) for branch in found))
+        return max(doubtful, key=lambda found: sum(not branch.doubt for branch in found))
     raise NoBranch(f"no solution beside the path converges at the bifurcation at load "
                    f"{reduction.bifurcation.load:.6g}, down to amplitude {amplitude:.2g}; check with smaller steps "
                    "that it is one")

@@ -20,6 +20,7 @@ import numpy as np
 from petsc4py import PETSc
 from slepc4py import SLEPc
 
+from ..checks import Count, Positive, require
 from ..continuation.linear import DirectSolver
 from ..continuation.spectrum import solve_by
 from ..continuation.state import State
@@ -80,10 +81,11 @@ def buckling(path, state: State, count: int = 6, *, supports: Sequence | None = 
     Raises
     ------
     ValueError
-        If no load makes the structure buckle.
+        If no load makes the structure buckle, or a number is not what it must be.
     MissedModes
         If the number of loads found about a stable state contradicts the inertia of the tangent.
     """
+    require("buckling", count=(count, Count), tolerance=(tolerance, Positive))
     home = path.discretisation
     discretisation = home if supports is None else Discretisation(replace(home.scene, supports=supports))
     with (home.visiting(state.fields), discretisation.visiting(state.fields), home.system.history.frozen(),

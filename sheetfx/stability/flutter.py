@@ -106,8 +106,14 @@ class Flutter:
 
     def _points(self, segment: Segment, left: float, right: float, ends: tuple[_Spectrum, _Spectrum],
                 parent: float = inf) -> list[CriticalPoint]:
-        """Points between two lengths whose spectra are given, on a piece of a parent, by ever nearer states."""
+        """Points between two lengths whose spectra are given, on a piece of a parent, by ever nearer states.
+
+        Where squares have met a little rounding parts them, or joins them: on a piece of one that has a point the
+        states at its ends are believed, where the modes of both show none.
+        """
         lengths = [left + part * (right - left) for part in _Between(self._comm, *ends).changes()]
+        if not lengths and parent < inf and _change(ends):
+            lengths = [(left + right) / 2]
         if not lengths:
             return []
         size = max(abs(segment.after.factor), abs(segment.after.load_increment))
@@ -130,14 +136,20 @@ def _met(segment: Segment, left: float, right: float, ends: tuple[_Spectrum, _Sp
 
     Others, which pass the size up to which squares are known, do not count.
     """
-    reach = min(end.reach for end in ends)
-    before, after = (_pairs(end.squares, reach, JUST_MET) for end in ends)
+    change = _change(ends, JUST_MET)
     load, deflection = ((getattr(segment[left], name) + getattr(segment[right], name)) / 2
                         for name in ("load", "deflection"))
-    if before == after:
+    if not change:
         return []
-    return [CriticalPoint("flutter", load, deflection, segment.after.step, (left + right) / 2, abs(after - before),
-                          name="begins" if after > before else "ends")]
+    return [CriticalPoint("flutter", load, deflection, segment.after.step, (left + right) / 2, abs(change),
+                          name="begins" if change > 0 else "ends")]
+
+
+def _change(ends: tuple[_Spectrum, _Spectrum], most: float = inf) -> int:
+    """Change of the number of complex pairs, up to an imaginary part over the size."""
+    reach = min(end.reach for end in ends)
+    before, after = (_pairs(end.squares, reach, most) for end in ends)
+    return after - before
 
 
 class _Between:

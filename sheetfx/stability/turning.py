@@ -16,11 +16,13 @@ SHARP = 1e-3  # change of load between two states by the lower one of their rate
 def turning_loads(segment: Segment, earlier: State | None) -> list[tuple[Segment, float, bool]]:
     """The state of the highest (lowest) load where the load turns from one step to the next.
 
+    Where the control prescribes the load it turns because the control does, which is no limit point.
+
     It is searched by parabolas through loads, which rates that waver do not disturb, then by halving the way between
     states where the load rises and falls: where something sticks, slips or opens the path has a corner.
     """
     before, after = segment.before, segment.after
-    if not before.load_increment * after.load_increment < 0:
+    if not before.load_increment * after.load_increment < 0 or not segment.tracer.control.passes_limits:
         return []
     sign = 1.0 if before.load_increment > 0 else -1.0
     segments = [segment] if earlier is None else [Segment(segment.tracer, earlier, before), segment]
