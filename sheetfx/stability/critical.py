@@ -16,7 +16,7 @@ from ..continuation.work import work_matches
 from .crossings import EXACT, Crossing, pass_zero, unresolved
 from .koiter import postbuckling
 from .stationary import returning, stationary_loads, surround, turns
-from .turning import turning_loads
+from .turning import leads_back, turning_loads
 
 SAME = 2e-6  # relative difference of loads of one multiple point, which rounding of a mesh can split by
 TOGETHER = 1e-3  # of a step, distance of the crossings of one multiple point
@@ -60,6 +60,8 @@ def locate(tracer, earlier: State | None, before: State, after: State,
         if tracer.control.guarded and not work_matches(segment, earlier):
             raise Jump("the work done along the step is not what is stored and dissipated")
         limits, returns = turning_loads(segment, earlier), []
+        if not limits and tracer.control.guarded and leads_back(segment):
+            raise Jump("the load turns within the step, and back")
     else:
         if segment.guarded:
             _check(segment)

@@ -10,6 +10,7 @@ from ..continuation.segment import Segment
 from ..continuation.state import State
 
 SEARCHED, RESOLUTION = 12, 0.02  # states at which the load is searched, and part of a step that they are apart
+SHORT = 1 / 16  # of the usual first step, a step of which rates say little
 SHARP = 1e-3  # change of load between two states by the lower one of their rates, over the load, at a corner
 
 
@@ -54,6 +55,17 @@ def turning_loads(segment: Segment, earlier: State | None) -> list[tuple[Segment
         known[place] = one, place - start
     one, length = known[max(known, key=load)]
     return [(one, length, sign > 0)]
+
+
+def leads_back(segment: Segment) -> bool:
+    """Whether the load rises over a step that begins where it falls, or the other way, and the stability changes.
+
+    So it does where a limit point lies in the step before, and another one in this one. Of short steps nothing is said:
+    rates waver.
+    """
+    before, after = segment.before, segment.after
+    return (before.load_rate * after.load_increment < 0 < after.load_rate * after.load_increment
+            and before.unstable_modes != after.unstable_modes and after.length > SHORT * segment.tracer.usual)
 
 
 def _behind_corner(places: Sequence[float], loads: Sequence[float], rates: Sequence[float]) -> float | None:
