@@ -193,9 +193,13 @@ class PairWork(PointWork):
 
     def commit(self) -> None:
         self._slipping = None
+        gap = self.place()
         self.settle(self.pairs.augmented)
-        self._committed = self._history.copy()
         self._stiffen(0)
+        if self.pairs.augmented:
+            self._history[:, 0] = np.where(self._history[:, 0] > 0, self._history[:, 0] + self._table[:, 0] * gap, 0.0)
+            self._put_history(self._history)
+        self._committed = self._history.copy()
         if self._partners:
             self._partners.commit()
             self._partners_committed = self._partners.history()
@@ -258,7 +262,9 @@ class PairWork(PointWork):
     def augment(self) -> bool:
         if not self.pairs.augmented:
             return True
-        deepest = -self._now()[0][:, 0].min(initial=0.0)
+        strains, resultants = self._now()
+        gap, pressed = strains[:, 0], resultants[:, 0] < 0
+        deepest = max(-gap.min(initial=0.0), gap[pressed].max(initial=0.0))
         if deepest <= self.pairs.tolerance and self._stiffened >= self._least:
             return True
         self._put_history(self._updated(True, slips=False))
