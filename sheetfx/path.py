@@ -16,7 +16,7 @@ from typing import Any
 
 from .checks import require
 from .continuation.control import ArcLength, DisplacementControl, LoadControl, StepRule
-from .continuation.corner import LEAST, around_corner
+from .continuation.corner import LEAST, around_corner, returns
 from .continuation.events import Event, end_at, occurrences
 from .continuation.scattered import ScatteredState
 from .continuation.segment import Jump, Missed
@@ -192,15 +192,22 @@ class Path:
         after = around_corner(self.tracer, before, wanted, self._trail, self._earlier)
         return None if after is None else self._searched(before, after, None, pi)
 
+    @property
+    def _guards_corners(self) -> bool:
+        return self.control.guarded and self.control.passes_limits and not self.tracer.system.smooth
+
     def _searched(self, before: State, after: State, earlier: State | None,
                   largest_turn: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:
         """A step, or its sound part, with critical points; None and back if it turns too far or leaves its branch."""
         try:
             turn = self.tracer.turn(before, after)
-            if turn <= largest_turn:
+            if self._guards_corners and returns(self._trail, after):
+                self._refusal = "it leads back onto the path that has led here"
+            elif turn <= largest_turn:
                 points = locate(self.tracer, earlier, before, after, self._others)
                 return self._with_events(before, after, points)
-            self._refusal = f"it turns off the path by {turn:.2g} radians, more than {self.control.turn:g}"
+            else:
+                self._refusal = f"it turns off the path by {turn:.2g} radians, more than {self.control.turn:g}"
         except Jump as jump:
             self._refusal = str(jump)
             if jump.sound is not None:

@@ -7,6 +7,7 @@ import pytest
 
 from sheetfx.case import trace
 from sheetfx.continuation.control import LoadControl
+from sheetfx.continuation.corner import returns
 from sheetfx.continuation.enforcement import Enforcement
 from sheetfx.continuation.segment import Segment
 from sheetfx.continuation.work import work_matches
@@ -68,6 +69,18 @@ def test_work_along_a_step_is_the_change_of_energy():
         assert work_matches(Segment(tracer, before, after), earlier)
         wrong = after.load_increment + 0.5 * max(abs(before.load_increment), abs(after.load_increment))
         assert not work_matches(Segment(tracer, before, replace(after, load_increment=wrong)), earlier)
+
+
+def test_steps_back_onto_the_path_are_told():
+    """A state between two others of the path lies on it, unless it touches elsewhere or has another stability."""
+    states = trace(arch_case(**COARSE, to=20.0)).states
+    assert not any(returns(states[:n], state) for n, state in enumerate(states))
+    one, other = states[2:4]
+    between = replace(one, load=(one.load + other.load) / 2, deflection=(one.deflection + other.deflection) / 2)
+    assert returns(states, between)
+    assert not returns(states, replace(between, unstable_modes=7))
+    assert not returns(states, replace(between, contact_points=max(one.contact_points, other.contact_points) + 1))
+    assert not returns(states, replace(between, load=between.load + 0.2 * abs(other.load - one.load)))
 
 
 def test_prescribed_loads_do_not_jump_over_the_limit():

@@ -316,7 +316,7 @@ def test_overlap_and_curves_are_named():
     with pytest.raises(ValueError, match="does not have the contact"):
         fx.slide_off(two_plates(), fx.SurfaceContact(mesh, "west", (mesh, None)))
     scene = two_plates()
-    pairs = fx.PairContact(scene.parts[0].mesh, "south", (line, None), toward=(0.0, 0.0, 1.0))
+    pairs = fx.PairContact(scene.parts[0].mesh, "south", (line, None), toward=(0.0, 0.0, 1.0), reach=1.0)
     bar = fx.Beam(line, fx.Rectangle(0.1, 0.1), fx.Elastic(1.0), up=(0.0, 0.0, 1.0))
     with pytest.raises(ValueError, match="slide_off: contact is the PairContact.*give a SurfaceContact"):
         fx.slide_off(fx.Scene([*scene.parts, bar], scene.supports, scene.loads, scene.monitor,

@@ -54,7 +54,7 @@ def around_corner(tracer, before: State, wanted: float, trail: Sequence[State] =
         for sign in (forwards, -forwards):
             tracer.back_to(before)
             after = tracer.attempt_along(solution, sign, length)
-            if (after is not None and _leads_on(tracer, before, after) and not _returns(tracer, trail, after)
+            if (after is not None and _leads_on(tracer, before, after) and not returns(trail, after)
                     and not (flows and _unloads(tracer, before, after))):
                 return after
     tracer.back_to(before)
@@ -83,14 +83,17 @@ def _ahead(tracer, before: State, distance: float) -> tuple[PETSc.Vec, float]:
     return solution, float(np.sign(tracer.inner((0.0, solution.array), (0.0, x)))) or 1.0
 
 
-def _returns(tracer, trail: Sequence[State], after: State) -> bool:
-    """Whether a step leads back onto its own path, by load and deflection, where modes are not counted."""
-    if tracer.system.conservative:
-        return False
+def returns(trail: Sequence[State], after: State) -> bool:
+    """Whether a state lies on the path that has led to it: by load, deflection, what touches, and stability.
+
+    So it does where a step has jumped from an unstable piece of path back onto the one before.
+    """
     for one, other in pairwise(trail):
         way, span = other.deflection - one.deflection, abs(other.load - one.load)
         part = (after.deflection - one.deflection) / way if way else -1.0
-        if (one.stage == after.stage and one.contact_points == after.contact_points and 0 <= part <= 1
+        touching = sorted((one.contact_points, other.contact_points))
+        if (one.stage == after.stage and 0 <= part <= 1 and touching[0] <= after.contact_points <= touching[1]
+                and after.unstable_modes in (one.unstable_modes, other.unstable_modes)
                 and abs(one.load + part * (other.load - one.load) - after.load) < ASIDE * span):
             return True
     return False
