@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from math import pi
 from statistics import median
@@ -167,6 +168,20 @@ def test_two_processes_take_the_same_path():
     found = np.array([line.split() for line in lines], dtype=float)
     alone = np.array([(s.load, s.deflection) for s in trace(frame(8)).states])
     assert found == pytest.approx(alone, rel=1e-9)
+
+
+@pytest.mark.parametrize("turned, said", [(1.0, 1), (0.0, 0)])
+def test_torsion_beside_plastic_hinges_is_told(turned, said):
+    """A round cantilever of two legs, at a right angle or in a line, under a force across them; once for a path."""
+    places = {"held": (0.0, 0.0, 0.0), "knee": (1.0, 0.0, 0.0), "tip": (2.0 - turned, turned, 0.0)}
+    mesh = fx.read(lambda: meshes.frame(places, {"one": ("held", "knee", 4), "two": ("knee", "tip", 4)}), 3)
+    bar = fx.Beam(mesh, fx.round_bar(0.1), fx.Plastic(2e5, 0.3, yield_stress=100.0, hardening=2e3), up=(0.0, 0.0, 1.0))
+    scene = fx.Scene([bar], [fx.clamp(mesh, "held")], [fx.PointForce(mesh, "tip", (0.0, 0.0, 1.0))],
+                     fx.Monitor(mesh, "tip", "z"))
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        trace(Case(scene, until=fx.Until(deflection=0.1)))
+    assert sum("fibres flow where shear and torsion" in str(w.message) for w in told) == said
 
 
 def column(hardening, depth=0.05, shear_rigidity=1e3, points=3):

@@ -73,8 +73,10 @@ class RememberingLaw:
 
     def commit(self, chunk: slice, strains: np.ndarray) -> None:
         """Let history move on to what the present strains make of it."""
-        self._history[chunk] = self._update(chunk, strains)[2]
+        self._history[chunk] = history = self._update(chunk, strains)[2]
         self._strains[chunk] = strains
+        if hasattr(self._law, "accepted"):
+            self._law.accepted(strains.reshape(-1, strains.shape[2]), history.reshape(-1, history.shape[2]))
 
     @property
     def history(self) -> np.ndarray:

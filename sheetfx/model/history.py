@@ -38,6 +38,9 @@ class LawWithHistory:
         """
         raise NotImplementedError
 
+    def accepted(self, strains: np.ndarray, history: np.ndarray) -> None:
+        """Be told of strains and history of an accepted state, shapes as in `update`."""
+
 
 def has_history(law) -> bool:
     """Whether a section law is one with history."""

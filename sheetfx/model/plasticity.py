@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from math import sqrt
 
 import numba
 import numpy as np
@@ -14,6 +16,8 @@ from .history import LawWithHistory
 from .plate import Plate
 from .return_mapping import ON_SURFACE, REMEMBERED, one_axis, plane_stress
 from .section import Elastic
+
+SHEARED = 0.1  # square of shear and torsion over what a section carries of them alone, from which on they count
 
 
 @dataclass(frozen=True)
@@ -144,6 +148,9 @@ class Fibres(PlasticLaw):
         self._arms, self.areas = arms[first[kept]], np.bincount(same.ravel(), np.asarray(areas, float))[kept]
         carried = self._arms.any(axis=0)
         self._elastic = np.diag(np.where(carried, 0.0, np.asarray(stiffness, float)))
+        self._sheared, self._told = np.full(len(stiffness), self.areas.sum()), False
+        if len(stiffness) == 6:
+            self._sheared[3] = np.asarray(areas, float) @ np.linalg.norm(places, axis=1)
         self.remembered = 3 * len(self.areas)
         self._constants = material.modulus, material.yield_stress, material.hardening, material.kinematic
 
@@ -158,6 +165,22 @@ class Fibres(PlasticLaw):
     def elastic_utilisation(self, strains):
         modulus, strength, *_ = self._constants
         return modulus / strength * np.abs(strains @ self._arms.T).max(axis=1)
+
+    def accepted(self, strains, history):
+        """Warn once where points that have flowed carry so much elastic shear or torsion that they are too strong.
+
+        Of both the section can carry no more than all fibres at yield_stress / sqrt(3).
+        """
+        flowed = history[:, 2::3].any(axis=1)
+        stressed = strains[flowed] @ self._elastic / (self._constants[1] / sqrt(3) * self._sheared)
+        squares = (stressed**2).sum(axis=1).max(initial=0.0)
+        if squares > SHEARED and not self._told:
+            self._told = True
+            warnings.warn("Plastic: fibres flow where shear and torsion, which are elastic, are "
+                          f"{sqrt(squares):.2g} of what the section can carry of them alone; its moment goes up to all "
+                          "that it can bear without them, and should have fallen to "
+                          f"{sqrt(max(1 - squares, 0.0)):.0%} of that. Give the beam a law of your own, or believe no "
+                          "load beyond this one", stacklevel=2)
 
 
 @numba.njit(cache=True)
