@@ -79,6 +79,7 @@ def test_steps_back_onto_the_path_are_told():
     between = replace(one, load=(one.load + other.load) / 2, deflection=(one.deflection + other.deflection) / 2)
     assert returns(states, between)
     assert not returns(states, replace(between, unstable_modes=7))
+    assert not returns(states, replace(between, load_rate=2 * max(one.load_rate, other.load_rate)))
     assert not returns(states, replace(between, contact_points=max(one.contact_points, other.contact_points) + 1))
     assert not returns(states, replace(between, load=between.load + 0.2 * abs(other.load - one.load)))
 

@@ -21,6 +21,7 @@ LENGTHS = 1 / 16, 1 / 4, 1.0  # of a step, those that are tried
 LEAST = 1 / 8  # of the usual first step, that step: beside a corner steps have become short
 AHEAD = 0.5  # of these, distance at which the tangent is that of the other side
 ASIDE = 0.1  # of the rise of the load between two states, that a path may pass beside
+ALIKE = 1.5  # ratio of rates of the load that may be the same
 BACK = 0.95  # cosine of the angle with the step before, from which a step goes back where it came from
 
 
@@ -84,7 +85,7 @@ def _ahead(tracer, before: State, distance: float) -> tuple[PETSc.Vec, float]:
 
 
 def returns(trail: Sequence[State], after: State) -> bool:
-    """Whether a state lies on the path that has led to it: by load, deflection, what touches, and stability.
+    """Whether a state lies on the path that has led to it: by load and rate, deflection, what touches, and stability.
 
     So it does where a step has jumped from an unstable piece of path back onto the one before.
     """
@@ -92,8 +93,10 @@ def returns(trail: Sequence[State], after: State) -> bool:
         way, span = other.deflection - one.deflection, abs(other.load - one.load)
         part = (after.deflection - one.deflection) / way if way else -1.0
         touching = sorted((one.contact_points, other.contact_points))
+        rates = sorted(map(abs, (one.load_rate, other.load_rate)))
         if (one.stage == after.stage and 0 <= part <= 1 and touching[0] <= after.contact_points <= touching[1]
                 and after.unstable_modes in (one.unstable_modes, other.unstable_modes)
+                and rates[0] / ALIKE <= abs(after.load_rate) <= rates[1] * ALIKE
                 and abs(one.load + part * (other.load - one.load) - after.load) < ASIDE * span):
             return True
     return False
