@@ -347,3 +347,19 @@ def test_path_turns_back_where_a_prop_lets_go():
     for state in behind:
         k = np.sqrt(state.factor / 10.0)
         assert state.deflection == pytest.approx((0.01 - 1 / state.factor) * (np.tan(k) / k - 1), rel=0.02, abs=1e-5)
+
+
+def test_pairs_that_touch_without_pressure_are_told():
+    """A column beside a stop that just touches it may buckle away from that, at a lower load than is found."""
+    places = {"foot": (0.0, 0.0), "middle": (0.0, 0.5), "top": (0.0, 1.0)}
+    bars = {"lower": ("foot", "middle", 4), "upper": ("middle", "top", 4)}
+    column = fx.read(lambda: fx.meshes.frame(places, bars), 2)
+    stop = line(2, (0.0, 0.4), (0.0, 0.6))
+    parts = [fx.Beam(m, fx.Rectangle(0.01, 0.01), fx.Elastic(1e9, 0.0)) for m in (column, stop)]
+    for gap, count in ((0.0, 1), (1e-3, 0)):
+        touch = fx.PairContact(column, "middle", (stop, None), toward=(1.0, 0.0), gap=gap)
+        scene = fx.Scene(parts, [fx.pin(column, "foot"), fx.Support(column, "top", "x"), fx.clamp(stop, "start"),
+                                 fx.clamp(stop, "end")], [fx.PointForce(column, "top", (0.0, -1.0))],
+                         fx.Monitor(column, "top", "y", -1.0), joints=[touch])
+        record = fx.trace(fx.Case(scene, until=fx.Until(load=1.0)))
+        assert sum("touch without pressure" in said for said in record.path.searched) == count

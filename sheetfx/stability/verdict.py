@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from ..continuation.control import StepRule
 from ..continuation.crossings import can_stick
 from ..discrete.discretisation import Discretisation
+from ..discrete.pair_work import PairWork, pairs_of
 from .flutter import COUNT
+
+GRAZING = 1e-3  # of the penetration that augmentation leaves, which is none
 
 
 def searched(discretisation: Discretisation, control: StepRule, flutter: bool) -> list[str]:
@@ -20,6 +25,9 @@ def searched(discretisation: Discretisation, control: StepRule, flutter: bool) -
     if not system.conservative and system.smooth:
         found.append(f"flutter: where frequencies meet, of the {COUNT} nearest to zero beside those that have met"
                      if flutter else "flutter: not looked for (a part has no density)")
+    if grazing := system.comm.allreduce(sum(map(_grazing, pairs_of(system.contributions)))):
+        found.append(f"bifurcations: pairs of points ({grazing}) touch without pressure now, and count as closed: modes "
+                     "that take them apart are not seen (give a gap or an imperfection)")
     if not control.guarded:
         found.append("other paths: not looked for, steps are taken as they are")
     elif not system.smooth:
@@ -63,3 +71,10 @@ def _of_bifurcations_with_contact(system) -> list[str]:
                   "or is open stays so; not those at which some of it would turn",
                   "flutter: not looked for (friction)"]
     return found
+
+
+def _grazing(work: PairWork) -> int:
+    """Number of pairs that touch and are not pressed."""
+    state = work.evaluate()
+    near = GRAZING * work.pairs.tolerance
+    return int(((np.abs(state.gap) <= near) & (state.pressure <= near * work.pairs.parameters[0])).sum())
