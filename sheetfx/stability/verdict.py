@@ -26,8 +26,8 @@ def searched(discretisation: Discretisation, control: StepRule, flutter: bool) -
         found.append(f"flutter: where frequencies meet, of the {COUNT} nearest to zero beside those that have met"
                      if flutter else "flutter: not looked for (a part has no density)")
     if grazing := system.comm.allreduce(sum(map(_grazing, pairs_of(system.contributions)))):
-        found.append(f"bifurcations: pairs of points ({grazing}) touch without pressure now, and count as closed: modes "
-                     "that take them apart are not seen (give a gap or an imperfection)")
+        found.append(f"bifurcations: pairs of points ({grazing}) touch without pressure now, and count as closed: "
+                     "modes that take them apart are not seen (give a gap or an imperfection)")
     if not control.guarded:
         found.append("other paths: not looked for, steps are taken as they are")
     elif not system.smooth:
