@@ -18,7 +18,7 @@ from ..mesh.samples import Samples, samples_at
 from .joints import Joint
 from .obstacles import Obstacle
 from .pair_contact import ELASTIC_SLIP, PENETRATION
-from .places import require_places, title_of
+from .places import each_of, require_places, title_of
 from .surface_contact import half_thickness, touch_stiffness
 
 
@@ -62,7 +62,7 @@ class ObstacleContact(Joint):
 
     def __post_init__(self):
         check(self)
-        require_places(self.name, self.mesh, self._places)
+        require_places(self.name, self.mesh, each_of(self.at))
         what = type(self.obstacle).__name__
         if self.mesh.dimension not in self.obstacle.dimensions:
             raise ValueError(f"{self._title}: the {what} is not one in {self.mesh.dimension} dimensions; give its "
@@ -72,12 +72,8 @@ class ObstacleContact(Joint):
                              f"{self.mesh.domain.comm.size} processes is not possible yet; take one process")
 
     @property
-    def _places(self) -> list[str | Stretch | None]:
-        return [self.at] if self.at is None or isinstance(self.at, (str, Stretch)) else list(self.at)
-
-    @property
     def _title(self) -> str:
-        return self.name if self._places[0] is None else title_of(self.name, self._places[0])
+        return title_of(self.name, each_of(self.at)[0])
 
     @property
     def points(self) -> Sequence[tuple[NamedMesh, str | None]]:
@@ -89,7 +85,7 @@ class ObstacleContact(Joint):
 
     @cached_property
     def _samples(self) -> Samples:
-        return samples_at(self.mesh, self._places, self.samples, self._title)
+        return samples_at(self.mesh, each_of(self.at), self.samples, self._title)
 
     def unknowns(self, fields):
         if self.obstacle.travel is not None and not fields.has(self.obstacle, "travel"):

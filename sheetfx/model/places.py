@@ -29,13 +29,15 @@ def require_places(title: str, mesh: NamedMesh, places: Sequence[str | Stretch |
             mesh.require(title_of(title, at), at, "point", "edge", "group of cells")
 
 
-def each_of(at: Place) -> list[str | Stretch]:
-    """The single places of one or several."""
-    return [at] if isinstance(at, (str, Stretch)) else list(at)
+def each_of(at: Place | None) -> list:
+    """The single places of one or several; one None is everywhere."""
+    return [at] if at is None or isinstance(at, (str, Stretch)) else list(at)
 
 
-def title_of(name: str, at: str | Stretch) -> str:
-    """What messages call a joint by its name and place."""
+def title_of(name: str, at: str | Stretch | None) -> str:
+    """What messages call a joint by its name and place; None: everywhere."""
+    if at is None:
+        return name
     return f"{name} from {at.start!r}" if isinstance(at, Stretch) else f"{name} at {at!r}"
 
 

@@ -19,7 +19,7 @@ from .beam import Bar, Beam
 from .interface import stiffness_over
 from .joints import Joint
 from .pair_contact import ELASTIC_SLIP, PARALLEL, PENETRATION, STIFF
-from .places import require_places, title_of
+from .places import each_of, require_places, title_of
 from .shell import Shell
 
 
@@ -70,7 +70,7 @@ class SurfaceContact(Joint):
 
     def __post_init__(self):
         check(self)
-        require_places(self.name, self.mesh, self._places)
+        require_places(self.name, self.mesh, each_of(self.at))
         if self.to[0].domain.topology.dim != 2 or self.to[0].dimension != 3:
             raise ValueError(f"{self._title}: the second part is no surface in space; give shells there, or use a "
                              "PairContact with curves")
@@ -81,12 +81,8 @@ class SurfaceContact(Joint):
                              "possible yet; take one process")
 
     @property
-    def _places(self) -> list[str | Stretch | None]:
-        return [self.at] if self.at is None or isinstance(self.at, (str, Stretch)) else list(self.at)
-
-    @property
     def _title(self) -> str:
-        return self.name if self._places[0] is None else title_of(self.name, self._places[0])
+        return title_of(self.name, each_of(self.at)[0])
 
     @property
     def points(self) -> Sequence[tuple[NamedMesh, str | None]]:
@@ -94,7 +90,7 @@ class SurfaceContact(Joint):
 
     @cached_property
     def _samples(self) -> Samples:
-        return samples_at(self.mesh, self._places, self.samples, self._title)
+        return samples_at(self.mesh, each_of(self.at), self.samples, self._title)
 
     @property
     def conservative(self) -> bool:  # type: ignore[override]
