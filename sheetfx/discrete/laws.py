@@ -57,6 +57,7 @@ class RememberingLaw:
     def __init__(self, law: LawWithHistory, shape: tuple[int, int, int]):
         self._law, self.frozen = law, False
         self._strains, self._history = np.zeros(shape), np.zeros((*shape[:2], law.remembered))
+        self._found: dict[int, tuple[np.ndarray, tuple[np.ndarray, ...]]] = {}  # strains and what follows
 
     def __call__(self, chunk: slice, strains: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Resultants (cells, points, n) and moduli (cells, points, n, n) of strains (cells, points, n)."""
@@ -66,15 +67,20 @@ class RememberingLaw:
         return resultants + (moduli @ (strains - self._strains[chunk])[..., None])[..., 0], moduli
 
     def _update(self, chunk: slice, strains: np.ndarray) -> tuple[np.ndarray, ...]:
+        if chunk.start in self._found and np.array_equal(self._found[chunk.start][0], strains):
+            return self._found[chunk.start][1]
         history = self._history[chunk]
         points = strains.shape[0] * strains.shape[1]
-        found = self._law.update(strains.reshape(points, -1), history.reshape(points, history.shape[2]))
-        return tuple(values.reshape(*strains.shape[:2], *values.shape[1:]) for values in found)
+        updated = self._law.update(strains.reshape(points, -1), history.reshape(points, history.shape[2]))
+        found = tuple(values.reshape(*strains.shape[:2], *values.shape[1:]) for values in updated)
+        self._found[chunk.start] = strains.copy(), found
+        return found
 
     def commit(self, chunk: slice, strains: np.ndarray) -> None:
         """Let history move on to what the present strains make of it."""
         self._history[chunk] = history = self._update(chunk, strains)[2]
         self._strains[chunk] = strains
+        self._found.pop(chunk.start)
         if hasattr(self._law, "accepted"):
             self._law.accepted(strains.reshape(-1, strains.shape[2]), history.reshape(-1, history.shape[2]))
 
@@ -99,3 +105,4 @@ class RememberingLaw:
     def restore(self, kept: np.ndarray) -> None:
         count = self._strains.shape[2]
         self._strains[:], self._history[:] = kept[..., :count], kept[..., count:]
+        self._found.clear()
