@@ -10,7 +10,6 @@ import numpy as np
 from .contact import ContactState
 
 STRETCHES = 16  # of a step, in which the work of friction is added up
-TINY = 1e-300
 
 
 @dataclass(frozen=True)
@@ -114,8 +113,8 @@ def friction_work(gaps, slips, before, pressure, parameters):
     slipping = np.linalg.norm(before, axis=1) >= bounds(0.0)
     for stretch in range(1, STRETCHES + 1):
         trial, bound = traction + stiffness[:, None] * slip, bounds(stretch / STRETCHES)
-        size = np.maximum(np.linalg.norm(trial, axis=1), TINY)
-        then = np.minimum(1.0, bound / size)[:, None] * trial
+        size = np.linalg.norm(trial, axis=1)
+        then = np.divide(bound, size, out=np.ones(len(size)), where=size > bound)[:, None] * trial
         even = np.where(slipping[:, None], slip, (then - traction) / stiffness[:, None])
         work += ((traction + then) / 2 * even + then * (slip - even)).sum(axis=1)
         traction, slipping = then, size >= bound
