@@ -135,6 +135,19 @@ def test_plate_slides_on_a_plane():
     assert pairs.slip[:, 0] == pytest.approx(last.deflection, rel=1e-2)
 
 
+def test_way_to_first_touch_is_no_slip():
+    """A plane travels aslant by 75 until it touches a beam, and only then sticks to it."""
+    mesh, beam = bar(2)
+    plate = fx.RigidPlane((0.0, 50.0), (0.0, -1.0), travel=(0.8, -0.6))
+    touch = fx.ObstacleContact(mesh, "end", plate, friction=0.5)
+    scene = fx.Scene([beam], [fx.clamp(mesh, "start")], [fx.ObstacleForce(plate, 1.0)],
+                     fx.Monitor(mesh, "end", "y", -1.0), joints=[touch])
+    path = fx.Path(scene, until=fx.Until(steps=1))
+    *_, last = path
+    pairs, = pairs_of(path.discretisation.system.contributions)
+    assert np.linalg.norm(pairs.evaluate().slip) < 10 * last.deflection < 20.0
+
+
 def test_sphere_on_a_plate():
     """A clamped plate under a small sphere has the stiffness of one under a point force (Timoshenko 1959, table 37)."""
     side, thickness = 100.0, 1.0

@@ -49,31 +49,44 @@ class ObstacleWork(PairWork):
     def first_touch(self, title: str) -> None:
         """Move an obstacle that may travel to where it touches first, as stiffly as at the end of a step.
 
+        One that another part has been touched by already is moved back where it would be inside this one.
+
         Raises
         ------
         ValueError
             If points are inside the obstacle at the start, or it does not travel towards them.
         """
-        gaps, tolerance = self.place(), self.pairs.tolerance
-        if gaps.min(initial=0.0) < -tolerance:
+        gaps, tolerance, field = self.place(), self.pairs.tolerance, self._fields[-1]
+        moved = isinstance(field, NumberField) and field.value.x.array[0] != 0
+        if gaps.min(initial=0.0) < -tolerance and not moved:
             place = ", ".join(f"{x:.6g}" for x in self.pairs.points[gaps.argmin()])
             raise ValueError(f"{title}: the face at ({place}) starts {-gaps.min():.6g} inside the "
                              f"{type(self.contact.obstacle).__name__}; move one of them, or give a smaller distance")
-        field = self._fields[-1]
-        if not isinstance(field, NumberField):
-            return
+        if isinstance(field, NumberField) and not (moved and gaps.min(initial=0.0) > 0):
+            self._approach(field, title)
+        self._mark()
+
+    def _approach(self, field: NumberField, title: str) -> None:
+        tolerance = self.pairs.tolerance
         for _ in range(STEPS):
             smallest = self.place().min()
-            if abs(smallest) < CLOSE * tolerance:
+            if -tolerance <= smallest < 0:
                 break
-            field.start(float(field.value.x.array[0]) + smallest)
+            field.start(float(field.value.x.array[0]) + smallest + CLOSE * tolerance)
         else:
             raise ValueError(f"{title}: the {type(self.contact.obstacle).__name__} meets none of the part's samples as "
                              f"it travels along {tuple(self.contact.obstacle.travel)}; turn its travel, or take more "
                              "samples")
-        field.start(float(field.value.x.array[0]) + CLOSE * tolerance)
         if self.pairs.augmented:
             self._stiffen(self._least)
+
+    def _mark(self) -> None:
+        """Take the present places, seen from the obstacle, for those that slips are counted from."""
+        d, z = self.pairs.dimension, self.values()
+        self._before = self.pairs.points + z[:, :d]
+        if len(self._fields) > 1:
+            self._before -= z[:, d:] * padded(self.contact.obstacle.travel, d)
+        self._since()
 
     def _since(self) -> None:
         """Count slips from the places and slips of the last accepted state."""
@@ -83,11 +96,7 @@ class ObstacleWork(PairWork):
 
     def commit(self):
         super().commit()
-        d, z = self.pairs.dimension, self.values()
-        self._before = self.pairs.points + z[:, :d]
-        if len(self._fields) > 1:
-            self._before -= z[:, d:] * padded(self.contact.obstacle.travel, d)
-        self._since()
+        self._mark()
 
     def snapshot(self):
         return super().snapshot() | {f"{self._name} places": self._before.copy()}
