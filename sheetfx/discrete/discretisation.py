@@ -12,6 +12,7 @@ from mpi4py import MPI
 
 from ..mesh.reader import NamedMesh
 from ..model.contact import Contact
+from ..model.obstacles import add_travel
 from ..model.scene import Monitor, Scene
 from .contact import ContactFields, eliminates
 from .contact_work import ContactWork
@@ -51,7 +52,8 @@ class Discretisation:
         for mesh in scene.meshes:
             turn_nodes(self.kinematics(mesh), [s for s in scene.supports if s.mesh is mesh])
         self.sharings = sharings_of(scene.joints, fields)
-        self._add_travels()
+        for contact in scene.contacts:
+            add_travel(fields, contact.obstacle, contact.beam.mesh)
         for thing in (*scene.all_loads, *scene.joints):
             thing.unknowns(fields)
         self.contacts = [(LayerFields if eliminates(c) else ContactFields)(c, f"multiplier{i}")
@@ -84,12 +86,6 @@ class Discretisation:
 
     def kinematics(self, mesh: NamedMesh) -> Kinematics:
         return self.fields.kinematics(mesh)
-
-    def _add_travels(self) -> None:
-        """The travel of each obstacle that may move is an unknown."""
-        for contact in self.scene.contacts:
-            if contact.obstacle.travel is not None and not self.fields.has(contact.obstacle, "travel"):
-                self.fields.add_number(contact.obstacle, contact.beam.mesh, "travel", contact.beam.mesh.size)
 
     def travel(self, obstacle):
         """Displacement vector of an obstacle, as UFL components."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Annotated
 
 import numpy as np
@@ -12,18 +11,13 @@ import numpy as np
 from .. import forms
 from ..checks import Choice, Count, NotNegative, Positive, check
 from ..mesh.lines import Stretch
-from ..mesh.projection import Cells
 from ..mesh.reader import NamedMesh
-from ..mesh.samples import Samples, samples_at
-from .joints import Joint
-from .obstacles import Obstacle
-from .pair_contact import ELASTIC_SLIP, PENETRATION
-from .places import each_of, require_places, title_of
-from .surface_contact import half_thickness, touch_stiffness
+from .obstacles import Obstacle, add_travel
+from .sampled_contact import SampledContact, half_thickness, parts_on, touch_stiffness
 
 
 @dataclass(frozen=True, eq=False)
-class ObstacleContact(Joint):
+class ObstacleContact(SampledContact):
     """Unilateral contact, with or without friction, of an edge, a face or a point of a part with a rigid obstacle.
 
     The obstacle is a part without unknowns, or with its travel as the only one. Gap and slip are those of the
@@ -58,49 +52,25 @@ class ObstacleContact(Joint):
     law: Callable = forms.contact.mohr_coulomb
     name: str = field(default="ObstacleContact", kw_only=True)
 
-    smooth = False
-
     def __post_init__(self):
         check(self)
-        require_places(self.name, self.mesh, each_of(self.at))
+        self._require_part()
         what = type(self.obstacle).__name__
         if self.mesh.dimension not in self.obstacle.dimensions:
             raise ValueError(f"{self._title}: the {what} is not one in {self.mesh.dimension} dimensions; give its "
                              "vectors as many components as the mesh has dimensions, or take another obstacle")
-        if self.mesh.domain.comm.size > 1:
-            raise ValueError(f"{self._title}: contact with obstacles by ObstacleContact on "
-                             f"{self.mesh.domain.comm.size} processes is not possible yet; take one process")
-
-    @property
-    def _title(self) -> str:
-        return title_of(self.name, each_of(self.at)[0])
 
     @property
     def points(self) -> Sequence[tuple[NamedMesh, str | None]]:
         return [(self.mesh, None)]
 
-    @property
-    def conservative(self) -> bool:  # type: ignore[override]
-        return self.friction == 0
-
-    @cached_property
-    def _samples(self) -> Samples:
-        return samples_at(self.mesh, each_of(self.at), self.samples, self._title)
-
     def unknowns(self, fields):
-        if self.obstacle.travel is not None and not fields.has(self.obstacle, "travel"):
-            fields.add_number(self.obstacle, self.mesh, "travel", self.mesh.size)
+        add_travel(fields, self.obstacle, self.mesh)
 
     def contributions(self, fields):
-        samples, parts = self._samples, [part for part in fields.scene.parts if part.mesh is self.mesh]
-        size = float(Cells(self.mesh, samples.cells).sizes.mean())
-        between = (size * max(size, samples.size)) ** 0.5
-        stiffness = self.stiffness or touch_stiffness([parts], between, samples.extent)
-        apart = max(map(half_thickness, parts)) if self.distance is None else self.distance
-        count, d = samples.places.shape
-        work = fields.obstacle_work(self, samples, {
-            "arms": np.zeros((count, d)), "axes": np.zeros((count, d, d)), "gap": np.full(count, apart),
-            "weights": samples.weights, "tolerance": PENETRATION * size, "augmented": self.enforcement == "uzawa",
-            "parameters": (stiffness, self.tangential or ELASTIC_SLIP * stiffness, self.friction, 0.0, 0.0)})
+        samples, parts, size = self._samples, parts_on(fields, self.mesh), self._cell_size
+        stiffness = touch_stiffness([parts], (size * max(size, samples.size)) ** 0.5, samples.extent)
+        apart = half_thickness(parts) if self.distance is None else self.distance
+        work = fields.obstacle_work(self, samples, self._pairs(np.zeros_like(samples.places), apart, stiffness, size))
         work.first_touch(self._title)
         yield work

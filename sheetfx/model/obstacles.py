@@ -33,6 +33,12 @@ class Obstacle(Protocol):
         """
 
 
+def add_travel(fields, obstacle: Obstacle, mesh) -> None:
+    """Make the travel of an obstacle an unknown, if it may move, and once for all that touch it."""
+    if obstacle.travel is not None and not fields.has(obstacle, "travel"):
+        fields.add_number(obstacle, mesh, "travel", mesh.size)
+
+
 @dataclass(frozen=True, eq=False)
 class RigidCylinder:
     """Rigid cylinder along z (a circle in the plane of x and y) that may travel along a direction.

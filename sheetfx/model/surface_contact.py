@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Annotated
 
 import numpy as np
@@ -14,17 +13,12 @@ from ..checks import NONZERO, Choice, Count, NotNegative, Positive, check
 from ..mesh.lines import Stretch
 from ..mesh.projection import Cells, cells_at
 from ..mesh.reader import NamedMesh
-from ..mesh.samples import Samples, samples_at
-from .beam import Bar, Beam
-from .interface import stiffness_over
-from .joints import Joint
-from .pair_contact import ELASTIC_SLIP, PARALLEL, PENETRATION, STIFF
-from .places import each_of, require_places, title_of
-from .shell import Shell
+from .pair_contact import PARALLEL, PENETRATION
+from .sampled_contact import SampledContact, half_thickness, parts_on, touch_stiffness
 
 
 @dataclass(frozen=True, eq=False)
-class SurfaceContact(Joint):
+class SurfaceContact(SampledContact):
     """Unilateral contact, with or without friction, of an edge, a face or a point of one part with a surface.
 
     Points of the first part touch the closest point of the surface in its present shape. They slide along it, over
@@ -66,35 +60,18 @@ class SurfaceContact(Joint):
     law: Callable = forms.contact.mohr_coulomb
     name: str = field(default="SurfaceContact", kw_only=True)
 
-    smooth = False
-
     def __post_init__(self):
         check(self)
-        require_places(self.name, self.mesh, each_of(self.at))
+        self._require_part()
         if self.to[0].domain.topology.dim != 2 or self.to[0].dimension != 3:
             raise ValueError(f"{self._title}: the second part is no surface in space; give shells there, or use a "
                              "PairContact with curves")
         if self.mesh.dimension != 3:
             raise ValueError(f"{self._title}: the first part is in a plane; read its mesh in 3 dimensions")
-        if self.mesh.domain.comm.size > 1:
-            raise ValueError(f"{self._title}: contact with surfaces on {self.mesh.domain.comm.size} processes is not "
-                             "possible yet; take one process")
-
-    @property
-    def _title(self) -> str:
-        return title_of(self.name, each_of(self.at)[0])
 
     @property
     def points(self) -> Sequence[tuple[NamedMesh, str | None]]:
         return [(self.mesh, None), (self.to[0], None)]
-
-    @cached_property
-    def _samples(self) -> Samples:
-        return samples_at(self.mesh, each_of(self.at), self.samples, self._title)
-
-    @property
-    def conservative(self) -> bool:  # type: ignore[override]
-        return self.friction == 0
 
     def contributions(self, fields):
         samples, cells = self._samples, Cells(self.to[0], cells_at(*self.to))
@@ -103,19 +80,16 @@ class SurfaceContact(Joint):
         arms = samples.places - cells.places(which, reference)
         side, apart = self._sides(normals, arms), self._distance(fields)
         along = side * (normals * arms).sum(axis=1)
-        size = float(min(cells.sizes.mean(), Cells(self.mesh, np.unique(samples.cells)).sizes.mean()))
+        size = min(float(cells.sizes.mean()), self._cell_size)
         beside = np.linalg.norm(arms - (side * along)[:, None] * normals, axis=1) > PENETRATION * size
         if (gaps := np.where(beside, 0.0, along - apart)).min(initial=0.0) < -PENETRATION * size:
             place = ", ".join(f"{x:.6g}" for x in samples.places[gaps.argmin()])
             raise ValueError(f"{self._title}: the parts overlap by {-gaps.min():.6g} at ({place}); move one of them, "
                              "or give a smaller distance")
-        sides = [[part for part in fields.scene.parts if part.mesh is mesh] for mesh in (self.mesh, self.to[0])]
-        stiffness = self.stiffness or touch_stiffness(sides, max(size, samples.size), samples.extent)
-        tangential = self.tangential or ELASTIC_SLIP * stiffness
-        yield fields.surface_work(self, samples, (cells, which, reference, side), {
-            "arms": arms, "axes": np.zeros((len(arms), 3, 3)), "gap": np.full(len(arms), apart),
-            "weights": samples.weights, "parameters": (stiffness, tangential, self.friction, 0.0, 0.0),
-            "augmented": self.enforcement == "uzawa", "tolerance": PENETRATION * size})
+        sides = [parts_on(fields, mesh) for mesh in (self.mesh, self.to[0])]
+        stiffness = touch_stiffness(sides, max(size, samples.size), samples.extent)
+        yield fields.surface_work(self, samples, (cells, which, reference, side),
+                                  self._pairs(arms, apart, stiffness, size))
 
     def _sides(self, normals: np.ndarray, arms: np.ndarray) -> np.ndarray:
         """On which side of the surface the points are, seen along its normals: 1 or -1."""
@@ -128,27 +102,10 @@ class SurfaceContact(Joint):
     def _distance(self, fields) -> float:
         if self.distance is not None:
             return self.distance
-        return sum(max(half_thickness(p) for p in fields.scene.parts if p.mesh is mesh)
-                   for mesh in (self.mesh, self.to[0]))
+        return sum(half_thickness(parts_on(fields, mesh)) for mesh in (self.mesh, self.to[0]))
 
     def border(self, fields) -> float:
         """How far the surface goes on beyond its edges."""
         if self.overhang is not None:
             return self.overhang
-        return max(half_thickness(p) for p in fields.scene.parts if p.mesh is self.to[0])
-
-
-def touch_stiffness(sides: Sequence[Sequence[Shell | Beam | Bar]], size: float, extent: int) -> float:
-    """Pressure over penetration: ten times the bending stiffness of the softer side over a size.
-
-    Parameters
-    ----------
-    sides : parts on each side
-    extent : as of `Samples`
-    """
-    return STIFF * min(max(stiffness_over(part, size)[1] for part in parts) for parts in sides) / size ** (1 + extent)
-
-
-def half_thickness(part: Shell | Beam | Bar) -> float:
-    """From the mid-surface or axis of a part to its face."""
-    return (part.section.thickness if isinstance(part, Shell) else part.section.depth) / 2
+        return half_thickness(parts_on(fields, self.to[0]))

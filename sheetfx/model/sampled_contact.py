@@ -1,0 +1,104 @@
+"""What contacts have in common whose forces act at samples of a part: on a point, along a line or over a face."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+
+from ..mesh.projection import Cells
+from ..mesh.reader import NamedMesh
+from ..mesh.samples import Samples, samples_at
+from .beam import Bar, Beam
+from .interface import stiffness_over
+from .joints import Joint
+from .pair_contact import ELASTIC_SLIP, PENETRATION, STIFF
+from .places import Place, each_of, require_places, title_of
+from .shell import Shell
+
+
+class SampledContact(Joint):
+    """A contact of samples of a part, on one process.
+
+    Attributes
+    ----------
+    mesh, at : of the part, and where on it; None: everywhere
+    friction : Coulomb's coefficient
+    samples : Gauss points on each piece of a line, and along each side of a cell
+    stiffness, tangential : pressure over penetration, and against slip; None: chosen
+    enforcement : "uzawa": pressures are augmented; or "penalty"
+    name : what messages call it
+    """
+
+    mesh: NamedMesh
+    at: Place | None
+    friction: float
+    samples: int
+    stiffness: float | None
+    tangential: float | None
+    enforcement: str
+    name: str
+
+    smooth = False
+
+    def _require_part(self) -> None:
+        """Refuse places that the part does not have, and several processes."""
+        require_places(self.name, self.mesh, each_of(self.at))
+        if (processes := self.mesh.domain.comm.size) > 1:
+            raise ValueError(f"{self._title}: {type(self).__name__} is not possible on {processes} processes yet; take "
+                             "one process")
+
+    @property
+    def _title(self) -> str:
+        return title_of(self.name, each_of(self.at)[0])
+
+    @property
+    def conservative(self) -> bool:  # type: ignore[override]
+        return self.friction == 0
+
+    @cached_property
+    def _samples(self) -> Samples:
+        return samples_at(self.mesh, each_of(self.at), self.samples, self._title)
+
+    @property
+    def _cell_size(self) -> float:
+        """Of the cells with samples."""
+        return float(Cells(self.mesh, np.unique(self._samples.cells)).sizes.mean())
+
+    def _pairs(self, arms: np.ndarray, apart: float, stiffness: float, size: float) -> dict:
+        """Attributes of `discrete.pairs.Pairs` but for the points.
+
+        Parameters
+        ----------
+        arms : from the samples to the second part
+        apart : distance at which parts touch
+        stiffness : where none is given
+        size : of cells
+        """
+        (count, d), stiffness = arms.shape, self.stiffness or stiffness
+        return {"arms": arms, "axes": np.zeros((count, d, d)), "gap": np.full(count, apart),
+                "weights": self._samples.weights, "augmented": self.enforcement == "uzawa",
+                "parameters": (stiffness, self.tangential or ELASTIC_SLIP * stiffness, self.friction, 0.0, 0.0),
+                "tolerance": PENETRATION * size}
+
+
+def parts_on(fields, mesh: NamedMesh) -> list[Shell | Beam | Bar]:
+    """Parts of the scene that are on a mesh."""
+    return [part for part in fields.scene.parts if part.mesh is mesh]
+
+
+def touch_stiffness(sides: Sequence[Sequence[Shell | Beam | Bar]], size: float, extent: int) -> float:
+    """Pressure over penetration: ten times the bending stiffness of the softer side over a size.
+
+    Parameters
+    ----------
+    sides : parts on each side
+    extent : as of `Samples`
+    """
+    return STIFF * min(max(stiffness_over(part, size)[1] for part in parts) for parts in sides) / size ** (1 + extent)
+
+
+def half_thickness(parts: Sequence[Shell | Beam | Bar]) -> float:
+    """From the mid-surface or axis of parts to their faces; the largest."""
+    return max((part.section.thickness if isinstance(part, Shell) else part.section.depth) / 2 for part in parts)
