@@ -23,6 +23,7 @@ SIGNS: dict[str, Callable[[State], Any]] = {
     "current stiffness with displacement extremes":
         lambda state: (-1.0) ** state.displacement_extremes * state.current_stiffness,
 }
+ACROSS = 0.1  # cosine of the angle of load responses with the step, below which the load goes on as it did
 
 
 @dataclass(frozen=True)
@@ -164,9 +165,6 @@ class TwoWayRule(StepRule):
             raise ValueError(f"{type(self).__name__}: sign 'determinant' needs a factor by MUMPS, which tells it; "
                              "choose 'projection'")
         return copysign(1.0, SIGNS[self.sign](state))
-
-
-ACROSS = 0.1  # cosine of the angle of load responses with the step, below which the load goes on as it did
 
 
 MONITORS = Like("a Monitor", lambda monitor: monitor is None or hasattr(monitor, "component"))

@@ -25,11 +25,12 @@ def work_matches(segment: Segment, earlier: State | None) -> bool:
     before, after, tracer = segment.before, segment.after, segment.tracer
     if not tracer.system.work_known:
         return True
-    change, way = _energy(segment)
+    follows = earlier is not None and before.stage == after.stage and before.length > 0
+    change, way, way_before = _energy(segment, before.increment if follows else 0 * after.increment)
     rise = after.load_increment
     expected, steepest, farthest = rise * way / 2, abs(rise), abs(way)
-    if earlier is not None and before.stage == after.stage and before.length:
-        share, way_before = after.length / before.length, _way(segment, before)
+    if follows:
+        share = after.length / before.length
         bends = [share * (share * a - b) / (1 + share) for a, b in ((before.load_increment, rise), (way_before, way))]
         expected += (bends[0] * way - bends[1] * rise) / 6
         steepest = max(steepest, share * abs(before.load_increment))
@@ -38,16 +39,11 @@ def work_matches(segment: Segment, earlier: State | None) -> bool:
     return abs(change - expected) <= allowed * max(abs(way), ASIDE * farthest)
 
 
-def _way(segment: Segment, state: State) -> float:
-    """Motion of the step that led to a state, along the load where the segment starts."""
-    segment.tracer.back_to(segment.before)
-    load = segment.tracer.load_vector().array
-    segment.tracer.back_to(segment.after)
-    return segment.tracer.system.comm.allreduce(float(load @ state.increment))
+def _energy(segment: Segment, increment_before: np.ndarray) -> tuple[float, float, float]:
+    """Work taken up from the first to the last state less that of the load of the first, and motions along the load.
 
-
-def _energy(segment: Segment) -> tuple[float, float]:
-    """Work taken up from the first to the last state less that of the load of the first, and motion along the load."""
+    That of the segment, and that of an increment before it along the load at its start.
+    """
     before, after, tracer = segment.before, segment.after, segment.tracer
     system, increment = tracer.system, after.increment
     smooth, rough = ([c for c in system.contributions if (c.smooth or c.remembers) == wanted]
@@ -60,7 +56,9 @@ def _energy(segment: Segment) -> tuple[float, float]:
         return sum(c.taken(place) for c, place in zip(rough, places, strict=True))
 
     stored = -taken()
-    ways.append(tracer.load_vector().array @ increment)
+    load = tracer.load_vector().array
+    ways.append(load @ increment)
+    way_before = load @ increment_before
     points, weights = np.polynomial.legendre.leggauss(POINTS)
     change = 0.0
     with system.additive_increments(frozen=False):
@@ -75,5 +73,5 @@ def _energy(segment: Segment) -> tuple[float, float]:
         system.load(out)
         ways.append(out.array @ increment)
     tracer.back_to(after)
-    change, way = (system.comm.allreduce(float(value)) for value in (change, sum(ways) / 2))
-    return change + stored, way
+    change, way, way_before = (system.comm.allreduce(float(v)) for v in (change, sum(ways) / 2, way_before))
+    return change + stored, way, way_before

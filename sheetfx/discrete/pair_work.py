@@ -193,11 +193,11 @@ class PairWork(PointWork):
 
     def commit(self) -> None:
         self._slipping = None
-        gap = self.place()
         self.settle(self.pairs.augmented)
         self._stiffen(0)
         if self.pairs.augmented:
-            self._history[:, 0] = np.where(self._history[:, 0] > 0, self._history[:, 0] + self._table[:, 0] * gap, 0.0)
+            pressure = self._history[:, 0]
+            pressure[:] = np.where(pressure > 0, pressure + self._table[:, 0] * self.place(), 0.0)
             self._put_history(self._history)
         self._committed = self._history.copy()
         if self._partners:
