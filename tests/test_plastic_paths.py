@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 import warnings
 from dataclasses import dataclass
 from math import pi
+from resource import RUSAGE_CHILDREN, getrusage
 from statistics import median
 from time import process_time
 
@@ -256,3 +260,32 @@ def test_a_plastic_path_costs_at_most_twice_its_elastic_one():
     assert 9000 < path.unknowns == flowing.unknowns
     assert plastic_share(flowing.discretisation) > 0.9
     assert plastic < 2 * elastic
+
+
+STEP = """
+import sheetfx as fx
+mesh = fx.read(lambda: fx.meshes.rectangle((2, 2)), dimension=3, order=2)
+shell = fx.Shell(mesh, fx.Plate(0.01, points=5), {material})
+scene = fx.Scene([shell], [fx.clamp(mesh, "west")], [fx.SurfaceForce(shell, (0.0, 0.0, -1e-5))],
+                 fx.Monitor(mesh, "south-east", "z", -1.0))
+assert len(list(fx.Path(scene, fx.LoadControl(step=1.0, fixed=True)))) == 2
+"""
+
+
+@pytest.mark.slow
+def test_plasticity_takes_at_most_1_3_times_as_long_to_compile(tmp_path):
+    """CPU time of a shell's first step in a new process without compiled forms, the least of three in turn."""
+    materials = {"elastic": "fx.Elastic(1e3, 0.3)", "plastic": "fx.Plastic(1e3, 0.3, yield_stress=0.5, hardening=50.0)"}
+
+    def seconds(name, number):
+        before = getrusage(RUSAGE_CHILDREN)
+        subprocess.run([sys.executable, "-c", STEP.format(material=materials[name])], check=True,
+                       env=os.environ | {"XDG_CACHE_HOME": str(tmp_path / f"{name}{number}")})
+        after = getrusage(RUSAGE_CHILDREN)
+        return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+    rounds = [[seconds(name, number) for name in materials] for number in range(3)]
+    elastic, plastic = map(min, zip(*rounds, strict=True))
+    again = seconds("elastic", 0)
+    assert again < elastic / 2  # most of it is compilation
+    assert plastic - again < 1.3 * (elastic - again)
