@@ -17,6 +17,7 @@ from scipy.interpolate import KroghInterpolator
 
 from ..continuation.segment import Jump, Segment
 from .border import Border
+from .leaping import around_corner, require_convergence, require_path
 
 REACHES = (0.1, 0.03, 0.01, 0.003)  # of a piece of path, distances from crossings of the states that are looked at
 ALTERNATELY = (0.1, (-1,)), (0.03, (1,)), (0.01, (-1,))  # likewise, first on one side each
@@ -47,8 +48,15 @@ class Crossing:
 
 
 def unresolved(segment: Segment, left: float, right: float, count: int) -> list[Crossing]:
-    """Crossings that are known to lie between two lengths, and no more."""
+    """Crossings that are known to lie between two lengths, and no more.
+
+    Raises
+    ------
+    Jump
+        If the states there are far apart for their lengths, so that no path leads from one to the other.
+    """
     one, other = segment[left], segment[right]
+    require_path(segment, left, right)
     low, high = sorted((one.load, other.load))
     corner = segment.wavering and _jumps(segment, Border(segment, left, right, count), left, right)
     found = Crossing(left, (low + high) / 2, (one.deflection + other.deflection) / 2, (low, high), corner)
@@ -60,8 +68,7 @@ def _jumps(segment: Segment, border: Border, left: float, right: float) -> bool:
 
     So they do in a step that leads around a corner of the path, which cannot be divided.
     """
-    tracer = segment.tracer
-    if tracer.turn(segment.before, segment.after) > tracer.control.turn:
+    if around_corner(segment):
         return True
     near, whole = (border.change(*ends) for ends in ((left, right), (0.0, segment.after.length)))
     return near * segment.after.length > STEEP * whole * (right - left)
@@ -113,6 +120,8 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
     if segment.guarded:
         _compare_sides(segment, roots, samples, border)
     found = _at_loads(segment, _together(border, roots, lengths), samples, border)
+    for crossing in found:
+        require_path(segment, *segment.neighbours(crossing.length))
     if segment.wavering and error > EXACT:
         return [replace(c, corner=_jumps(segment, border, *segment.neighbours(c.length))) for c in found]
     return found
@@ -193,6 +202,8 @@ def _pieces(segment: Segment, left: float, right: float) -> list[Crossing]:
     if len(lengths) < 3 or right - left < closest * segment.after.length:
         if segment.guarded:
             raise Jump("eigenvalues pass zero in the step, but not smoothly")
+        if right - left >= closest * segment.after.length:
+            require_convergence(segment, left)
         return unresolved(segment, left, right, abs(counts[0] - counts[-1]))
     found = []
     for one, other, count in zip(lengths[:-1], lengths[1:], np.abs(np.diff(counts)), strict=True):

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..continuation.segment import Segment
 from ..continuation.state import State
+from .leaping import require_convergence, require_path
 
 SEARCHED, RESOLUTION = 12, 0.02  # states at which the load is searched, and part of a step that they are apart
 SHORT = 1 / 16  # of the usual first step, a step of which rates say little
@@ -21,6 +22,11 @@ def turning_loads(segment: Segment, earlier: State | None) -> list[tuple[Segment
 
     It is searched by parabolas through loads, which rates that waver do not disturb, then by halving the way between
     states where the load rises and falls: where something sticks, slips or opens the path has a corner.
+
+    Raises
+    ------
+    Jump
+        If the step leads from that state to another path, or those beside it do not converge.
     """
     before, after = segment.before, segment.after
     if not before.load_increment * after.load_increment < 0 or not segment.tracer.control.passes_limits:
@@ -51,9 +57,15 @@ def turning_loads(segment: Segment, earlier: State | None) -> list[tuple[Segment
         one, start = next((one, start) for one, start in zip(segments, starts, strict=True)
                           if start <= place <= start + one.after.length)
         if not one.reach(place - start):
+            if one is segment:
+                require_convergence(segment, segment.neighbours(place - start)[0])
             break
         known[place] = one, place - start
     one, length = known[max(known, key=load)]
+    if one is segment:
+        for left, right in segment.pairs():
+            if length in (left, right):
+                require_path(segment, left, right)
     return [(one, length, sign > 0)]
 
 
