@@ -23,6 +23,8 @@ from .linear import DirectSolver
 Reason = PETSc.SNES.ConvergedReason
 SLOW = 0.1  # residual over that of the iteration before, from which a guess is corrected with a new factor
 WRONG = 1e-3  # residual over the load, above which a guess whose residual grows is given up
+BETTER = 0.1  # of the residual, that of contact forces which are found from a step
+SPARE = 10.0  # of the fall of the residual in an iteration, what one more with the same tangent may leave
 TINY = 1e-9  # correction over the increments, which changes nothing but rounding
 ROUNDED = 10 * np.finfo(float).eps  # of what the stiffest unknown takes to move by the structure's size, most rounding
 UNDAMPED = 5  # iterations, after which half steps are taken where it cycles
@@ -147,6 +149,7 @@ class PathStep:
     def _iterate(self, snes, x) -> int:
         rtol, _, _, most = snes.getTolerances()
         rtol *= 1.0 if self._guess is None else 1e-3
+        self._most = rtol
         for iteration in range(most + 1):
             snes.computeFunction(x, self._residual)
             self.system.load(self._load)
@@ -172,7 +175,7 @@ class PathStep:
         return Reason.DIVERGED_MAX_IT
 
     def _correct_holding(self, snes, x) -> None:
-        if self._guess is not None or self.elimination is not None:
+        if self._guess is not None or self._eliminates:
             self._correct(snes, x)
             return
         with self.system.held() as holding:
@@ -197,7 +200,7 @@ class PathStep:
             self._step.axpy(damping * part, self._part)
             self._step.axpy(damping * change, self._unit)
         self.load_increment += damping * change
-        if damping == 1:
+        if anew and damping == 1:
             self._hold_contacts(x, tangent, x)
         self._correction = self.tangent.inner(self._step, self._step) ** 0.5
         self.behind += self._correction
@@ -206,7 +209,7 @@ class PathStep:
     def _factorise_anew(self, snes, x) -> bool:
         """Factor the tangent of the iterate, unless the one at hand serves on."""
         if self._guess is None:
-            anew = self.control.newton == "full"
+            anew = self.control.newton == "full" and not self._is_near
         else:
             anew = len(self.history) == 1 or (
                 self.history[-1] > SLOW * self.history[-2] and self._last_step(x) > TINY)
@@ -217,14 +220,34 @@ class PathStep:
             self.factorise(snes, x)
         return anew
 
+    @property
+    def _is_near(self) -> bool:
+        """Whether the tangent of the iterate before takes away what is left, as the last correction's size tells."""
+        if len(self.history) < 2:
+            return False
+        before, now = self.history[-2:]
+        return SPARE * now**2 <= self._most * before
+
+    @property
+    def _eliminates(self) -> bool:
+        """Whether contact forces are found from a step: once they are nearly exact, where plain steps are in vain."""
+        if self.elimination is None or not self.history:
+            return self.elimination is not None
+        in_vain = len(self.history) > 2 and 2 * self.history[-1] > self.history[-3]
+        return self.history[-1] > self.elimination.exact or in_vain
+
     def _hold_contacts(self, x, tangent: LoadResponse, along) -> None:
-        """Change a step, with `load_increment` at its end, so that contacts hold after it; the control's is `along`."""
-        if self.elimination is not None:
+        """Change a step, with `load_increment` at its end, so that contacts hold after it; the control's is `along`.
+
+        They do so more exactly than equilibrium at its start.
+        """
+        if self._eliminates:
             self.system.load(self._load)
             size = max(abs(self.factor_now) * self._load.norm(), self.system.reaction)
+            exact = min([self.elimination.exact, *(BETTER * left for left in self.history[-1:])])
             gradient = self.control.gradient(tangent, along, self.load_increment)
             self.load_increment += self.elimination.correct(x, self.factor_now, self._step, tangent.solution, gradient,
-                                                            size)
+                                                            size, exact)
 
     def _at_rounding(self, x, residual: float) -> bool:
         """Whether the residual is rounding: no longer falling, though Newton's steps have become tiny.

@@ -25,7 +25,7 @@ class Condensation(Elimination):
     Its rows are gaps and slips of pairs, in the place of unknowns.
     """
 
-    most, exact = 600, 1e-3
+    most, exact, can_do_without = 600, 1e-3, True
 
     def _linearise(self) -> None:
         pairs = [c for c in self._system.contributions if c.condenses]

@@ -38,17 +38,19 @@ class Elimination:
     Attributes
     ----------
     most : rows that are eliminated
-    exact : error of contact forces over the load, from which one correction more is enough
+    can_do_without : whether a step goes on as it is where there are more rows, as those after it may have fewer
+    exact : largest error of contact forces over the load, from which one correction more is enough
     """
 
-    most, exact = 300, 1e-5
+    most, exact, can_do_without = 300, 1e-5, False
+    _found = 0
 
     def __init__(self, system: System, linear: DirectSolver, regularise, multiples: Sequence[float]):
         self._system, self._linear, self._regularise, self._multiples = system, linear, regularise, multiples
         self._trial, self._out, self._column = (system.create_vector() for _ in range(3))
 
     def correct(self, x: PETSc.Vec, factor: float, step: PETSc.Vec, unit: PETSc.Vec,
-                normal: tuple[PETSc.Vec | None, float], size: float) -> float:
+                normal: tuple[PETSc.Vec | None, float], size: float, exact: float) -> float:
         """Change a step in place so that the contacts hold after it; return the change of its load.
 
         Parameters
@@ -57,6 +59,7 @@ class Elimination:
         unit : response to a unit of load
         normal : gradient of the control's equation by the unknowns and by the load factor
         size : of forces
+        exact : error of contact forces over that, from which one correction more is enough
 
         Raises
         ------
@@ -67,15 +70,26 @@ class Elimination:
         system.configure(x, factor)
         self._x, self._factor, self._base, self._size = x, factor, step.array.copy(), size
         self._unit, self._normal = unit, normal
+        self._exact = exact
         self._linearise()
+        self._many = False
         self._rows, self._loads = np.empty(0, dtype=np.int64), np.empty(0)
         self._columns = np.empty((len(self._base), 0))
         forces = self._solve()
         system.configure(x, factor)
+        if forces is None and self._many and self.can_do_without:
+            step.array[:] = self._base
+            return 0.0
         if forces is None:
             raise ArithmeticError("contact forces are not found")
+        self._found += len(forces) > 0
         step.array[:] = self._moved(forces)
         return -float(self._loads @ forces)
+
+    def found_since(self) -> int:
+        """How often forces have been found that were not zero since this was last asked."""
+        found, self._found = self._found, 0
+        return found
 
     def _linearise(self) -> None:
         """Take forces and stiffness as they are."""
@@ -91,14 +105,14 @@ class Elimination:
         if remainder is None:
             return None
         size = np.linalg.norm(remainder) / self._size
-        if size <= self.exact:
+        if size <= self._exact:
             return np.zeros(len(self._rows))
         sequences = [self._multiples, [1.0]]
         for multiples in sequences[::-1] if size < NEAR else sequences[:1]:
             forces = np.zeros(len(self._rows))
             for times in multiples:
                 self._regularise(times)
-                forces = self._converge(forces, self.exact if times == multiples[-1] else LOOSE)
+                forces = self._converge(forces, self._exact if times == multiples[-1] else LOOSE)
                 if forces is None:
                     break
             self._regularise(1.0)
@@ -139,7 +153,8 @@ class Elimination:
         """
         beyond = self._beyond(step)
         new = np.setdiff1d(np.flatnonzero(beyond), self._rows)
-        if len(self._rows) + len(new) > self.most:
+        self._many = len(self._rows) + len(new) > self.most
+        if self._many:
             return None
         if len(new):
             self._rows = np.concatenate([self._rows, new])

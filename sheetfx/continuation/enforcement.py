@@ -37,7 +37,7 @@ class Enforcement:
             ways += [(False, self._detours)]
         if not (eliminates and self._eliminates):
             return ways
-        return [(True, [1.0]), *(ways if again or self._condenses else [])]
+        return [(True, [1.0]), *(ways if again else [])]
 
     def elimination(self, linear: DirectSolver) -> Elimination:
         """Solver for the contact forces within iterations that use a factor."""

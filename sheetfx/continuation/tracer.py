@@ -210,7 +210,7 @@ class Tracer(Measuring):
         self.snes.solve(None, self.x)
         self.stepper.continue_step()
         self.iterations += self.snes.getIterationNumber()
-        self._most = max(self._most, self.snes.getIterationNumber())
+        self._most = max(self._most, self.snes.getIterationNumber() + self._elimination.found_since())
         return self.snes.getConvergedReason() > 0
 
     def factorise_at(self, state: State) -> None:
