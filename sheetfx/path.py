@@ -18,6 +18,7 @@ from .checks import require
 from .continuation.control import ArcLength, DisplacementControl, LoadControl, StepRule
 from .continuation.corner import LEAST, around_corner, returns
 from .continuation.events import Event, end_at, occurrences
+from .continuation.linear import SingularTangent
 from .continuation.scattered import ScatteredState
 from .continuation.segment import Jump, Missed
 from .continuation.state import CriticalPoint, State
@@ -214,6 +215,8 @@ class Path:
                 return self._searched(before, jump.sound, earlier, largest_turn)
         except Missed:
             self._refusal = "it skips states in between"
+        except SingularTangent:
+            self._refusal = "the tangent is singular within it"
         self.tracer.back_to(before)
         return None
 

@@ -6,9 +6,10 @@ from math import inf, nan
 
 import pytest
 import ufl
-from helpers import shallow_arch
+from helpers import hinged_column, shallow_arch
 
 import sheetfx as fx
+from sheetfx.continuation.linear import SingularTangent
 
 SECTION, MATERIAL = fx.Rectangle(0.1, 0.1), fx.Elastic(1e4)
 
@@ -97,3 +98,13 @@ def unsymmetric(strains, stiffness):
 def test_law_that_is_no_gradient_is_refused():
     with pytest.raises(ValueError, match="Beam: its law 'unsymmetric' is not the gradient of an energy: resultant 0"):
         fx.Beam(line(dimension=2), SECTION, MATERIAL, law=unsymmetric)
+
+
+def test_a_tangent_that_is_singular_within_a_step_is_told(monkeypatch):
+    """The search for critical points may come to states whose tangent cannot be factored: the step is cut there."""
+    def singular(*_):
+        raise SingularTangent
+
+    monkeypatch.setattr("sheetfx.path.locate", singular)
+    with pytest.raises(fx.PathFailure, match="it converges, but the tangent is singular within it"):
+        list(fx.Path(hinged_column(), fx.LoadControl(step=1.0, target=2.0)))
