@@ -23,7 +23,8 @@ def critical_modes(path, states: Sequence[State], point: CriticalPoint,
     path : Path or Tracer that the states belong to; it stays at its present state
     states : of the path, among them those before and after the point
     point : one of `critical` of these states
-    state : of the point itself; None: it is found again
+    state : of the point itself; None: it is found again, or where it does not converge with contact or history the one
+        at the end of its step serves
 
     Returns
     -------
@@ -34,6 +35,8 @@ def critical_modes(path, states: Sequence[State], point: CriticalPoint,
     ------
     ValueError
         If a state beside the point is missing, or nothing is singular there (an event, flutter).
+    ArithmeticError
+        If the point does not converge again.
     """
     if point.kind not in ("bifurcation", "limit"):
         raise ValueError(f"critical_modes: the tangent is not singular at {point.title} (load {point.load:.6g}); give "
@@ -42,11 +45,20 @@ def critical_modes(path, states: Sequence[State], point: CriticalPoint,
     before, after = step_of("critical_modes", states, point, len(tracer.x.array))
     present = tracer.state
     try:
-        tracer.factorise_at(state or state_at(tracer, before, after, point))
+        tracer.factorise_at(state or _state_near(tracer, before, after, point))
         pairs = sorted(zip(*tracer.spectrum(point.multiplicity + 1), strict=True), key=lambda pair: abs(pair[0]))
         return [scaled(path.discretisation, mode) for _, mode in pairs[:point.multiplicity]]
     finally:
         tracer.back_to(present)
+
+
+def _state_near(tracer, before: State, after: State, point: CriticalPoint) -> State:
+    try:
+        return state_at(tracer, before, after, point)
+    except ArithmeticError:
+        if tracer.system.smooth:
+            raise
+        return after
 
 
 def energy_shares(path, unloaded: State, modes: Sequence[np.ndarray]) -> list[float]:
