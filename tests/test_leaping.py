@@ -36,6 +36,27 @@ def test_step_past_a_bifurcation_does_not_leap_to_the_other_branch():
     assert last.unstable_modes == 0 and last.load == pytest.approx(EULER, rel=3e-3)
 
 
+@pytest.mark.parametrize("step", [0.03, 0.08])
+def test_crooked_arch_sways_whatever_it_does_not_touch(step):
+    """A deep arch a ten-thousandth of its radius off sways at 968.7; the perfect one's limit, past its bifurcation at
+    969.6, is 1223, which the path leapt to where there was a stop below. Without the stop nothing leaps.
+    """
+    mesh = fx.read(lambda: fx.meshes.arc(100.0, -1.2, 1.2, 40, {"crown": 0.0}), dimension=2, order=2)
+    mesh = fx.imperfect(mesh, lambda x: np.column_stack((0 * x[:, 0], np.sin(pi * x[:, 0] / 93.0))), 0.01)
+    arch = fx.Beam(mesh, fx.Rectangle(1.0, 1.0), fx.Elastic(12e6))
+    stop = fx.ObstacleContact(mesh, None, fx.RigidPlane((0.0, -300.0), (0.0, 1.0)), distance=0.0)
+    found = []
+    for joints in ([], [stop]):
+        scene = fx.Scene([arch], [fx.pin(mesh, "start"), fx.pin(mesh, "end")],
+                         [fx.PointForce(mesh, "crown", (0.0, -1.0))], fx.Monitor(mesh, "crown", "y", -1.0),
+                         joints=joints)
+        record = fx.trace(fx.Case(scene, fx.ArcLength(step), fx.Until(deflection=30.0)))
+        found.append([(p.kind, p.load) for p in record.critical_points])
+    (kind, load), = found[1]
+    assert found[0] == [("limit", pytest.approx(load, rel=1e-4))] and kind == "limit"
+    assert load == pytest.approx(968.7, rel=1e-3)
+
+
 def test_mode_of_a_point_that_does_not_converge_again_is_that_at_the_end_of_its_step(monkeypatch):
     """As can happen at a corner of a path with contact, whose run then had no pictures and no quantities."""
     def fails(*_):
