@@ -149,7 +149,7 @@ class PathStep:
     def _iterate(self, snes, x) -> int:
         rtol, _, _, most = snes.getTolerances()
         rtol *= 1.0 if self._guess is None else 1e-3
-        self._most = rtol
+        self._tolerance = rtol
         for iteration in range(most + 1):
             snes.computeFunction(x, self._residual)
             self.system.load(self._load)
@@ -226,7 +226,7 @@ class PathStep:
         if len(self.history) < 2:
             return False
         before, now = self.history[-2:]
-        return SPARE * now**2 <= self._most * before
+        return SPARE * now**2 <= self._tolerance * before
 
     @property
     def _eliminates(self) -> bool:
@@ -244,7 +244,7 @@ class PathStep:
         if self._eliminates:
             self.system.load(self._load)
             size = max(abs(self.factor_now) * self._load.norm(), self.system.reaction)
-            exact = min([self.elimination.exact, *(BETTER * left for left in self.history[-1:])])
+            exact = min(self.elimination.exact, BETTER * (self.history[-1] if self.history else inf))
             gradient = self.control.gradient(tangent, along, self.load_increment)
             self.load_increment += self.elimination.correct(x, self.factor_now, self._step, tangent.solution, gradient,
                                                             size, exact)

@@ -69,16 +69,13 @@ class Elimination:
         system = self._system
         system.configure(x, factor)
         self._x, self._factor, self._base, self._size = x, factor, step.array.copy(), size
-        self._unit, self._normal = unit, normal
-        self._exact = exact
+        self._unit, self._normal, self._exact = unit, normal, exact
         self._linearise()
-        self._many = False
         self._rows, self._loads = np.empty(0, dtype=np.int64), np.empty(0)
         self._columns = np.empty((len(self._base), 0))
         forces = self._solve()
         system.configure(x, factor)
         if forces is None and self._many and self.can_do_without:
-            step.array[:] = self._base
             return 0.0
         if forces is None:
             raise ArithmeticError("contact forces are not found")

@@ -17,7 +17,7 @@ from scipy.interpolate import KroghInterpolator
 
 from ..continuation.segment import Jump, Segment
 from .border import Border
-from .leaping import around_corner, require_convergence, require_path
+from .leaping import leads_around_corner, require_convergence, require_path
 
 REACHES = (0.1, 0.03, 0.01, 0.003)  # of a piece of path, distances from crossings of the states that are looked at
 ALTERNATELY = (0.1, (-1,)), (0.03, (1,)), (0.01, (-1,))  # likewise, first on one side each
@@ -68,7 +68,7 @@ def _jumps(segment: Segment, border: Border, left: float, right: float) -> bool:
 
     So they do in a step that leads around a corner of the path, which cannot be divided.
     """
-    if around_corner(segment):
+    if leads_around_corner(segment):
         return True
     near, whole = (border.change(*ends) for ends in ((left, right), (0.0, segment.after.length)))
     return near * segment.after.length > STEEP * whole * (right - left)
@@ -120,7 +120,7 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
     if segment.guarded:
         _compare_sides(segment, roots, samples, border)
     found = _at_loads(segment, _together(border, roots, lengths), samples, border)
-    for crossing in found:
+    for crossing in found if segment.wavering else []:
         require_path(segment, *segment.neighbours(crossing.length))
     if segment.wavering and error > EXACT:
         return [replace(c, corner=_jumps(segment, border, *segment.neighbours(c.length))) for c in found]

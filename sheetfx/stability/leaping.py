@@ -12,14 +12,14 @@ from ..continuation.state import State
 LEAP = 4  # of as much of the step on average, distance of neighbouring states from which no path joins them
 
 
-def around_corner(segment: Segment) -> bool:
+def leads_around_corner(segment: Segment) -> bool:
     """Whether a step turns more than steps may but around a corner of the path."""
     tracer = segment.tracer
     return tracer.turn(segment.before, segment.after) > tracer.control.turn
 
 
 def _guarded(segment: Segment) -> bool:
-    return segment.wavering and segment.tracer.control.guarded and not around_corner(segment)
+    return segment.wavering and segment.tracer.control.guarded and not leads_around_corner(segment)
 
 
 def require_convergence(segment: Segment, sound: float) -> None:

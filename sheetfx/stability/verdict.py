@@ -31,9 +31,9 @@ def searched(discretisation: Discretisation, control: StepRule, flutter: bool) -
     if not control.guarded:
         found.append("other paths: not looked for, steps are taken as they are")
     elif not system.smooth:
-        found.append("other paths: a step that turns too far is cut, or leaps beside a critical point, " + (
-            "or whose work is not what is stored and dissipated" if system.work_known else
-            "other jumps within steps are not looked for"))
+        found.append("other paths: a step is cut that turns too far, or leaps beside a critical point" + (
+            ", or whose work is not what is stored and dissipated" if system.work_known else
+            "; other jumps within steps are not looked for"))
     else:
         found.append("other paths: steps that leave the smooth path are cut")
     return found
