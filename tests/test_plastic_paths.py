@@ -45,7 +45,10 @@ def test_clamped_beam_collapses_with_three_hinges():
 
 
 def test_newton_converges_quadratically_in_flow():
-    """Three residuals of a step, over the load: the logarithm doubles, but for rounding at 1e-11."""
+    """Three residuals of a step, over the load: the logarithm doubles, but for what the last correction may leave.
+
+    That keeps the tangent of the one before.
+    """
     path = fx.Path(cantilever(straight(8), lambda beam: [fx.PointForce(beam.mesh, "tip", (0.0, 1.0))],
                               section=fx.Rectangle(0.1, 0.1, points=5),
                               material=fx.Plastic(1e3, 0.3, yield_stress=1.0, hardening=10.0)),

@@ -64,7 +64,8 @@ def draw_pairs(record: Record, history: Sequence[Sequence[PairState]]):
             numbers.plot(deflection, counts, ".-", color=COLOURS[status], label={STICK: "stick", SLIP: "slip"}[status])
     pairs = sum(len(s.gap) for s in history[0])
     numbers.set(xlabel=record.case.axes[0], ylabel=f"pairs that touch, of {pairs}")
-    numbers.legend(frameon=False)
+    if numbers.lines:
+        numbers.legend(frameon=False)
     length = unit_of(record.case.axes[0])
     for label, size in (("largest opening", lambda s: s.gap),
                         ("largest slip", lambda s: np.linalg.norm(s.slip, axis=1))):
