@@ -146,8 +146,8 @@ for n, (left, places, stresses) in unloaded.items():
 # %% [markdown]
 # ## Newton's method in plastic flow
 # Moduli are the derivatives of the stresses that the return mapping gives, so that each iteration with a new tangent
-# doubles the digits: a cantilever whose fibres have begun to flow, the residuals of its last load step over the load. The
-# last correction keeps the tangent before, which is good enough for what is left.
+# doubles the digits: a cantilever whose fibres have begun to flow, the residuals of its last load step over the load.
+# The last correction keeps the tangent before, which is good enough for what is left.
 
 # %%
 mesh = fx.read(lambda: meshes.frame({"base": (0, 0), "tip": (1, 0)}, {"beam": ("base", "tip", 8)}), 2)
