@@ -26,6 +26,7 @@ class DirectSolver:
         self.ksp, self.matrix, self.symmetric = ksp, matrix, symmetric
         self.factorisations, self._spare = 0, SPARE
         self._pattern: int | None = None
+        self._analysed = False
         self._set_up()
 
     def _set_up(self) -> None:
@@ -44,11 +45,11 @@ class DirectSolver:
         ------
         SingularTangent
         """
-        pc, pattern = self.ksp.getPC(), compat.nonzero_state(self.matrix)
+        pattern = compat.nonzero_state(self.matrix)
         if pattern != self._pattern:  # PETSc takes a new factor then, which would lack what is set below
-            pc.reset()
-            self._set_up()
+            self._begin_anew()
             self._pattern = pattern
+        analysed, self._analysed, pc = self._analysed, True, self.ksp.getPC()
         self.ksp.setOperators(self.matrix)
         if pc.getFactorSolverType() == PETSc.Mat.SolverType.MUMPS:
             pc.setFactorSetUpSolverType()
@@ -65,14 +66,20 @@ class DirectSolver:
         reason = pc.getFailedReason()
         if reason == PETSc.PC.FailedReason.FACTOR_OUTMEMORY and self._spare < MOST_SPARE:
             self._spare *= 4
-            pc.reset()
-            self._set_up()
+            self._begin_anew()
             self.factorisations -= 1
             self.factorise()
         elif reason != PETSc.PC.FailedReason.NOERROR or self._null_pivots():
-            pc.reset()
-            self._set_up()
-            raise SingularTangent("the tangent is singular")
+            self._begin_anew()
+            if not analysed:
+                raise SingularTangent("the tangent is singular")
+            self.factorise()  # the analysis of other values may have chosen pivots that have become zero
+
+    def _begin_anew(self) -> None:
+        """Drop the factor, and the analysis of the matrix that it was made with."""
+        self.ksp.getPC().reset()
+        self._set_up()
+        self._analysed = False
 
     def _null_pivots(self) -> int:
         """Number of pivots that are zero to the last digit, which MUMPS replaces: the mode there would be lost."""
