@@ -18,6 +18,7 @@ from scipy.interpolate import KroghInterpolator
 from scipy.optimize import brentq
 
 from ..continuation.segment import Segment
+from ..continuation.spectrum import diagonal, nearest_pairs
 
 ABOUT = 1e-5  # relative error of modes that become unstable, near which vectors do
 RIGID = 1e-10  # flexibility over the largest of vectors that do not yield
@@ -47,7 +48,14 @@ class Border:
         self._left, self._right = (self._signs(s) for s in (left, right))
 
     def _modes_at(self, length: float, count: int) -> list[PETSc.Vec]:
-        return self._segment.spectrum(length, count + 2, ABOUT)[1]
+        """Modes near zero at a state; of pairs that are not real, as friction makes of double ones, both parts."""
+        tracer, system = self._tracer, self._tracer.system
+        if system.conservative:
+            return self._segment.spectrum(length, count + 2, ABOUT)[1]
+        tracer.factorise_at(self._segment[length])
+        with system.clock("solve"):
+            pairs = nearest_pairs(tracer.stepper.linear, diagonal(self._weights), count + 2, ABOUT)
+        return [part for value, *parts in pairs if value.imag >= 0 for part in parts[:1 + (value.imag > 0)]]
 
     def _soft(self, length: float, modes: Sequence[PETSc.Vec]) -> list[PETSc.Vec]:
         """Orthonormal vectors that span some modes but for those that do not yield, which a prescribed motion holds.
