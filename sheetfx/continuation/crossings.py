@@ -26,6 +26,7 @@ from .state import State
 
 PREFIX = "sheetfx_crossings_"
 FEW, MANY = 6, 48  # eigenvalues that are looked for: those that change most, and at most of those that pass zero
+FAR, ROUGH = 0.5, 1e-2  # real part of 1 / (1 - s) below which none is near 1, and its error
 REAL = 1e-5  # imaginary over real part of what counts as real: double eigenvalues split by rounding
 ALIKE = 1e-9  # of estimates that steps hang on, so that any number of processes takes the same steps
 CLOSE = 1e-3  # relative difference of eigenvalues whose directions are found together
@@ -156,6 +157,8 @@ def crossings(solver: DirectSolver, earlier: PETSc.Mat, weights: PETSc.Vec, sign
     change.axpy(-1.0, earlier, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
     if not change.norm() > 0:
         return 0
+    if signs > 0 and _none_near(solver, change):
+        return 0
     size = change.getSize()[0]
     asked = 1
     eps = _solver(solver, change, asked)
@@ -182,6 +185,12 @@ def first_passing(solver: DirectSolver, change: PETSc.Mat) -> float:
     values = _values(_solver(solver, change, FEW, ALIKE, SLEPc.EPS.Which.LARGEST_MAGNITUDE))
     fastest = max((-values.real) if solver.symmetric else np.abs(values))
     return 1 / fastest if fastest > 0 else inf
+
+
+def _none_near(solver: DirectSolver, change: PETSc.Mat) -> bool:
+    """Whether a rough look shows that no eigenvalue passes zero."""
+    eps = _solver(solver, change, 1, ROUGH)
+    return eps.getConverged() > 0 and _values(eps).real.max() < FAR
 
 
 def _passes(value: complex) -> bool:
