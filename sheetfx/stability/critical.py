@@ -154,14 +154,16 @@ def _limit(segment: Segment, length: float, rising: bool) -> tuple[CriticalPoint
 def _bifurcations(segment: Segment, limits: list[float]) -> list[Crossing]:
     """Where eigenvalues other than those of limit points pass zero, along the path.
 
-    With contact, where eigenvalues waver, only the ends of the step are compared.
+    With contact, where eigenvalues waver, the ends of the step are compared, and the states in between that are known
+    to have the most and the fewest unstable modes.
     """
     near, system = 1e-5 * segment.after.length, segment.tracer.system
     if segment.after.unstable_modes is None:
         return []
-    lengths = [0.0, segment.after.length]
     if system.smooth:
         lengths = [s for s in sorted(segment.states) if all(abs(s - limit) > near for limit in limits)]
+    else:
+        lengths = _extremes(segment)
     found = []
     for pair in zip(lengths[:-1], lengths[1:], strict=True):
         one, other = segment[pair[0]], segment[pair[1]]
@@ -169,6 +171,13 @@ def _bifurcations(segment: Segment, limits: list[float]) -> list[Crossing]:
                  one.load_rate * other.load_rate < 0 and one.unstable_modes != other.unstable_modes)
         found += _crossings(segment, *pair, near, limit)
     return found
+
+
+def _extremes(segment: Segment) -> list[float]:
+    """The ends of a step and its states with the most and the fewest unstable modes, if these lie within it."""
+    counts = {s: state.unstable_modes or 0 for s, state in segment.states.items()}
+    most, fewest = (extreme(counts, key=counts.__getitem__) for extreme in (max, min))
+    return sorted({0.0, segment.after.length, most, fewest})
 
 
 def _hidden(one: State, other: State, limit: bool) -> int:
