@@ -31,6 +31,7 @@ from .stability.flutter import Flutter
 from .stability.verdict import searched
 
 CORNERED = 1 / 16  # of a step, length with which it fails where the path is taken to have a corner
+NEAR = 1e-3  # of the load, most that such a step would change it: a step around a corner leaves out what is before it
 SHORT = 1 / 64  # of a step that fails and with half of its length does, length that gets past a corner close ahead
 BEHIND = 1 / 8  # of such a step, from which the next one grows: what made both fail may lie further ahead
 
@@ -161,8 +162,8 @@ class Path:
             if length == wanted / 2 and (taken := self._past_corner(before, wanted)):
                 length = BEHIND * wanted
                 break
-            cornered = length <= CORNERED * wanted < 2 * length
-            if (shortest or cornered) and (taken := self._around_corner(before, wanted)):
+            cornered = self._at_corner(before, wanted, length) and not self._at_corner(before, wanted, 2 * length)
+            if (shortest or cornered) and (taken := self._around_corner(before, wanted, length)):
                 length = taken[0].length
                 break
             if shortest:
@@ -188,9 +189,15 @@ class Path:
             return None
         return self._try(before, SHORT * wanted)
 
-    def _around_corner(self, before: State, wanted: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:
+    def _at_corner(self, before: State, wanted: float, failed: float) -> bool:
+        """Whether the path is taken to have a corner where a short step fails, at hardly another load."""
+        near = not before.length or abs(before.load_rate) * failed <= NEAR * abs(before.factor)
+        return near and failed <= CORNERED * wanted
+
+    def _around_corner(self, before: State, wanted: float,
+                       failed: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:
         """A step around a corner of the path, before which loads say nothing of those behind it."""
-        after = around_corner(self.tracer, before, wanted, self._trail, self._earlier)
+        after = around_corner(self.tracer, before, wanted, failed, self._trail, self._earlier)
         return None if after is None else self._searched(before, after, None, pi)
 
     @property

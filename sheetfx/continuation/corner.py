@@ -17,15 +17,17 @@ from petsc4py import PETSc
 from .linear import SingularTangent
 from .state import State
 
-LENGTHS = 1 / 16, 1 / 4, 1.0  # of a step, those that are tried
+SHORTER, FEWEST = 1 / 4, 3  # ratio of lengths that are tried, and how many at least
+PAST = 4.0  # of a step that failed ahead of the corner, least length of one around it
 LEAST = 1 / 8  # of the usual first step, that step: beside a corner steps have become short
+FROM_REST = 1 / 16  # of the usual first step, one from rest
 AHEAD = 0.5  # of these, distance at which the tangent is that of the other side
 ASIDE = 0.1  # of the rise of the load between two states, that a path may pass beside
 ALIKE = 1.5  # ratio of rates of the load that may be the same
 BACK = 0.95  # cosine of the angle with the step before, from which a step goes back where it came from
 
 
-def around_corner(tracer, before: State, wanted: float, trail: Sequence[State] = (),
+def around_corner(tracer, before: State, wanted: float, failed: float, trail: Sequence[State] = (),
                   earlier: State | None = None) -> State | None:
     """A step from a state that lies at a corner of the path; None, and back at the state, if none is found.
 
@@ -34,7 +36,7 @@ def around_corner(tracer, before: State, wanted: float, trail: Sequence[State] =
 
     Parameters
     ----------
-    wanted : length of the step that was tried first
+    wanted, failed : lengths of the step that was tried first, and of the shortest one
     trail : states that have led here
     earlier : the one before; None: not known
     """
@@ -42,12 +44,11 @@ def around_corner(tracer, before: State, wanted: float, trail: Sequence[State] =
     if tracer.system.smooth or not control.guarded:
         return None
     if not before.length:
-        return _from_rest(tracer, before, LENGTHS[0] * wanted)
+        return _from_rest(tracer, before, FROM_REST * wanted)
     if not control.passes_limits:
         return None
     flows = earlier is not None and tracer.system.history.moved_since(earlier.fields)
-    step = max(wanted, LEAST * tracer.usual)
-    for length in (share * step for share in LENGTHS):
+    for length in _lengths(max(wanted, LEAST * tracer.usual), failed):
         try:
             solution, forwards = _ahead(tracer, before, AHEAD * length)
         except SingularTangent:
@@ -60,6 +61,14 @@ def around_corner(tracer, before: State, wanted: float, trail: Sequence[State] =
                 return after
     tracer.back_to(before)
     return None
+
+
+def _lengths(longest: float, failed: float) -> list[float]:
+    """Those that are tried, in ascending order: a short step around a corner sees what lies close behind it."""
+    lengths = [longest]
+    while len(lengths) < FEWEST or lengths[-1] * SHORTER > PAST * failed:
+        lengths.append(lengths[-1] * SHORTER)
+    return lengths[::-1]
 
 
 def _from_rest(tracer, before: State, length: float) -> State | None:
