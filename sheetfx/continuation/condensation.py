@@ -16,7 +16,7 @@ from scipy.sparse import block_diag, csr_matrix, vstack
 
 from .elimination import Elimination
 
-NOTHING = 1e-7  # forces over the load that are none
+NOTHING = 1e-2  # of the error that is allowed, forces that are none
 
 
 class Condensation(Elimination):
@@ -44,7 +44,7 @@ class Condensation(Elimination):
         changes = self._motions @ step
         forces, self._moduli = self._after(changes)
         beyond = forces - self._before - self._stiff @ changes
-        return np.where(np.abs(beyond) > NOTHING * self._size, beyond, 0.0)
+        return np.where(np.abs(beyond) > NOTHING * self._exact * self._size, beyond, 0.0)
 
     def _stiffened(self) -> csr_matrix:
         return self._moduli - self._stiff

@@ -54,10 +54,10 @@ class PairContact(Joint):
         softer part in its plane over a cell
     tangential : stiffness against slip before the cone is reached; None: a hundredth of `stiffness`, with which
         Newton's steps do not jump from slip to slip the other way
-    enforcement : "penalty", or "uzawa": pressures are augmented until no pair penetrates by more than a millionth of
-        a cell; or "condensed": those of the penalty, found within each Newton iteration on the flexibility of the
-        structure at the pairs that open, close or slip, which takes half as many factorisations without friction but
-        sees less of corners, where edges snap open (on several processes it is the penalty)
+    enforcement : "condensed": forces of the penalty, found within each Newton iteration on the flexibility of the
+        structure at the pairs that open, close or slip; "penalty": the same without that, as it is on several
+        processes, with two to three times as many factorisations; or "uzawa": pressures are augmented until no pair
+        penetrates by more than a millionth of a cell
     law : function like `forms.contact.mohr_coulomb`
     reach : distance between the lines of both parts that may be filled
     name : what messages call it
@@ -76,7 +76,7 @@ class PairContact(Joint):
     pairs: Count | None = None
     stiffness: Positive | None = None
     tangential: Positive | None = None
-    enforcement: Annotated[str, Choice(ENFORCEMENTS)] = "penalty"
+    enforcement: Annotated[str, Choice(ENFORCEMENTS)] = "condensed"
     law: Callable = forms.contact.mohr_coulomb
     reach: NotNegative = 0.0
     name: str = field(default="PairContact", kw_only=True)

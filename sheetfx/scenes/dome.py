@@ -93,7 +93,7 @@ def case(
                          Option(help="of a pair, N/mm, or without --pairs of contact, N/mm for each mm of edge; "
                                      "default by the panels' own")] = None,
     enforcement: Annotated[str, Choice(ENFORCEMENTS),
-                           Option(help="of contact: `penalty`, `uzawa` or `condensed`")] = "penalty",
+                           Option(help="of contact: `penalty`, `uzawa` or `condensed`")] = "condensed",
     to: Annotated[float, POSITIVE, Option(help="deflection of the apex at which the path ends, mm")] = 45.0,
     step: Annotated[float | None, POSITIVE, Option(help="first arc length; default chosen by the structure")] = None,
 ) -> Case:
