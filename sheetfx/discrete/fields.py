@@ -268,7 +268,7 @@ class Fields:
             field, cells = self._field(to, QUANTITIES[0]), Cells(to, cells_at(*owner.to))
             partner = Partners(field, self.unknowns.fields.index(field), cells,
                                np.searchsorted(cells.cells, second.cells), second.reference)
-        kind = CondensedPairs if owner.enforcement == "condensed" else PairWork
+        kind = PairWork if owner.enforcement == "penalty" else CondensedPairs
         return kind(self.unknowns, traces, partner, Pairs(first.places, **how), owner, self._unique("contact"))
 
     def surface_work(self, owner, samples: Samples, second: tuple, how: dict) -> SurfaceWork:

@@ -56,8 +56,8 @@ class PairContact(Joint):
         Newton's steps do not jump from slip to slip the other way
     enforcement : "condensed": forces of the penalty, found within each Newton iteration on the flexibility of the
         structure at the pairs that open, close or slip; "penalty": the same without that, as it is on several
-        processes, with two to three times as many factorisations; or "uzawa": pressures are augmented until no pair
-        penetrates by more than a millionth of a cell
+        processes, with two to three times as many factorisations; or "uzawa": found as "condensed" ones, but pressures
+        are augmented until no pair penetrates by more than a millionth of a cell
     law : function like `forms.contact.mohr_coulomb`
     reach : distance between the lines of both parts that may be filled
     name : what messages call it
