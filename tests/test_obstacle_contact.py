@@ -194,6 +194,16 @@ def test_run_killed_as_it_slides_resumes_to_the_same_path(tmp_path):
         assert state.load == pytest.approx(whole.states[state.step].load, rel=1e-9)
 
 
+def test_open_contact_that_holds_nothing_is_named():
+    """A beam that only lies on a plane, a tenth above it at the start, falls before it touches."""
+    mesh, beam = bar(2)
+    touch = fx.ObstacleContact(mesh, None, plane(-0.1 - DEPTH / 2, 2))
+    scene = fx.Scene([beam], [fx.Support(mesh, "start", "x")], [fx.PointForce(mesh, "middle", (0.0, -1.0))],
+                     fx.Monitor(mesh, "middle", "y", -1.0), joints=[touch])
+    with pytest.raises(ValueError, match="move freely.*contact holds nothing where it is open: begin with parts that"):
+        fx.Path(scene)
+
+
 def test_wrong_input_is_named():
     mesh, beam = bar(2)
     inside = fx.ObstacleContact(mesh, None, fx.RigidPlane((0.0, -1.0), (0.0, 1.0)))

@@ -33,5 +33,8 @@ def advice_on_supports(scene) -> str:
                     "bars beams")
     prescribed = (PrescribedDisplacement, PrescribedRotation)
     twice = any(isinstance(load, prescribed) for load in scene.all_loads)
+    touches = scene.contacts or not all(joint.smooth for joint in scene.joints)
     return "check that the supports hold all rigid motions of every part" + (
-        ", and that nothing else, no support or weld, holds what is prescribed" if twice else "")
+        ", and that nothing else, no support or weld, holds what is prescribed" if twice else "") + (
+        "; contact holds nothing where it is open: begin with parts that touch at as many points as they need, or hold "
+        "them by a soft spring" if touches else "")
