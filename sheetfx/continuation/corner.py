@@ -18,7 +18,6 @@ from .linear import SingularTangent
 from .state import State
 
 SHORTER, FEWEST = 1 / 4, 3  # ratio of lengths that are tried, and how many at least
-PAST = 4.0  # of a step that failed ahead of the corner, least length of one around it
 LEAST = 1 / 8  # of the usual first step, that step: beside a corner steps have become short
 FROM_REST = 1 / 16  # of the usual first step, one from rest
 AHEAD = 0.5  # of these, distance at which the tangent is that of the other side
@@ -64,9 +63,12 @@ def around_corner(tracer, before: State, wanted: float, failed: float, trail: Se
 
 
 def _lengths(longest: float, failed: float) -> list[float]:
-    """Those that are tried, in ascending order: a short step around a corner sees what lies close behind it."""
+    """Those that are tried, in ascending order: a short step around a corner sees what lies close behind it.
+
+    It has to be longer than the one that failed ahead of the corner, which may end there.
+    """
     lengths = [longest]
-    while len(lengths) < FEWEST or lengths[-1] * SHORTER > PAST * failed:
+    while len(lengths) < FEWEST or lengths[-1] * SHORTER > failed:
         lengths.append(lengths[-1] * SHORTER)
     return lengths[::-1]
 
