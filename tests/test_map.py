@@ -55,6 +55,7 @@ def cell(folder):
     (TRAPS["punch-arch"], "load", JUMPED, "205.6"),  # over the limit, to the stable state behind it
     (TRAPS["punch-arch"], "penalty-small", WRONG, "drifts"),  # by its penetration
     (TRAPS["punch-arch"], "penalty", PASSED, ""),
+    (TRAPS["contact-stick-slip"], "default", PASSED, ""),  # behind a stage whose load begins at zero too
     pytest.param(TRAPS["closed-path"], "cylindrical", PASSED, "", marks=pytest.mark.slow),  # two turns are told apart
     pytest.param(TRAPS["closed-path"], "displacement", PASSED, "", marks=pytest.mark.slow),  # it ends in the third turn
     (TRAPS["twisted-shaft"], "cylindrical", PASSED, ""),  # a step far beyond its bifurcation, which stays as it is

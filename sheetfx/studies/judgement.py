@@ -19,12 +19,15 @@ PIECES = 20  # of the curve between two states
 
 
 class Trail:
-    """A reference path as a curve in the space of all displacements, over their largest size, and of the load."""
+    """A reference path as a curve in the space of all displacements, over their largest size, and of the load.
+
+    It begins with the last stage of loads, as those before have loads of their own.
+    """
 
     def __init__(self, states: Sequence[State]):
         from scipy.interpolate import Akima1DInterpolator
 
-        self.states = states
+        self.states = states = [s for s in states if s.stage == states[-1].stage]
         self._size = max(np.linalg.norm(_displacements(s)) for s in states) or 1.0
         self._load = max(abs(s.factor) for s in states) or 1.0
         knots = np.array([self.place(s) for s in states])
@@ -69,8 +72,8 @@ class Trail:
     def limits(self, along: float) -> list[CriticalPoint]:
         """Limit points up to a length along the curve."""
         def where(point: CriticalPoint) -> float:
-            part = point.length / self.states[point.step].length
-            return self._knots[point.step - 1] + part * self.steps[point.step - 1]
+            number = point.step - self.states[0].step
+            return self._knots[number - 1] + point.length / self.states[number].length * self.steps[number - 1]
 
         return [p for s in self.states for p in s.critical if p.kind == "limit" and where(p) < along]
 
@@ -95,7 +98,7 @@ class Judge:
     def watch(self, state: State) -> tuple[str, str] | None:
         """Outcome and reason where the path leaves the trail or goes back on it; states behind its end are free."""
         trail, before = self._trail, self._before
-        if trail is None:
+        if trail is None or state.stage < trail.states[0].stage:
             return None
         along, distance, close = trail.project(state, self._along)
         beyond = trail.beyond(state) if along in (0.0, trail.length) else 0
