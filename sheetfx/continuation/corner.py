@@ -19,7 +19,7 @@ from .state import State
 
 SHORTER, FEWEST = 1 / 4, 3  # ratio of lengths that are tried, and how many at least
 LEAST = 1 / 8  # of the usual first step, that step: beside a corner steps have become short
-FROM_REST = 1 / 16  # of the usual first step, one from rest
+FROM_REST = 1 / 16  # of a first step that fails, one at whose end what touched without a force has opened
 AHEAD = 0.5  # of these, distance at which the tangent is that of the other side
 ASIDE = 0.1  # of the rise of the load between two states, that a path may pass beside
 ALIKE = 1.5  # ratio of rates of the load that may be the same
