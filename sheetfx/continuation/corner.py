@@ -17,10 +17,10 @@ from petsc4py import PETSc
 from .linear import SingularTangent
 from .state import State
 
-SHORTER, FEWEST = 1 / 4, 3  # ratio of lengths that are tried, and how many at least
-LEAST = 1 / 8  # of the usual first step, that step: beside a corner steps have become short
+SHORTER, FEWEST = 1 / 4, 3  # ratio of the lengths of steps that are tried, and how many at least
+LEAST = 1 / 8  # of the usual first step, the longest one at least: beside a corner steps have become short
 FROM_REST = 1 / 16  # of a first step that fails, one at whose end what touched without a force has opened
-AHEAD = 0.5  # of these, distance at which the tangent is that of the other side
+AHEAD = 0.5  # of a step that is tried, distance at which the tangent is that of the other side
 ASIDE = 0.1  # of the rise of the load between two states, that a path may pass beside
 ALIKE = 1.5  # ratio of rates of the load that may be the same
 BACK = 0.95  # cosine of the angle with the step before, from which a step goes back where it came from
