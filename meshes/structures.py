@@ -7,7 +7,8 @@ from typing import Annotated
 import gmsh
 import numpy as np
 
-from ..checks import Choice, Count, checked
+from ..checks import AT_LEAST_1, Choice, Count, checked
+from .blocks import Blocks
 from .surfaces import Lines, around, pieces
 from .tables import SAME_PLACE, Table
 
@@ -16,7 +17,8 @@ BARS = "bars"  # what panels that share nodes with each other are separate from
 
 @checked
 def structure(table: Table, divisions: Count, triangles: bool = True,
-              separate: bool | Annotated[str, Choice((BARS,))] = False) -> None:
+              separate: bool | Annotated[str, Choice((BARS,))] = False,
+              grading: Annotated[float, AT_LEAST_1] = 1.0) -> None:
     """Straight bars and flat panels of a table, which share nodes where they meet.
 
     Groups of curves: each bar ("bar 1-2"), all "bars", and edges of panels without a bar ("edge 1-2"). Groups of
@@ -31,6 +33,8 @@ def structure(table: Table, divisions: Count, triangles: bool = True,
     separate : True: panels share nodes neither with each other nor with bars; their corners are points "1 of panel
         1-2-3", their edges "edge 1-2 of panel 1-2-3", with nodes in the order of the bar there is. "bars": panels share
         nodes with each other, but not with bars; corners are "1 of panels", edges "edge 1-2 of panels"
+    grading : length of the cells in the middle of each bar and edge over that of those at its ends; where it is not 1,
+        divisions are even
 
     Raises
     ------
@@ -45,14 +49,20 @@ def structure(table: Table, divisions: Count, triangles: bool = True,
     places |= {n: table.nodes[node] for name, row in panels.items() for node, n in zip(row, corners[name], strict=True)}
     geo = gmsh.model.geo
     points = {name: geo.addPoint(*x) for name, x in places.items()}
-    lines = Lines(points, pieces(panels.values(), divisions, triangles))
+    lines: Lines | Blocks
+    if grading == 1:
+        lines = Lines(points, pieces(panels.values(), divisions, triangles))
+    elif divisions % 2:
+        raise ValueError(f"structure: {divisions} divisions with a grading of {grading}; the number must be even")
+    else:
+        lines = Blocks(places, points, divisions // 2, grading)
     curves = {name: lines.line(*ends) for name, ends in (bars | edges).items()}
     surfaces = {name: lines.fill(row, triangles) for name, row in corners.items()}
     geo.synchronize()
     sets = {name: [points[n] for n in row if n in points] for name, row in table.sets.items()}
     _name(0, {name: [tag] for name, tag in points.items()} | sets)
-    _name(1, {name: [tag] for name, tag in curves.items()} | {"bars": [curves[name] for name in bars]})
-    _name(2, {name: [tag] for name, tag in surfaces.items()} | {"panels": [*surfaces.values()]})
+    _name(1, curves | {"bars": [tag for name in bars for tag in curves[name]]})
+    _name(2, surfaces | {"panels": [tag for tags in surfaces.values() for tag in tags]})
 
 
 def _corner(node: str, panel: str, separate: bool | str) -> str:

@@ -82,7 +82,7 @@ def panels(
     groups = {name: lines.fill(corners, triangles) for name, corners in faces.items()}
     geo.synchronize()
     for name, surface in groups.items():
-        gmsh.model.addPhysicalGroup(2, [surface], name=name)
+        gmsh.model.addPhysicalGroup(2, surface, name=name)
     for (a, b), edge in lines.made.items():
         gmsh.model.addPhysicalGroup(1, [edge], name=f"{a}-{b}")
     for name, tag in tags.items():
@@ -116,23 +116,24 @@ class Lines:
         self._tags, self._pieces = tags, pieces
         self.made: dict[tuple[str, str], int] = {}
 
-    def line(self, a: str, b: str) -> int:
+    def line(self, a: str, b: str) -> list[int]:
         """gmsh's curve from one point to another, negative where it is made the other way."""
         if (b, a) in self.made:
-            return -self.made[b, a]
+            return [-self.made[b, a]]
         if (a, b) not in self.made:
             self.made[a, b] = gmsh.model.geo.addLine(self._tags[a], self._tags[b])
             gmsh.model.geo.mesh.setTransfiniteCurve(self.made[a, b], self._pieces + 1)
-        return self.made[a, b]
+        return [self.made[a, b]]
 
-    def fill(self, corners: Sequence[str], triangles: bool) -> int:
+    def fill(self, corners: Sequence[str], triangles: bool) -> list[int]:
         """gmsh's surface between three or four points, in regular cells."""
         geo = gmsh.model.geo
-        surface = geo.addPlaneSurface([geo.addCurveLoop([self.line(a, b) for a, b in around(corners)])])
+        loop = [curve for ends in around(corners) for curve in self.line(*ends)]
+        surface = geo.addPlaneSurface([geo.addCurveLoop(loop)])
         geo.mesh.setTransfiniteSurface(surface, "Left", [self._tags[c] for c in corners])
         if not triangles and len(corners) == 4:
             geo.mesh.setRecombine(2, surface)
-        return surface
+        return [surface]
 
 
 def around(corners: Sequence[str]) -> list[tuple[str, str]]:

@@ -20,8 +20,8 @@ TENT = meshes.Table({"a": (0, 0, 0), "b": (1, 0, 0), "c": (1, 1, 0), "d": (0, 1,
                     [("a", "b", "c", "d")])
 
 
-def mixed(table, divisions=4, triangles=True, separate=False, order=1):
-    return fx.read_mixed(lambda: meshes.structure(table, divisions, triangles, separate), ["bars"], order)
+def mixed(table, divisions=4, triangles=True, separate=False, order=1, grading=1.0):
+    return fx.read_mixed(lambda: meshes.structure(table, divisions, triangles, separate, grading), ["bars"], order)
 
 
 def vectors(table):
@@ -75,6 +75,33 @@ def test_dome_of_triangles(divisions):
     assert mesh.surfaces.measure == pytest.approx(sum(area(table, p) for p in table.panels), rel=1e-12)
     assert mesh.curves.measure == pytest.approx(sum(length(table, b) for b in table.bars), rel=1e-12)
     assert {cells(mesh.surfaces, f"panel {'-'.join(p)}") for p in table.panels} == {divisions**2}
+
+
+@pytest.mark.parametrize("triangles", [True, False])
+def test_graded_cells_are_small_at_the_corners_of_each_panel(triangles):
+    """Lengths grow by one factor towards the middles of edges, alike for panels and the bars between them."""
+    table = meshes.dome("hex")
+    bar = table.bars[0]
+    ideal = length(table, bar) / 2 * 2 ** np.arange(4) / 15
+    mesh = mixed(table, 8, triangles, separate=True, grading=8.0)
+    assert cells(mesh.surfaces) == 24 * 3 * 4**2 * (2 if triangles else 1)
+    assert mesh.surfaces.measure == pytest.approx(sum(area(table, p) for p in table.panels), rel=1e-12)
+    assert mesh.curves.measure == pytest.approx(sum(length(table, b) for b in table.bars), rel=1e-12)
+    beside = next(p for p in table.panels if set(bar) <= set(p))
+    on_panel = places(mesh.surfaces, f"edge {'-'.join(bar)} of panel {'-'.join(beside)}")
+    on_bar = compute_midpoints(mesh.curves.domain, 1, mesh.curves.group(f"bar {'-'.join(bar)}"))
+    ends = np.cumsum([0, *ideal, *ideal[::-1]])
+    for found, expected in ((on_panel, ends), (on_bar, (ends[1:] + ends[:-1]) / 2)):
+        along = np.sort(np.linalg.norm(found - vectors(table)[bar[0]], axis=1))
+        assert along == pytest.approx(expected, abs=1e-6 * length(table, bar))
+    shared = mixed(table, 8, triangles, grading=8.0)
+    assert len(shared.shared_nodes()) == len(shared.curves.domain.geometry.x) == 19 + 42 * 7
+
+
+def test_graded_panels_of_four_nodes():
+    mesh = mixed(PANEL_ON_TWO_BARS, 6, triangles=False, grading=4.0)
+    assert (cells(mesh.surfaces), cells(mesh.curves)) == (36, 12)
+    assert mesh.surfaces.measure == pytest.approx(2 * np.hypot(1, 0.5), rel=1e-12)
 
 
 @pytest.mark.parametrize("geometry", ["arc", "plan"])
@@ -350,6 +377,9 @@ def test_unknown_tables_are_refused():
     (lambda: meshes.structure(meshes.dome("hex"), 5, triangles=False),
      "5 cells along the edges of panels of three nodes, in quadrilaterals; the number must be even, or the cells"),
     (lambda: meshes.structure(PANEL_ON_TWO_BARS, 0), "divisions is 0; it must be at least 1"),
+    (lambda: meshes.structure(PANEL_ON_TWO_BARS, 5, grading=2.0),
+     "5 divisions with a grading of 2.0; the number must be even"),
+    (lambda: meshes.structure(PANEL_ON_TWO_BARS, 4, grading=0.5), "grading is 0.5; it must be at least 1"),
     (lambda: meshes.structure(table(nodes=NODES | {"e": (1, 0, 0)}, bars=[*BARS, ("e", "d")]), 2),
      "bar a-b passes the node e and does not meet it; divide it there"),
     (lambda: meshes.structure(table(nodes=NODES | {"e": (2, 0.5, 0.25)}, bars=[*BARS, ("e", "d")]), 2),

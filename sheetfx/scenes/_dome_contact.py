@@ -20,9 +20,11 @@ EDGES: dict[str, bool | str] = {"own": True, "shared": "bars"}  # of panels, and
 INWARD = (0.0, 0.0, -1.0)  # roughly from the panels to the bars under them
 
 
-def separate_panels(table: meshes.Table, divisions: int, form: ShellForm, edges: str) -> MixedMesh:
+def separate_panels(table: meshes.Table, divisions: int, form: ShellForm, edges: str,
+                    grading: float) -> MixedMesh:
     """Bars that meet at the nodes, and panels that share nodes with nothing, or with each other alone."""
-    return read_mixed(partial(meshes.structure, table, divisions, form.cell == TRIANGLE, EDGES[edges]), ["bars"])
+    panels_and_bars = partial(meshes.structure, table, divisions, form.cell == TRIANGLE, EDGES[edges], grading)
+    return read_mixed(panels_and_bars, ["bars"])
 
 
 def joints(mesh: MixedMesh, table: meshes.Table, faces: str, length: float, tie: str, edges: str,

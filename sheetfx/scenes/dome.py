@@ -72,6 +72,8 @@ def case(
                                  "`contact` elsewhere, bars with the effective `flange` of panels, or `bars` "
                                  "alone")] = "coupled",
     divisions: Annotated[int, AT_LEAST_1, Option(help="cells along each bar; even for quadrilaterals")] = 6,
+    grading: Annotated[float, AT_LEAST_1,
+                       Option(help="length of cells in the middle of each bar over that of those at its ends")] = 1.0,
     form: Form = "naghdi-q2",
     offset: Annotated[float, Option(help="of the panels' mid-surfaces above the axes of the bars, mm")] = 0.0,
     held: Annotated[str, Option(help="components that supports hold at the corners")] = "x y z",
@@ -103,12 +105,12 @@ def case(
         if name not in table.sets:
             raise ValueError(f"dome: the geometry {geometry!r} has no set of nodes {name!r}; add it to the table")
     if model == "coupled":
-        dome = coupled(table, divisions, form, offset)
+        dome = coupled(table, divisions, form, offset, grading)
     elif model == "contact":
-        dome = touching(table, divisions, form, offset, faces, weld, pairs, stiffness, tie=tie, gap=gap,
+        dome = touching(table, divisions, form, offset, faces, weld, pairs, stiffness, grading, tie=tie, gap=gap,
                         friction=friction, enforcement=enforcement, edges=edges)
     else:
-        dome = skeleton(table, divisions, offset if model == "flange" else None)
+        dome = skeleton(table, divisions, offset if model == "flange" else None, grading)
     bars = dome.bars
     return Case(
         scene=Scene(dome.parts, [Support(bars, "corners", held)], [PointForce(bars, "apex", (0.0, 0.0, -1.0))],
@@ -118,20 +120,21 @@ def case(
         axes=("deflection of the apex (mm)", "load (N)"))
 
 
-def coupled(table: meshes.Table, divisions: int, form: str, offset: float = 0.0) -> Dome:
+def coupled(table: meshes.Table, divisions: int, form: str, offset: float = 0.0, grading: float = 1.0) -> Dome:
     """Panels and bars that share all nodes along their edges."""
     discrete = named_form(form)
-    mesh = read_mixed(partial(meshes.structure, table, divisions, discrete.cell == TRIANGLE), ["bars"])
+    panels_and_bars = partial(meshes.structure, table, divisions, discrete.cell == TRIANGLE, grading=grading)
+    mesh = read_mixed(panels_and_bars, ["bars"])
     beams = Beam(mesh.curves, BAR, STEEL, degree=discrete.displacement[1])
     return Dome(mesh.curves, [beams, Shell(mesh.surfaces, PANEL, STEEL, form=form, offset=offset)],
                 [Compatible(mesh.curves, mesh.surfaces)])
 
 
 def touching(table: meshes.Table, divisions: int, form: str, offset: float, faces: str, weld: float,
-             pairs: int | None, stiffness: float | None, edges: str = "own", **joined) -> Dome:
+             pairs: int | None, stiffness: float | None, grading: float = 1.0, edges: str = "own", **joined) -> Dome:
     """Panels that are welded to the bars near their corners, and touch them elsewhere."""
     discrete = named_form(form)
-    mesh = separate_panels(table, divisions, discrete, edges)
+    mesh = separate_panels(table, divisions, discrete, edges, grading)
     if stiffness is not None and pairs is not None:
         lengths = [np.linalg.norm(np.subtract(table.nodes[a], table.nodes[b])) for a, b in table.bars]
         stiffness *= pairs / float(np.mean(lengths))
@@ -140,10 +143,10 @@ def touching(table: meshes.Table, divisions: int, form: str, offset: float, face
                 joints(mesh, table, faces, weld, edges=edges, pairs=pairs, stiffness=stiffness, **joined))
 
 
-def skeleton(table: meshes.Table, divisions: int, offset: float | None) -> Dome:
+def skeleton(table: meshes.Table, divisions: int, offset: float | None, grading: float = 1.0) -> Dome:
     """Bars alone (offset None), or with the effective width of panels that stand so far above their axes as flanges."""
     alone = meshes.Table(table.nodes, table.bars, (), table.sets)
-    mesh = read(partial(meshes.structure, alone, divisions), 3)
+    mesh = read(partial(meshes.structure, alone, divisions, grading=grading), 3)
     if offset is None:
         return Dome(mesh, [Beam(mesh, BAR, STEEL)], [])
     alike: dict[str, list[str]] = {}
