@@ -329,10 +329,10 @@ def test_energy_balances_under_loads_of_all_kinds():
 def test_energy_of_contact_and_friction():
     """A contact layer stores a little; with friction there is no balance, which is said."""
     record = fx.trace(load_case("arch")(elements=20, to=20.0))
-    balance = record.balance()
-    assert not balance.untold and balance.off < 1e-3 and not balance.broken and balance.joints[-1] > 0
+    balance = record.balance(1e-4)
+    assert not balance.untold and balance.off < 1e-4 and not balance.broken and balance.joints[-1] > 0
     rough = fx.trace(load_case("arch")(elements=20, to=10.0, friction=0.3)).balance()
-    assert rough.off is None and rough.untold == ("ContactWork does not tell its energy",)
+    assert rough.off is None and rough.untold == ("contact does not tell its energy",)
     assert rough.work[-1] == pytest.approx(rough.stored[-1], rel=1e-3), "friction hardly slides yet"
 
 

@@ -101,7 +101,7 @@ def balance(tracer: Tracer, states: Sequence[State], accuracy: float | None = No
     """
     require("balance", accuracy=(accuracy, Positive | None))
     system, works, present = tracer.system, tracer.discretisation.works_of_parts, tracer.state
-    untold = {f"{type(c).__name__} does not tell its energy" for c in system.contributions
+    untold = {f"{c.called or type(c).__name__} does not tell its energy" for c in system.contributions
               if c.stage is None and c not in works and c.energy() is None}
     if any(work.remembers for work in works):
         untold.add("a law with history does not tell what it stores")

@@ -21,6 +21,7 @@ import numpy as np
 from petsc4py import PETSc
 from slepc4py import SLEPc
 
+from .. import compat
 from .linear import DirectSolver
 from .state import State
 
@@ -49,6 +50,8 @@ class UnstableModes:
         self._counts, self._sticks = system.smooth and not system.conservative, can_stick(system)
         self._start: State | None = None
         self._tangent: PETSc.Mat | None = None
+        self._sticking: DirectSolver | None = None
+        self._pattern: int | None = None
         self.critical: State | None = None
 
     def start_from(self, state: State, increment: PETSc.Vec) -> None:
@@ -92,10 +95,14 @@ class UnstableModes:
     def _beside_sticking(self, determinant: int) -> int:
         """Number for the tangent that is factored, from that of the one with which all that touches sticks."""
         system = self._system
-        earlier = sticking_tangent(system)
-        solver = DirectSolver(PETSc.KSP().create(system.comm), earlier, symmetric=True)
-        solver.factorise()
-        pivots = solver.negative_pivots() - system.multipliers
+        earlier, pattern = sticking_tangent(system), compat.nonzero_state(system.matrix)
+        if self._sticking is None or pattern != self._pattern:
+            self._sticking = DirectSolver(PETSc.KSP().create(system.comm), earlier, symmetric=True)
+            self._pattern = pattern
+        else:
+            earlier.copy(self._sticking.matrix, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+        self._sticking.factorise()
+        pivots = self._sticking.negative_pivots() - system.multipliers
         return pivots + crossings(self._linear, earlier, system.weights, determinant * (-1) ** pivots)
 
 
@@ -112,7 +119,7 @@ def sticking_tangent(system) -> PETSc.Mat:
     sticking = system.tangent().copy()
     for contribution in system.contributions:
         contribution.release()
-    present.copy(system.matrix)
+    present.copy(system.matrix, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
     return sticking
 
 

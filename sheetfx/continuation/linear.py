@@ -9,6 +9,7 @@ from petsc4py import PETSc
 
 from .. import compat
 
+TOGETHER = 128  # right-hand sides in one block of MUMPS; more gain little
 SPARE, MOST_SPARE = 20, 2000  # percent of working space for pivots that are put off, beyond what analysis estimates
 
 
@@ -57,6 +58,7 @@ class DirectSolver:
             pc.getFactorMatrix().setMumpsIcntl(24, 1)
             pc.getFactorMatrix().setMumpsCntl(3, -1e-100)
             pc.getFactorMatrix().setMumpsIcntl(14, self._spare)
+            pc.getFactorMatrix().setMumpsIcntl(27, TOGETHER)
             if pc.getType() == PETSc.PC.Type.LU:
                 pc.getFactorMatrix().setMumpsIcntl(33, 1)  # the determinant, in place of the inertia
         self.factorisations += 1

@@ -24,6 +24,8 @@ class ContactWork(FormWork):
     fields : ContactFields
     """
 
+    called = "contact"
+
     def __init__(self, of_scene: Fields, fields: ContactFields, clock: Stopwatch):
         unknowns = of_scene.unknowns
         super().__init__(unknowns, fields.work(unknowns.vary), smooth=False, conservative=not fields.contact.friction)

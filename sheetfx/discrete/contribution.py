@@ -62,6 +62,7 @@ class Contribution:
     smooth : whether its tangent changes continuously with the state; that of contact and of yielding does not
     conservative : whether its forces have a potential, so that its tangent is symmetric
     sticks : whether it can `stick`, and has a potential then, though it is not conservative: contact with friction
+    called : what messages call it; "": by its class
     without_descent : why falls cannot descend its energy, in words; "": they can
     moved : whether it couples other unknowns than when `pattern` was last asked; the system then asks again
     gives_moments : whether it adds moments to `Forces.along_space`, which turn with the nodes
@@ -78,7 +79,7 @@ class Contribution:
 
     smooth = conservative = True
     steep = condenses = sticks = False
-    without_descent = ""
+    called = without_descent = ""
     moved = gives_moments = remembers = history_moved = False
     stage: int | None = None
     approaches: Sequence[float] = (1.0,)

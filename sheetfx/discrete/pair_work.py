@@ -41,7 +41,7 @@ class PairWork(PointWork):
     name : of its history in snapshots
     """
 
-    detours = 1e2, 1e1
+    called, detours = "contact", (1e2, 1e1)
     _without = 1  # directions along which no slip is counted: that out of the first part's face
     _least = 0  # how often the stiffness grows within a step at least
     _stiffened, _deepest = 0, inf
