@@ -36,6 +36,14 @@ def test_step_past_a_bifurcation_does_not_leap_to_the_other_branch():
     assert last.unstable_modes == 0 and last.load == pytest.approx(EULER, rel=3e-3)
 
 
+def test_contact_that_touches_nothing_keeps_no_step_from_being_guarded():
+    """A tenth as crooked, the column leapt to the straight path and was said to bifurcate at 0.9999 of Euler's load."""
+    control = fx.LoadControl(step=0.3 * EULER, target=1.5 * EULER)
+    record = fx.trace(fx.Case(column_above_a_floor(1e-4), control, fx.Until(deflection=2.0)))
+    assert not record.critical_points
+    assert record.states[-1].unstable_modes == 0 and record.states[-1].load == pytest.approx(1.0008 * EULER, rel=1e-4)
+
+
 @pytest.mark.parametrize("step", [0.03, 0.08])
 def test_crooked_arch_sways_whatever_it_does_not_touch(step):
     """A deep arch a ten-thousandth of its radius off sways at 968.7; the perfect one's limit, past its bifurcation at

@@ -81,7 +81,8 @@ class Enforcement:
         held = [contribution.augment() for contribution in self._rough]
         return all(held)
 
-    def summary(self) -> tuple[int, float]:
-        """Number of points that touch and largest penetration, on all processes."""
+    def summary(self) -> tuple[int, float, bool]:
+        """Number of points that touch, largest penetration, and whether all is apart, on all processes."""
         found: Sequence[tuple[int, float]] = [contribution.touching() for contribution in self._rough]
-        return sum(count for count, _ in found), max((depth for _, depth in found), default=0.0)
+        points, depth = sum(count for count, _ in found), max((depth for _, depth in found), default=0.0)
+        return points, depth, not points and all(contribution.apart() for contribution in self._rough)

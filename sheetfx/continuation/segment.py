@@ -44,17 +44,18 @@ class Segment:
     """The piece of path from a state to another one, searched by repeating the step with other lengths.
 
     It is guarded against states off the path where the control is, but for problems that are not smooth,
-    with whose contacts tangents waver.
+    with whose contacts tangents waver as soon as something touches.
 
     Attributes
     ----------
+    wavering : whether tangents waver
     states : those that are known, by their lengths
     close : lengths of states that were found where their neighbours' interpolation had them
     """
 
     def __init__(self, tracer, before: State, after: State):
         self.tracer, self.before, self.after = tracer, before, after
-        self.wavering = not tracer.system.smooth
+        self.wavering = not (tracer.system.smooth or (before.apart and after.apart))
         self.guarded = tracer.control.guarded and not self.wavering
         self.states = {0.0: before, after.length: after}
         self.course = Course(tracer, before, after)

@@ -101,6 +101,7 @@ class State:
     displacement_extremes : number of its sign changes through infinity so far
     reference : squared norm of the first response, and its work
     contact_points, penetration : points that touch and largest penetration
+    apart : whether contacts do nothing, nor would after a small motion
     critical : critical points that this state brought to light, in its step or the one before
     fields : values of all fields on this process
     """
@@ -123,6 +124,7 @@ class State:
     displacement_extremes: int = 0
     contact_points: int = 0
     penetration: float = 0.0
+    apart: bool = False
     stage: int = 0
     critical: tuple[CriticalPoint, ...] = ()
     increment: np.ndarray = field(repr=False, default=None)

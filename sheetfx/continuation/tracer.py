@@ -274,7 +274,7 @@ class Tracer(Measuring):
         determinant = self.stepper.linear.determinant_sign()
         determinant = determinant and determinant * (-1) ** system.multipliers
         unstable = self._count.of_present(start, determinant)
-        touching, penetration = self.enforcement.summary()
+        touching, penetration, apart = self.enforcement.summary()
         increment, deflection = self.x.array.copy(), self.monitored(self.x)
         self.system.history.commit()
         self.x.zeroEntries()
@@ -287,7 +287,7 @@ class Tracer(Measuring):
             iterations=iterations, hardest=self._most, factorisations=self.total_factorisations - factorisations,
             length=length, next_length=length, load_increment=load_increment,
             current_stiffness=tangent.current_stiffness, displacement_extremes=extremes, reference=self._reference,
-            contact_points=touching, penetration=penetration,
+            contact_points=touching, penetration=penetration, apart=apart,
             increment=increment, response=self._response.array.copy(), fields=system.snapshot())
 
     def _load_weight(self) -> float:

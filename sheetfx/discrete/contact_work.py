@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from mpi4py import MPI
 
-from .contact import ContactFields, ContactState
+from .contact import OPEN, ContactFields, ContactState
 from .fields import Fields
 from .form_work import FormWork
 from .origins import of_nodes
@@ -74,6 +74,10 @@ class ContactWork(FormWork):
         self.fields.store(state, normal=True)
         return False
 
+    def apart(self) -> bool:
+        with self._clock("contact"):
+            return apart(self.fields)
+
     def touching(self) -> tuple[int, float]:
         with self._clock("contact"):
             return touching(self.fields)
@@ -87,6 +91,13 @@ def touching(fields: ContactFields) -> tuple[int, float]:
     """Number of points that touch and largest penetration, on all processes."""
     state = fields.evaluate()
     return fields.contact.beam.mesh.domain.comm.allreduce(fields.touching(state)), penetration(fields, state)
+
+
+def apart(fields: ContactFields) -> bool:
+    """Whether all points are open, with a gap, on all processes."""
+    state = fields.evaluate()
+    return fields.contact.beam.mesh.domain.comm.allreduce(bool(((state.status == OPEN) & (state.gap > 0)).all()),
+                                                          op=MPI.LAND)
 
 
 def penetration(fields: ContactFields, state: ContactState) -> float:

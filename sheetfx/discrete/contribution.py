@@ -187,6 +187,10 @@ class Contribution:
         """
         return self.energy()
 
+    def apart(self) -> bool:
+        """Whether it does nothing now, nor will after a small motion, on all processes: then it is smooth here."""
+        return self.smooth
+
     def touching(self) -> tuple[int, float]:
         """Number of points in contact and largest penetration, on all processes."""
         return 0, 0.0

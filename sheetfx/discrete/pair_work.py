@@ -92,11 +92,10 @@ class PairWork(PointWork):
         return [place - self.pairs.points, *derivatives]
 
     def _start(self) -> np.ndarray:
-        pairs = self.pairs
         if self._partners is None:
-            return pairs.gap[:, None]
-        places = np.einsum("nij,nj->ni", pairs.axes, self._arms)
-        return np.column_stack((pairs.gap, places, self._partners.travelled))
+            return self.pairs.gap[:, None]
+        places = np.einsum("nij,nj->ni", self.pairs.axes, self._arms)
+        return np.column_stack((self.pairs.gap, places, self._partners.travelled))
 
     def _followed(self) -> np.ndarray:
         """Values of the traces, the partners having been brought to where they are opposite now."""
@@ -145,8 +144,7 @@ class PairWork(PointWork):
         """Whether pairs act that the pattern does not have, or has with other partners."""
         if self._pattern_nodes is None:
             return False
-        acting, _ = self._acting()
-        kept = np.zeros(len(acting), dtype=bool)
+        acting, kept = self._acting()[0], np.zeros(self.pairs.count, dtype=bool)
         kept[self._stiff] = True
         return bool(np.any(acting & ~kept)) or any((t.nodes[acting] != nodes[acting]).any() for t, nodes in zip(
             self._traces, self._pattern_nodes, strict=True))
@@ -297,6 +295,9 @@ class PairWork(PointWork):
             work += friction_work(gaps, strains[:, 1:1 + n], self._history[:, 1:1 + n], self._history[:, 0], table)
         return float((self.pairs.weights * self._here) @ work)
 
+    def apart(self) -> bool:
+        return not (self._acting()[0] & self._here).any()
+
     def touching(self) -> tuple[int, float]:
         state = self.evaluate()
         return int((state.status != OPEN).sum()), float(-state.gap[self._here].min(initial=0.0))
@@ -320,9 +321,8 @@ class PairWork(PointWork):
 
     def _slip(self, strains: np.ndarray) -> np.ndarray:
         """Slip since the beginning; without friction it is not known."""
-        if not self._slips:
-            return np.zeros((len(strains), self._directions))
-        return strains[:, 1:1 + self._slips] + self._history[:, 1 + self._slips:]
+        n = self._slips
+        return strains[:, 1:1 + n] + self._history[:, 1 + n:] if n else np.zeros((len(strains), self._directions))
 
 
 def pairs_of(contributions: Sequence[Contribution]) -> list[PairWork]:

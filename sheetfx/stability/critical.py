@@ -56,23 +56,24 @@ def locate(tracer, earlier: State | None, before: State, after: State,
     segment = Segment(tracer, before, after)
     if segment.guarded and _crowded(before, after):
         raise Jump("too many bifurcations lie in one step")
-    if not tracer.system.smooth:
+    if segment.wavering:
         if tracer.control.guarded and not work_matches(segment, earlier):
             raise Jump("the work done along the step is not what is stored and dissipated")
-        limits, returns = turning_loads(segment, earlier), []
+        limits, returns = [limit for limit in turning_loads(segment, earlier) if limit[0].wavering], []
         if not limits and tracer.control.guarded and leads_back(segment):
             raise Jump("the load turns within the step, and back")
     else:
         if segment.guarded:
             _check(segment)
         limits, returns = stationary_loads(segment)
+        limits = _turned_before(segment, earlier) + limits
     if limits + returns and segment.guarded and not tracer.control.passes_limits:
         raise Jump("a limit point lies in a step that prescribes the load")
     points = dict(_limit(*found) for found in limits)
     crossings = _bifurcations(segment, [length for s, length, _ in limits if s is segment])
     crossings += [returning(segment, length) for length in returns]
     points |= (_bifurcation(segment, cluster) for cluster in _clusters(crossings, TOGETHER * after.length))
-    if segment.guarded and turns(segment) > len(limits) + len(returns):
+    if segment.guarded and turns(segment) > sum(limit[0] is segment for limit in limits) + len(returns):
         raise Jump("the load turns beside a bifurcation that the step passes")
     for other in others:
         points |= dict.fromkeys(other(segment))
@@ -151,24 +152,33 @@ def _limit(segment: Segment, length: float, rising: bool) -> tuple[CriticalPoint
                          name="maximum" if rising else "minimum"), state
 
 
+def _turned_before(segment: Segment, earlier: State | None) -> list[tuple[Segment, float, bool]]:
+    """The limit point of a step with contact before one without, whose rate says at its start that the load has turned.
+    """
+    before = segment.before
+    if earlier is None or before.load_rate * before.load_increment >= 0:
+        return []
+    return turning_loads(segment, earlier) if Segment(segment.tracer, earlier, before).wavering else []
+
+
 def _bifurcations(segment: Segment, limits: list[float]) -> list[Crossing]:
     """Where eigenvalues other than those of limit points pass zero, along the path.
 
     With contact, where eigenvalues waver, the ends of the step are compared, and the states in between that are known
     to have the most and the fewest unstable modes.
     """
-    near, system = 1e-5 * segment.after.length, segment.tracer.system
+    near = 1e-5 * segment.after.length
     if segment.after.unstable_modes is None:
         return []
-    if system.smooth:
-        lengths = [s for s in sorted(segment.states) if all(abs(s - limit) > near for limit in limits)]
-    else:
+    if segment.wavering:
         lengths = _extremes(segment)
+    else:
+        lengths = [s for s in sorted(segment.states) if all(abs(s - limit) > near for limit in limits)]
     found = []
     for pair in zip(lengths[:-1], lengths[1:], strict=True):
         one, other = segment[pair[0]], segment[pair[1]]
-        limit = (any(pair[0] < length < pair[1] for length in limits) if system.smooth else
-                 one.load_rate * other.load_rate < 0 and one.unstable_modes != other.unstable_modes)
+        limit = (one.load_rate * other.load_rate < 0 and one.unstable_modes != other.unstable_modes
+                 if segment.wavering else any(pair[0] < length < pair[1] for length in limits))
         found += _crossings(segment, *pair, near, limit)
     return found
 
@@ -248,7 +258,7 @@ def _bifurcation(segment: Segment, crossings: list[Crossing]) -> tuple[CriticalP
     first, count, tracer = crossings[0], len(crossings), segment.tracer
     point = CriticalPoint("bifurcation", first.load, first.deflection, segment.after.step, first.length, count,
                           spread=first.spread)
-    if not tracer.system.smooth or not tracer.system.conservative or first.spread:
+    if segment.wavering or not tracer.system.conservative or first.spread:
         tracer.back_to(segment.states[min(s for s in segment.states if s >= first.length)])
         solid = tracer.system.history.moved
         return replace(point, name="comparison solid" if solid else "corner" if first.corner else ""), None
