@@ -1,11 +1,13 @@
 """Steps that lead to another path, and critical points that do not converge again, in problems that are not smooth."""
 
+from dataclasses import replace
 from math import pi
 
 import numpy as np
 import pytest
 
 import sheetfx as fx
+from sheetfx.scenes import load_case
 
 LENGTH, DEPTH, MODULUS = 1000.0, 10.0, 2e5
 EULER = pi**2 * MODULUS * DEPTH**4 / 12 / LENGTH**2
@@ -77,3 +79,15 @@ def test_mode_of_a_point_that_does_not_converge_again_is_that_at_the_end_of_its_
     monkeypatch.setattr("sheetfx.stability.shares.state_at", fails)
     near, = record.modes(point)
     assert abs(near @ exact) == pytest.approx(np.linalg.norm(near) * np.linalg.norm(exact), rel=1e-3)
+
+
+@pytest.mark.parametrize("name", ["von-mises-truss", "roorda-frame"])
+def test_points_are_found_and_named_as_without_a_floor_that_is_never_reached(name):
+    """Limits were the highest states found, off by 1e-5 and more, and bifurcations had no names."""
+    case = load_case(name)()
+    mesh = case.scene.parts[0].mesh
+    floor = fx.ObstacleContact(mesh, None, fx.RigidPlane((0.0, -9.0 * mesh.size), (0.0, 1.0)), distance=0.0)
+    alone, beside = (fx.trace(replace(case, scene=replace(case.scene, joints=joints))) for joints in ([], [floor]))
+    assert [(p.kind, p.name, p.multiplicity) for p in beside.critical_points] == [
+        (p.kind, p.name, p.multiplicity) for p in alone.critical_points] != []
+    assert [p.load for p in beside.critical_points] == pytest.approx([p.load for p in alone.critical_points], rel=1e-7)
