@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from math import pi
 
 import numpy as np
@@ -67,6 +68,14 @@ def test_cheap_models(model):
     stiffness = [1 / fx.trace(case(model=m, divisions=2, to=1.0)).states[0].reference[1] for m in (model, "bars")]
     area = BAR.area + (1600.0 if model == "flange" else 0.0)
     assert stiffness[0] / stiffness[1] == pytest.approx(area / BAR.area, rel=0.1), "members carry by axial forces"
+
+
+def test_welds_that_are_short_for_their_cells_are_told():
+    with pytest.warns(UserWarning, match="welds of 100 mm begin on cells of 1178 mm, more than twice as long"):
+        case(model="contact", divisions=2, weld=100.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        case(model="contact", divisions=4, grading=4.0, weld=150.0)
 
 
 def test_wrong_options_are_named():
