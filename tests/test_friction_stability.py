@@ -164,3 +164,13 @@ def test_dome_whose_pairs_stick_is_the_one_with_ties():
         path.tracer.factorise_at(last)
         found.append([last.load, last.unstable_modes, *path.tracer.spectrum(6)[0]])
     assert found[0] == pytest.approx(found[1], rel=1e-3)
+
+
+def test_fewer_unstable_modes_than_none_are_no_count(monkeypatch):
+    """As a joint of the dome came to at a corner where dozens of modes were near zero, which then had -3 of them."""
+    path = fx.Path(pressed_together(0.3, 0.5, 1e8, (1.0,)), fx.LoadControl(step=6000.0, target=16500.0))
+    states = iter(path)
+    next(states)
+    monkeypatch.setattr("sheetfx.continuation.crossings.crossings", lambda *_: -1)
+    with pytest.raises(fx.PathFailure, match="step 1 from load 0"):
+        list(states)

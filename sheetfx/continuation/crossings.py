@@ -89,8 +89,7 @@ class UnstableModes:
         before = self._start
         if before.unstable_modes is None:
             return None
-        return before.unstable_modes + crossings(self._linear, self._tangent, self._system.weights,
-                                                 determinant * before.determinant_sign)
+        return self._after(before.unstable_modes, self._tangent, determinant * before.determinant_sign)
 
     def _beside_sticking(self, determinant: int) -> int:
         """Number for the tangent that is factored, from that of the one with which all that touches sticks."""
@@ -103,7 +102,14 @@ class UnstableModes:
             earlier.copy(self._sticking.matrix, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
         self._sticking.factorise()
         pivots = self._sticking.negative_pivots() - system.multipliers
-        return pivots + crossings(self._linear, earlier, system.weights, determinant * (-1) ** pivots)
+        return self._after(pivots, earlier, determinant * (-1) ** pivots)
+
+    def _after(self, count: int, earlier: PETSc.Mat, signs: int) -> int:
+        """Number for the tangent that is factored, from that of an earlier one."""
+        found = count + crossings(self._linear, earlier, self._system.weights, signs)
+        if found < 0:
+            raise Uncounted("more eigenvalues seem to become positive than are negative")
+        return found
 
 
 def can_stick(system) -> bool:
