@@ -400,9 +400,11 @@ def test_a_weld_on_two_processes():
     lines = on_two_processes('''
 import sheetfx as fx
 from test_interface import panel, bar
-try:
-    fx.weld(panel((2, 2)), "east", (panel((2, 3), (1.0, 0.0, 0.0)), "west"))
-except ValueError as error:
-    print(error)
+for at in ("east", fx.Stretch("south-east", along="east", length=0.3)):
+    try:
+        fx.weld(panel((2, 2)), at, (panel((2, 3), (1.0, 0.0, 0.0)), "west"))
+    except ValueError as error:
+        print(error)
 ''')
-    assert "weld at 'east': a joint along a line on 2 processes is not possible yet; take one process" in lines[0]
+    for line, where in zip(lines, ("at 'east'", "from 'south-east'"), strict=True):
+        assert f"weld {where}: a joint along a line on 2 processes is not possible yet; take one process" in line

@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 from .lines import SAME, Piece
 from .projection import OUTSIDE, Cells
 from .quadrature import gauss
+from .reader import NamedMesh
 
 AHEAD = 1e-5  # how far ahead of a border the next cell is looked for, over the size of a cell
 SHORT = 0.5  # pieces of the multipliers' grid are at least this part of a cell
@@ -141,9 +142,8 @@ def along_lines(first: Cells, second: Cells, lines: Sequence[Sequence[Piece]], r
     Raises
     ------
     ValueError
-        If a line is off a part, or there are several processes.
+        If a line is off a part.
     """
-    _refuse_processes(first, name)
     pair, rule, count = _Pair(first, second, reach, name), gauss(basix.CellType.interval, degree), 0
     points, weights, nodes, hats, cells, sizes = [], [], [], [], [], []
     for line in lines:
@@ -182,9 +182,8 @@ def at_pairs(first: Cells, second: Cells, lines: Sequence[Sequence[Piece]], coun
     Raises
     ------
     ValueError
-        If a point is off a part, or there are several processes.
+        If a point is off a part.
     """
-    _refuse_processes(first, name)
     pair, points, weights = _Pair(first, second, reach, name), [], []
     for line in lines:
         ends = np.cumsum([piece.length() for piece in line])
@@ -221,8 +220,9 @@ def _merged_sides(sides: Sequence[Side]) -> Side:
                 normals)
 
 
-def _refuse_processes(cells: Cells, name: str) -> None:
-    comm = cells.mesh.domain.comm
+def refuse_processes(mesh: NamedMesh, name: str) -> None:
+    """Refuse a joint along a line, of which each process would have a part."""
+    comm = mesh.domain.comm
     if comm.size > 1:
         raise ValueError(f"{name}: a joint along a line on {comm.size} processes is not possible yet; take one process")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from ..mesh.lines import Piece, Stretch, lines_of, places_of
-from ..mesh.meeting import Meeting, at_points, merged
+from ..mesh.meeting import Meeting, at_points, merged, refuse_processes
 from ..mesh.projection import Cells, cells_at
 from ..mesh.reader import NamedMesh
 
@@ -56,7 +56,7 @@ def meeting_of(mesh: NamedMesh, places: Sequence[str | Stretch], to: Ends, reach
     Raises
     ------
     ValueError
-        If a place is a surface, a line is joined to a point, or points are off a part.
+        If a place is a surface, a line is joined to a point, points are off a part, or a line is on several processes.
     """
     second = Cells(to[0], cells_at(*to))
     return merged([_meeting_at(mesh, at, second, to, reach, title_of(name, at), along_lines) for at in places])
@@ -74,6 +74,7 @@ def _meeting_at(mesh: NamedMesh, at: str | Stretch, second: Cells, to: Ends, rea
         raise ValueError(f"{title}: a line cannot be joined to the point {there!r}; name an edge or a group of cells")
     if isinstance(at, str) and mesh.domain.topology.dim == 2 and at not in mesh.edges:
         raise ValueError(f"{title}: is a surface; give an edge, or a Stretch of a line on it")
+    refuse_processes(mesh, title)
     lines = at.lines(mesh) if isinstance(at, Stretch) else lines_of(mesh, at)
     return along_lines(first, second, lines, title)
 
