@@ -75,8 +75,8 @@ class ContactWork(FormWork):
         return False
 
     def apart(self) -> bool:
-        with self._clock("contact"):
-            return apart(self.fields)
+        state, comm = self._state(), self.fields.contact.beam.mesh.domain.comm
+        return comm.allreduce(bool(((state.status == OPEN) & (state.gap > 0)).all()), op=MPI.LAND)
 
     def touching(self) -> tuple[int, float]:
         with self._clock("contact"):
@@ -91,13 +91,6 @@ def touching(fields: ContactFields) -> tuple[int, float]:
     """Number of points that touch and largest penetration, on all processes."""
     state = fields.evaluate()
     return fields.contact.beam.mesh.domain.comm.allreduce(fields.touching(state)), penetration(fields, state)
-
-
-def apart(fields: ContactFields) -> bool:
-    """Whether all points are open, with a gap, on all processes."""
-    state = fields.evaluate()
-    return fields.contact.beam.mesh.domain.comm.allreduce(bool(((state.status == OPEN) & (state.gap > 0)).all()),
-                                                          op=MPI.LAND)
 
 
 def penetration(fields: ContactFields, state: ContactState) -> float:

@@ -153,8 +153,7 @@ def _limit(segment: Segment, length: float, rising: bool) -> tuple[CriticalPoint
 
 
 def _turned_before(segment: Segment, earlier: State | None) -> list[tuple[Segment, float, bool]]:
-    """The limit point of a step with contact before one without, whose rate says at its start that the load has turned.
-    """
+    """The limit point of a step with contact before one without, at whose start the load has turned by its rate."""
     before = segment.before
     if earlier is None or before.load_rate * before.load_increment >= 0:
         return []
