@@ -15,6 +15,7 @@ from ..compat import geometry_nodes
 from .reader import NamedMesh
 
 CORNER = cos(radians(30.0))  # of the angle by which a line turns where one ends and the next begins
+ROUNDING = 1e-14  # relative error of a length
 LONGER = 1e-9  # by what part a stretch may be longer than its line
 INTERVAL = basix.create_element(basix.ElementFamily.P, basix.CellType.interval, 1)
 FINE = basix.make_quadrature(basix.CellType.interval, 15)
@@ -35,8 +36,13 @@ class Piece:
     nodes: np.ndarray
     ends: np.ndarray
 
+    @property
+    def straight(self) -> bool:
+        """Whether it is, as edges of cells whose geometry is linear are."""
+        return self.shape.degree == 1
+
     @classmethod
-    def straight(cls, first: np.ndarray, last: np.ndarray) -> Piece:
+    def between(cls, first: np.ndarray, last: np.ndarray) -> Piece:
         return cls(INTERVAL, np.array([first, last]), np.array([[0.0], [1.0]]))
 
     def _reference(self, t: np.ndarray) -> np.ndarray:
@@ -59,7 +65,10 @@ class Piece:
         """Its beginning, of a given length."""
         t = length / self.length()
         for _ in range(50):
-            t -= (self.length(t) - length) / np.linalg.norm(self.slopes(np.array([t]))[0])
+            off = self.length(t) - length
+            t -= off / np.linalg.norm(self.slopes(np.array([t]))[0])
+            if abs(off) <= ROUNDING * length:
+                break
         return Piece(self.shape, self.nodes, np.array([self.ends[0], self._reference(np.array([t]))[0]]))
 
     def turned(self) -> Piece:
@@ -112,7 +121,7 @@ class Stretch:
             way = np.asarray(self.along, dtype=float) * (self.length / size if size else 0.0)
         if not np.linalg.norm(way) > SAME * mesh.size:
             raise ValueError(f"Stretch from {self.start!r}: has no length; give an end elsewhere, or a direction")
-        return [[Piece.straight(start, start + way)]]
+        return [[Piece.between(start, start + way)]]
 
     def _part(self, lines: Sequence[Sequence[Piece]], start: np.ndarray, near: float) -> list[Piece]:
         """Of lines the part that begins at a place and has the length."""

@@ -147,7 +147,7 @@ def along_lines(first: Cells, second: Cells, lines: Sequence[Sequence[Piece]], r
     pair, rule, count = _Pair(first, second, reach, name), gauss(basix.CellType.interval, degree), 0
     points, weights, nodes, hats, cells, sizes = [], [], [], [], [], []
     for line in lines:
-        segments = [s for piece in line for s in _segments(piece, pair)]
+        segments = _segments(line, pair)
         own = np.array([s.cells for s in segments])
         arc = np.concatenate(([0.0], np.cumsum([s.length for s in segments])))
         sizes.append([part.sizes[np.unique(c)].mean() for part, c in zip(pair.parts, own.T, strict=True)])
@@ -238,15 +238,39 @@ class _Segment:
     cells: tuple[int, ...]
 
 
-def _segments(piece: Piece, pair: _Pair) -> list[_Segment]:
-    ways = [_way(part, piece, pair) for part in pair.parts]
-    segments, begin = [], 0.0
-    for end in sorted({t for way in ways for t, _ in way}):
-        if end - begin > OUTSIDE:
-            cells = tuple(next(cell for t, cell in way if t > (begin + end) / 2) for way in ways)
-            segments.append(_Segment(piece, begin, end, piece.length(end) - piece.length(begin), cells))
-            begin = end
+def _segments(line: Sequence[Piece], pair: _Pair) -> list[_Segment]:
+    segments = []
+    for piece, *ways in zip(line, *(_ways(part, line, pair) for part in pair.parts), strict=True):
+        begin = 0.0
+        for end in sorted({t for way in ways for t, _ in way}):
+            if end - begin > OUTSIDE:
+                cells = tuple(next(cell for t, cell in way if t > (begin + end) / 2) for way in ways)
+                segments.append(_Segment(piece, begin, end, piece.length(end) - piece.length(begin), cells))
+                begin = end
     return segments
+
+
+def _ways(part: Cells, line: Sequence[Piece], pair: _Pair) -> list[list[tuple[float, int]]]:
+    """For each piece of a line the parameters at which it leaves cells of a part, and these cells.
+
+    A straight piece that ends over the flat cell that it begins over does not leave it in between.
+    """
+    starts, ends = (np.concatenate([piece.places(np.array([t(piece)])) for piece in line])
+                    for t in (lambda piece: _just_ahead(part, piece, 0.0), lambda piece: 1.0))
+    cells, _, distances = part.closest(starts)
+    pair.check(starts, [distances])
+    stays = np.array([piece.straight for piece in line]) & part.flat[cells]
+    stays &= part.holds(cells, starts) & part.holds(cells, ends)
+    off = part.places(cells[stays], part.nearest(cells[stays], ends[stays])) - ends[stays]
+    pair.check(ends[stays], [np.linalg.norm(off, axis=1)])
+    return [[(1.0, int(cell))] if only else _way(part, piece, pair)
+            for piece, cell, only in zip(line, cells, stays, strict=True)]
+
+
+def _just_ahead(part: Cells, piece: Piece, t: float) -> float:
+    """Parameter a little further on a piece, where the cell tells that comes next."""
+    pace = np.linalg.norm(piece.slopes(np.array([0.5]))[0])
+    return min(t + AHEAD * part.sizes.min() / pace, (t + 1.0) / 2)
 
 
 def _way(part: Cells, piece: Piece, pair: _Pair) -> list[tuple[float, int]]:
@@ -254,7 +278,7 @@ def _way(part: Cells, piece: Piece, pair: _Pair) -> list[tuple[float, int]]:
     way, t = [], 0.0
     pace = np.linalg.norm(piece.slopes(np.array([0.5]))[0])
     while t < 1.0:
-        ahead = min(t + AHEAD * part.sizes.min() / pace, (t + 1.0) / 2)
+        ahead = _just_ahead(part, piece, t)
         point = piece.places(np.array([ahead]))
         cells, _, distances = part.closest(point)
         pair.check(point, [distances])

@@ -34,6 +34,7 @@ class Cells:
     ----------
     sizes : length of each cell, of surfaces the root of its area
     middles : of the cells, shape (cells, dimension)
+    flat : of each cell whether it is straight or plane, with straight edges
     """
 
     def __init__(self, mesh: NamedMesh, cells: np.ndarray):
@@ -49,8 +50,16 @@ class Cells:
         every = np.arange(len(self.cells))
         self.middles, slopes = self._map(every, middles)
         self.sizes = np.linalg.det(np.einsum("nai,naj->nij", slopes, slopes)) ** (0.5 / len(self._start))
+        self.flat = self._flat()
         self._radius = np.linalg.norm(self.nodes - self.middles[:, None], axis=2).max(initial=0.0)
         self._tree = cKDTree(self.middles) if len(self.cells) else None
+
+    def _flat(self) -> np.ndarray:
+        if self.shape.degree > 1:
+            return np.zeros(len(self.cells), dtype=bool)
+        across = self.nodes[:, 1:] - self.nodes[:, :1]
+        off = np.linalg.svd(across, compute_uv=False)[:, len(self._start):].max(axis=1, initial=0.0)
+        return off <= OUTSIDE * self.sizes
 
     def _map(self, which: np.ndarray, reference: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Places of reference points in cells, and their derivatives, shape (n, dimension, reference dimension)."""
@@ -78,6 +87,10 @@ class Cells:
         """Unit tangents of curves."""
         slope = self._map(which, reference)[1][:, :, 0]
         return slope / np.linalg.norm(slope, axis=1, keepdims=True)
+
+    def holds(self, which: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """Whether points are over given cells, one for each, and not off their borders."""
+        return self._margins(self._project(which, points, self._start, self._axes)).min(axis=1) >= -OUTSIDE
 
     def nearest(self, which: np.ndarray, points: np.ndarray) -> np.ndarray:
         """Reference points of given cells that are closest to points, one for each."""
