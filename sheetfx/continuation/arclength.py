@@ -138,7 +138,8 @@ class PathStep:
             else:
                 self._step.array[:] = self._guess
             try:
-                self._hold_contacts(x, self.tangent, self._step)
+                if self._guess is None:
+                    self._hold_contacts(x, self.tangent, self._step)
             except ArithmeticError:
                 snes.setIterationNumber(0)
                 snes.setConvergedReason(Reason.DIVERGED_LINEAR_SOLVE)

@@ -16,7 +16,7 @@ from scipy.sparse import block_diag, csr_matrix, vstack
 
 from .elimination import Elimination
 
-NOTHING = 1e-2  # of the error that is allowed, forces that are none
+NOTHING = 0.1  # of the error that is allowed, forces that are none
 
 
 class Condensation(Elimination):
@@ -52,5 +52,5 @@ class Condensation(Elimination):
     def _units(self, rows: np.ndarray) -> np.ndarray:
         return self._motions[rows].T.toarray()
 
-    def _flexibility(self) -> np.ndarray:
-        return self._motions[self._rows] @ self._columns
+    def _motion(self, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
+        return self._motions[rows] @ columns

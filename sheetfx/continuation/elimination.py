@@ -72,7 +72,7 @@ class Elimination:
         self._unit, self._normal, self._exact = unit, normal, exact
         self._linearise()
         self._rows, self._loads = np.empty(0, dtype=np.int64), np.empty(0)
-        self._columns = np.empty((len(self._base), 0))
+        self._columns, self._flexibility = np.empty((len(self._base), 0)), np.empty((0, 0))
         forces = self._solve()
         system.configure(x, factor)
         if forces is None and self._many and self.can_do_without:
@@ -126,9 +126,9 @@ class Elimination:
                 return None
             forces = np.concatenate([forces, np.zeros(len(self._rows) - len(forces))])
             off = remainder - forces
-            change = self._stiffened()[np.ix_(self._rows, self._rows)].toarray()
+            change = self._stiffened()[self._rows][:, self._rows]
             try:
-                correction = np.linalg.solve(np.eye(len(off)) + change @ self._flexibility(), off)
+                correction = np.linalg.solve(np.eye(len(off)) + change @ self._flexibility, off)
             except np.linalg.LinAlgError:
                 return None
             errors.append(float(np.linalg.norm(off)))
@@ -154,10 +154,16 @@ class Elimination:
         if self._many:
             return None
         if len(new):
-            self._rows = np.concatenate([self._rows, new])
-            columns, loads = self._responses(self._units(new))
-            self._columns, self._loads = np.hstack([self._columns, columns]), np.append(self._loads, loads)
+            self._add(new)
         return beyond[self._rows]
+
+    def _add(self, new: np.ndarray) -> None:
+        """Have the responses to unit forces at further rows, and the motions at rows by all of them."""
+        columns, loads = self._responses(self._units(new))
+        self._flexibility = np.hstack([self._flexibility, self._motion(self._rows, columns)])
+        self._columns, self._loads = np.hstack([self._columns, columns]), np.append(self._loads, loads)
+        self._flexibility = np.vstack([self._flexibility, self._motion(new, self._columns)])
+        self._rows = np.concatenate([self._rows, new])
 
     def _beyond(self, step: np.ndarray) -> np.ndarray:
         """Forces after a step beyond those that are linear in it, at all rows there are."""
@@ -178,9 +184,9 @@ class Elimination:
         units[rows, np.arange(len(rows))] = 1.0
         return units
 
-    def _flexibility(self) -> np.ndarray:
-        """Motions at the rows by unit forces at them."""
-        return self._columns[self._rows]
+    def _motion(self, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
+        """Motions at some rows in some responses."""
+        return columns[rows]
 
     def _responses(self, units: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Responses to forces that keep to the control's equation, and the changes of load in them."""

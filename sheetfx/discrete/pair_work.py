@@ -156,11 +156,10 @@ class PairWork(PointWork):
         return (gap <= 0) | self._forces(z).any(axis=1), gap
 
     def _linearised(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        return self._forces(z), self._law.stiffness(z, self._stiff)
-
-    def _put_parameters(self, table: np.ndarray) -> None:
-        self._table = table
-        self._law.give(self._data_of_history + 1, table)
+        pairs = np.arange(self.pairs.count)[self._stiff]
+        acting, stiffness = self._acting()[0][pairs], np.zeros((len(pairs), z.shape[1], z.shape[1]))
+        stiffness[acting] = self._law.stiffness(z, pairs[acting])
+        return self._forces(z), stiffness
 
     def _put_history(self, history: np.ndarray) -> None:
         self._history = history
@@ -225,9 +224,9 @@ class PairWork(PointWork):
 
     def regularise(self, times: float) -> None:
         """Make all pairs softer: where parts touch along a line without a gap, all pairs close or open at once."""
-        table = self.pairs.table()
-        table[:, :2] *= STIFFER ** self._stiffened / times
-        self._put_parameters(table)
+        self._table = self.pairs.table()
+        self._table[:, :2] *= STIFFER ** self._stiffened / times
+        self._law.give(self._data_of_history + 1, self._table)
 
     def hold(self) -> bool:
         """Let pairs stick for one iteration that slip the other way than at the iterate before.
@@ -273,9 +272,8 @@ class PairWork(PointWork):
 
     def _stiffen(self, times: int) -> None:
         """Give the law the stiffness after so many augmentations with a higher one."""
-        self._stiffened, table = times, self.pairs.table()
-        table[:, :2] *= STIFFER ** times
-        self._put_parameters(table)
+        self._stiffened = times
+        self.regularise(1.0)
 
     def energy(self) -> float | None:
         return None if self._slips else self.taken(None)
