@@ -33,12 +33,12 @@ def redundant_multipliers(works: Sequence[Contribution], unknowns: Unknowns, lay
     """
     kept: list[np.ndarray] = [np.empty(0, dtype=np.int64) for _ in unknowns.blocks]
     own = [(n, layout.free_numbers[n].ravel()) for n, f in enumerate(unknowns.fields) if f.multiplier]
-    rows = np.concatenate([np.empty(0, dtype=np.int64), *(numbers for _, numbers in own)])
+    rows = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *(numbers for _, numbers in own)]))
     parts = [(*work.pattern(layout), np.concatenate(work.tangent(Forces(unknowns, layout)))) for work in works]
     if not parts:
         return kept
     row, column, value = (np.concatenate(p) for p in zip(*parts, strict=True))
-    rows = np.intersect1d(rows[rows >= 0], row)
+    rows = rows[(rows >= 0) & np.isin(rows, row)]
     chosen = rows[_dependent(_constraints(unknowns, layout, rows, row, column, value))]
     blocks = [number for number, block in enumerate(unknowns.blocks) for _ in block.fields]
     for number, numbers in own:
