@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 
 import sheetfx as fx
 from sheetfx.discrete.discretisation import Discretisation
+from sheetfx.mesh.projection import Cells
 
 STEEL = fx.Elastic(1e4, 0.3, density=1.0)
 CORK = fx.Elastic(1e4, 0.0, density=1.0)
@@ -196,6 +197,24 @@ def lap(elements, others, stiffness, length):
                      fx.Monitor(second, "end", "x"), joints=[joint])
     record = fx.trace(fx.Case(scene, fx.LoadControl(1.0, fixed=True)))
     return record.states[-1].deflection / 1e-6
+
+
+@pytest.mark.parametrize("triangles", [False, True])
+def test_pieces_found_at_once_are_those_found_on_the_way(monkeypatch, triangles):
+    """Straight pieces within flat cells, and those that leave one, as where every cell is taken for a curved one."""
+    def meetings():
+        one, other = panel((3, 2), triangles=triangles), panel((5, 4), (0.2, 1.0, 0.0), triangles=triangles)
+        across = fx.Stretch((0.1, 1.0, 0.0), (0.9, 1.0, 0.0))
+        on_bar = fx.weld(bar((0.0, 1.0, 0.0), (1.0, 1.0, 0.0), 3), "bar", (one, "north"))
+        return fx.weld(one, across, (other, None), reach=0.2).meeting, on_bar.meeting
+
+    found = meetings()
+    monkeypatch.setattr(Cells, "_flat", lambda self: np.zeros(len(self.cells), dtype=bool))
+    for one, other in zip(found, meetings(), strict=True):
+        assert np.allclose(one.weights, other.weights, rtol=1e-12)
+        for side, same in zip(one.sides, other.sides, strict=True):
+            assert np.array_equal(side.cells, same.cells)
+            assert np.allclose(side.reference, same.reference, atol=1e-9)
 
 
 def test_lap_joint_of_volkersen():
