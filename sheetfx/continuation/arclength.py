@@ -138,8 +138,7 @@ class PathStep:
             else:
                 self._step.array[:] = self._guess
             try:
-                if self._guess is None:
-                    self._hold_contacts(x, self.tangent, self._step)
+                self._hold_contacts(x, self.tangent, self._step)
             except ArithmeticError:
                 snes.setIterationNumber(0)
                 snes.setConvergedReason(Reason.DIVERGED_LINEAR_SOLVE)

@@ -72,9 +72,9 @@ class Segment:
         if length not in self.states:
             left, right = self.neighbours(length)
             guess = self.interpolated(left, right, length)
-            start = guess if self.wavering else self.course.at(length, self.states)
+            start = None if self.wavering else self.course.at(length, self.states)
             self.tracer.back_to(self.before)
-            state = self.tracer.attempt(length, start)
+            state = start and self.tracer.attempt(length, start)
             state = state or self.tracer.attempt(length, part=1.0 if self.wavering else WITHIN)
             if state is None:
                 raise Missed

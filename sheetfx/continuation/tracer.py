@@ -107,11 +107,10 @@ class Tracer(Measuring):
         start, before, spent = self.state, self.total_factorisations, self.iterations
         self._count.start_from(start, self.x)
         alone, again = self.system.comm.size == 1 and self.control.newton == "full", self._stuck is start
-        ways = self.enforcement.approaches(alone, again, not start.length)
-        for eliminates, multiples in ways if guess is None else [(ways[0][0], [1.0])]:
+        for eliminates, multiples in self.enforcement.approaches(alone, again, not start.length):
             self._most, self.failure, self.stepper.patient = 0, "", again and not start.length and len(multiples) > 1
             self.stepper.elimination = self._elimination if eliminates else None
-            if eliminates and guess is None:
+            if eliminates:
                 self.factorise_at(start)
             if guess is None:
                 load_increment = control.predict(length, sign or control.direction(start), tangent)
@@ -128,7 +127,7 @@ class Tracer(Measuring):
                     self.failure = str(failure)
                     self.system.history.rewind()
             self._undo(start)
-        self._stuck = start if guess is None else self._stuck
+        self._stuck = start
         return None
 
     def accept(self, load_increment: float, iterations: int = 0) -> State:
