@@ -16,13 +16,14 @@ from typing import Any
 
 from .checks import require
 from .continuation.control import ArcLength, DisplacementControl, LoadControl, StepRule
-from .continuation.corner import LEAST, around_corner, returns
+from .continuation.corner import LEAST, around_corner
 from .continuation.events import Event, end_at, occurrences
 from .continuation.linear import SingularTangent
 from .continuation.scattered import ScatteredState
 from .continuation.segment import Jump, Missed
 from .continuation.state import CriticalPoint, State
 from .continuation.tracer import Tracer
+from .continuation.trail import Trail
 from .continuation.until import AT_BOUND, Until
 from .discrete.discretisation import Discretisation
 from .model.scene import Scene, Stage
@@ -85,7 +86,7 @@ class Path:
         self.critical_states: dict[CriticalPoint, State] = {}
         self._listeners: list[Callable[[State], None]] = []
         self._earlier = self.start[-2] if len(start) > 1 else None
-        self._trail = [_outline(state) for state in self.start or [self.tracer.state]]
+        self._trail = Trail(self.tracer, self.start or [self.tracer.state])
         if start:
             self.tracer.back_to(self.control.facing(self.start[-1]))
         else:
@@ -174,7 +175,7 @@ class Path:
         after, points = taken
         after = replace(after, next_length=min(largest, length * self.control.growth(after.hardest)), critical=points)
         self.tracer.state, self._earlier = after, before
-        self._trail.append(_outline(after))
+        self._trail.append(after)
         return after
 
     def _try(self, before: State, length: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:
@@ -209,7 +210,7 @@ class Path:
         """A step, or its sound part, with critical points; None and back if it turns too far or leaves its branch."""
         try:
             turn = self.tracer.turn(before, after)
-            if self._guards_corners and returns(self._trail, after):
+            if self._guards_corners and self._trail.holds(after):
                 self._refusal = "it leads back onto the path that has led here"
             elif turn <= largest_turn:
                 points = locate(self.tracer, earlier, before, after, self._others)
@@ -271,11 +272,6 @@ class Path:
             "look at the structure at that state.")
         failure.cause = cause
         return failure
-
-
-def _outline(state: State) -> State:
-    """A state without what makes it large."""
-    return replace(state, fields={}, increment=state.increment[:0].copy(), response=state.response[:0].copy())
 
 
 def _preloading(stage: Stage) -> LoadControl:

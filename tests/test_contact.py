@@ -7,9 +7,9 @@ import pytest
 
 from sheetfx.case import trace
 from sheetfx.continuation.control import LoadControl
-from sheetfx.continuation.corner import returns
 from sheetfx.continuation.enforcement import Enforcement
 from sheetfx.continuation.segment import Segment
+from sheetfx.continuation.trail import Trail
 from sheetfx.continuation.work import work_matches
 from sheetfx.discrete.zones import Zones, samples
 from sheetfx.path import PathFailure
@@ -72,16 +72,21 @@ def test_work_along_a_step_is_the_change_of_energy():
 
 
 def test_steps_back_onto_the_path_are_told():
-    """A state between two others of the path lies on it, unless it touches elsewhere or has another stability."""
-    states = trace(arch_case(**COARSE, to=20.0)).states
-    assert not any(returns(states[:n], state) for n, state in enumerate(states))
+    """A state between two others of the path lies on it, unless it touches or stands elsewhere, or is less stable."""
+    record = trace(arch_case(**COARSE, to=20.0))
+    states, tracer = record.states, record.path.tracer
+    assert not any(Trail(tracer, states[:n]).holds(states[n]) for n in range(1, len(states)))
     one, other = states[2:4]
-    between = replace(one, load=(one.load + other.load) / 2, deflection=(one.deflection + other.deflection) / 2)
-    assert returns(states, between)
-    assert not returns(states, replace(between, unstable_modes=7))
-    assert not returns(states, replace(between, load_rate=2 * max(one.load_rate, other.load_rate)))
-    assert not returns(states, replace(between, contact_points=max(one.contact_points, other.contact_points) + 1))
-    assert not returns(states, replace(between, load=between.load + 0.2 * abs(other.load - one.load)))
+    trail, back = Trail(tracer, states[:5]), -states[4].increment - other.increment / 2
+    between = replace(one, load=(one.load + other.load) / 2, deflection=(one.deflection + other.deflection) / 2,
+                      increment=back)
+    assert trail.holds(between)
+    assert not trail.holds(replace(between, unstable_modes=7))
+    assert not trail.holds(replace(between, load_rate=2 * max(one.load_rate, other.load_rate)))
+    assert not trail.holds(replace(between, contact_points=max(one.contact_points, other.contact_points) + 1))
+    assert not trail.holds(replace(between, load=between.load + 0.2 * abs(other.load - one.load)))
+    aside = np.random.default_rng(0).normal(size=len(back)) * np.linalg.norm(other.increment) / len(back) ** 0.5
+    assert not trail.holds(replace(between, increment=back + 2 * aside))
 
 
 def test_prescribed_loads_do_not_jump_over_the_limit():

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from helpers import shallow_arch
 
 import sheetfx as fx
+from sheetfx.continuation.events import occurrences
+from sheetfx.continuation.segment import Missed
 from sheetfx.scenes import arch
 
 UNTIL = fx.Until(deflection=15.0)
@@ -23,6 +27,25 @@ def test_path_ends_at_an_event():
         assert record.path.message == "event 'end' reached"
         assert [p.kind for p in record.critical_points] == ["event"], "the limit point lies behind it"
     assert [r.states[-1].load for r in ends] == pytest.approx([ends[0].states[-1].load] * 3, rel=1e-9)
+
+
+@pytest.mark.parametrize("guarded", [True, False])
+def test_a_bound_is_met_or_the_step_is_not_taken(monkeypatch, guarded):
+    """Where states within it do not converge, as with contact; a control that takes steps as they are ends behind it.
+
+    With contact a path used to end as far beyond its bound as its last step did, and said that it was reached.
+    """
+    path = fx.Path(shallow_arch(10), fx.ArcLength(0.02) if guarded else fx.ArcLength(0.02, turn=4.0))
+    before, after = (replace(state, apart=False) for state, _ in zip(path, range(2), strict=False))
+    bound, = fx.Until(deflection=after.deflection / 2).bounds
+    monkeypatch.setattr(path.tracer, "attempt", lambda *_, **__: None)
+    monkeypatch.setattr(path.tracer.system, "smooth", False)
+    if guarded:
+        with pytest.raises(Missed):
+            occurrences(path.tracer, before, after, [bound])
+    else:
+        found, = occurrences(path.tracer, before, after, [bound])
+        assert found.state is after
 
 
 def test_events_stand_among_the_critical_points_in_order():

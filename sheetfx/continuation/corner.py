@@ -8,25 +8,21 @@ tangent ahead of the corner, in whichever sense contacts go on as they are there
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from itertools import pairwise
-
 import numpy as np
 from petsc4py import PETSc
 
 from .linear import SingularTangent
 from .state import State
+from .trail import Trail
 
 SHORTER, FEWEST = 1 / 4, 3  # ratio of the lengths of steps that are tried, and how many at least
 LEAST = 1 / 8  # of the usual first step, the longest one at least: beside a corner steps have become short
 FROM_REST = 1 / 16  # of a first step that fails, one at whose end what touched without a force has opened
 AHEAD = 0.5  # of a step that is tried, distance at which the tangent is that of the other side
-ASIDE = 0.1  # of the rise of the load between two states, that a path may pass beside
-ALIKE = 1.5  # ratio of rates of the load that may be the same
 BACK = 0.95  # cosine of the angle with the step before, from which a step goes back where it came from
 
 
-def around_corner(tracer, before: State, wanted: float, failed: float, trail: Sequence[State] = (),
+def around_corner(tracer, before: State, wanted: float, failed: float, trail: Trail | None = None,
                   earlier: State | None = None) -> State | None:
     """A step from a state that lies at a corner of the path; None, and back at the state, if none is found.
 
@@ -36,7 +32,7 @@ def around_corner(tracer, before: State, wanted: float, failed: float, trail: Se
     Parameters
     ----------
     wanted, failed : lengths of the step that was tried first, and of the shortest one
-    trail : states that have led here
+    trail : states that have led here; None: they do not matter
     earlier : the one before; None: not known
     """
     control = tracer.control
@@ -55,7 +51,7 @@ def around_corner(tracer, before: State, wanted: float, failed: float, trail: Se
         for sign in (forwards, -forwards):
             tracer.back_to(before)
             after = tracer.attempt_along(solution, sign, length)
-            if (after is not None and _leads_on(tracer, before, after) and not returns(trail, after)
+            if (after is not None and _leads_on(tracer, before, after) and not (trail and trail.holds(after))
                     and not (flows and _unloads(tracer, before, after))):
                 return after
     tracer.back_to(before)
@@ -93,24 +89,6 @@ def _ahead(tracer, before: State, distance: float) -> tuple[PETSc.Vec, float]:
     tracer.stepper.factorise(tracer.snes, tracer.x)
     tracer.stepper.linear.solve(tracer.load_vector(), solution)
     return solution, float(np.sign(tracer.inner((0.0, solution.array), (0.0, x)))) or 1.0
-
-
-def returns(trail: Sequence[State], after: State) -> bool:
-    """Whether a state lies on the path that has led to it: by load and rate, deflection, what touches, and stability.
-
-    So it does where a step has jumped from an unstable piece of path back onto the one before.
-    """
-    for one, other in pairwise(trail):
-        way, span = other.deflection - one.deflection, abs(other.load - one.load)
-        part = (after.deflection - one.deflection) / way if way else -1.0
-        touching = sorted((one.contact_points, other.contact_points))
-        rates = sorted(map(abs, (one.load_rate, other.load_rate)))
-        if (one.stage == after.stage and 0 <= part <= 1 and touching[0] <= after.contact_points <= touching[1]
-                and after.unstable_modes in (one.unstable_modes, other.unstable_modes)
-                and rates[0] / ALIKE <= abs(after.load_rate) <= rates[1] * ALIKE
-                and abs(one.load + part * (other.load - one.load) - after.load) < ASIDE * span):
-            return True
-    return False
 
 
 def _leads_on(tracer, before: State, after: State) -> bool:

@@ -83,7 +83,13 @@ def _occurrence(tracer, before: State, after: State, event: Event) -> Occurrence
 
 
 def _near_zero(segment: Segment, event: Event) -> float:
-    """Length at which a test function is zero within what is asked of it."""
+    """Length at which a test function is zero within what is asked of it.
+
+    Raises
+    ------
+    Missed
+        If states in between do not converge; steps of a control that leaves them as they are end where they end.
+    """
     def value(length):
         found = event.value(segment[length])
         return 0.0 if abs(found) <= event.near else found
@@ -91,7 +97,7 @@ def _near_zero(segment: Segment, event: Event) -> float:
     try:
         return float(brentq(value, 0.0, segment.after.length, xtol=1e-12 * segment.after.length))
     except Missed:
-        if segment.guarded:
+        if segment.tracer.control.guarded:
             raise
         return segment.after.length
 
