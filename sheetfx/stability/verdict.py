@@ -66,7 +66,8 @@ def _of_bifurcations_with_contact(system) -> list[str]:
         return ["bifurcations: not looked for (friction of a Contact, or by a law of one's own, or contact beside "
                 "loads without a potential)"]
     found = ["bifurcations: unstable modes compared at the ends of steps, and between where the load turns; where "
-             "something begins or ceases to touch or to slip eigenvalues jump, and may jump past zero"]
+             "something begins or ceases to touch or to slip eigenvalues jump, and may jump past zero; what is lost "
+             "and regained within one step is not seen (shorter steps: `largest` of the control)"]
     if not system.conservative:
         found += ["bifurcations with friction: of the loading tangent, with which what slips slips on, and what sticks "
                   "or is open stays so; not those at which some of it would turn",
