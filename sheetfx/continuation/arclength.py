@@ -175,7 +175,7 @@ class PathStep:
         return Reason.DIVERGED_MAX_IT
 
     def _correct_holding(self, snes, x) -> None:
-        if self._guess is not None or self._eliminates:
+        if self._guess is not None:
             self._correct(snes, x)
             return
         with self.system.held() as holding:

@@ -33,6 +33,8 @@ class Condensation(Elimination):
         motions = [c.motions() for c in pairs]
         self._motions, self._ends = vstack(motions, format="csr"), np.cumsum([m.shape[0] for m in motions])[:-1]
         self._before, self._stiff = self._after(np.zeros(self._motions.shape[0]))
+        for contribution in pairs:
+            contribution.release()
 
     def _after(self, changes: np.ndarray) -> tuple[np.ndarray, csr_matrix]:
         """Forces on gaps and slips that have changed by so much, and their derivatives."""

@@ -10,11 +10,31 @@ from scipy.sparse import bsr_matrix, csr_matrix
 from .layout import Layout
 from .pair_work import PairWork
 
+CLINGING = 1e300  # tensile strength of pairs that do not open
+
 
 class CondensedPairs(PairWork):
     """Virtual work of pairs that also tells gaps and slips apart from the law in them."""
 
     condenses = True
+    _pressed: np.ndarray | None = None  # pairs that were pressed where forces were found last
+
+    def hold(self) -> bool:
+        """Let pairs stay closed for one iteration that were pressed and are open at the iterate.
+
+        A step that is straight opens them, and without them the structure springs back through what it touched. The law
+        is asked again as it is for the forces that are found on the flexibility, with which they open if they must.
+        """
+        held = super().hold()
+        if self._pressed is None or not self.sticks:
+            return held
+        opened = self._pressed & (self.place() > 0)
+        if not opened.any():
+            return held
+        table = self._table.copy()
+        table[opened, 4] = CLINGING
+        self._law.give(self._data_of_history + 1, table)
+        return True
 
     def pattern(self, layout: Layout):
         self._layout = layout
@@ -33,6 +53,7 @@ class CondensedPairs(PairWork):
         """Function from changes of gaps and slips to forces on these, and their derivatives; partners stay."""
         z, own = self.values(), 1 + self._slips
         strains = self._law.strains(z)
+        self._pressed = self._law.resultants(z)[:, 0] < 0
 
         def law(changes: np.ndarray) -> tuple[np.ndarray, bsr_matrix]:
             changed = strains.copy()
