@@ -40,6 +40,27 @@ def stacked(moving, enforcement="penalty", dimension=2, **how):
                     [fx.LineForce(beams[0], down)], fx.Monitor(upper, "end", "y", -1.0), joints=[contact, foundation])
 
 
+@pytest.mark.parametrize("friction, load", [(0.0, 356.1400), (0.2, 365.0142)])
+def test_a_tip_that_slides_takes_long_steps(friction, load):
+    """A cantilever presses its tip on another one that points to it, at one pair of points.
+
+    A step that is straight opens this pair, and the lower cantilever springs back through the upper one: steps used to
+    be a tenth as long, 150 of them to the deflection at which the load is compared, with that of steps shorter still.
+    """
+    upper, lower = (fx.read(lambda places=places, cells=cells: fx.meshes.frame(places, {
+        "x": ("start", "middle", cells[0]), "y": ("middle", "end", cells[1])}), 2) for places, cells in (
+            ({"start": (0.0, 0.0), "middle": (400.0, 0.0), "end": (500.0, 0.0)}, (12, 4)),
+            ({"start": (350.0, -10.0), "middle": (450.0, -10.0), "end": (900.0, -10.0)}, (4, 12))))
+    beams = [fx.Beam(mesh, fx.Rectangle(20.0, 8.0), fx.Elastic(2e5, 0.0)) for mesh in (upper, lower)]
+    contact = fx.PairContact(upper, ["x", "y"], (lower, None), toward=(0.0, -1.0), reach=420.0, gap=1.0,
+                             friction=friction)
+    scene = fx.Scene(beams, [fx.clamp(upper, "start"), fx.clamp(lower, "end")],
+                     [fx.PointForce(upper, "end", (-0.3, -1.0))], fx.Monitor(upper, "end", "y", -1.0), joints=[contact])
+    record = fx.trace(fx.Case(scene, until=fx.Until(deflection=30.6403)))
+    assert record.states[-1].load == pytest.approx(load, rel=1e-4)
+    assert len(record.states) < 30
+
+
 @pytest.mark.parametrize("moving", [False, True])
 def test_constant_pressure_passes(moving):
     record = fx.trace(fx.Case(stacked(moving), fx.LoadControl(1.0, fixed=True)))

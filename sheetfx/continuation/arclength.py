@@ -178,7 +178,7 @@ class PathStep:
         if self._guess is not None:
             self._correct(snes, x)
             return
-        with self.system.held() as holding:
+        with self.system.held(found=self._eliminates) as holding:
             if holding:
                 snes.computeFunction(x, self._residual)
             self._correct(snes, x)

@@ -19,18 +19,12 @@ class CondensedPairs(PairWork):
     condenses = True
     _pressed: np.ndarray | None = None  # pairs that were pressed where forces were found last
 
-    def hold(self) -> bool:
-        """Let pairs stay closed for one iteration that were pressed and are open at the iterate.
-
-        A step that is straight opens them, and without them the structure springs back through what it touched. The law
-        is asked again as it is for the forces that are found on the flexibility, with which they open if they must.
-        """
-        held = super().hold()
+    def cling(self) -> bool:
         if self._pressed is None or not self.sticks:
-            return held
+            return False
         opened = self._pressed & (self.place() > 0)
-        if not opened.any():
-            return held
+        if not opened.any() or not opened[self._pressed].all():
+            return False
         table = self._table.copy()
         table[opened, 4] = CLINGING
         self._law.give(self._data_of_history + 1, table)

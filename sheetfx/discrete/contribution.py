@@ -155,11 +155,19 @@ class Contribution:
         """
         return False
 
+    def cling(self) -> bool:
+        """Answer as if what was pressed stayed closed, where all of it is open at an iterate; whether anything is held.
+
+        A step that is straight opens it, and without it the structure springs back through what it touched. It is asked
+        before forces are found on the flexibility of the structure, with which it opens if it must.
+        """
+        return False
+
     def stick(self) -> None:
         """Answer as if all that touches stuck where it is now, with the forces of now, until `release`."""
 
     def release(self) -> None:
-        """Answer again as it is, after `hold` or `stick`."""
+        """Answer again as it is, after `hold`, `cling` or `stick`."""
 
     def augment(self) -> bool:
         """Whether a converged solution satisfies the contribution; if not, change what the next solution starts from.

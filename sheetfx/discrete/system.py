@@ -134,9 +134,9 @@ class System:
         x.ghostUpdate(addv=PETSc.InsertMode.INSERT, mode=PETSc.ScatterMode.FORWARD)
 
     @contextmanager
-    def held(self) -> Iterator[bool]:
-        """Let contributions hold what a Newton iteration would overshoot; whether any does, on any process."""
-        holding = [] if self.smooth else [c for c in self.contributions if c.hold()]
+    def held(self, found: bool) -> Iterator[bool]:
+        """Let contributions hold what an iteration would overshoot, or open if forces are found; whether any does."""
+        holding = [] if self.smooth else [c for c in self.contributions if (c.cling() if found else c.hold())]
         try:
             yield not self.smooth and self.comm.allreduce(len(holding)) > 0
         finally:
