@@ -1,12 +1,20 @@
-"""Falls of structures with friction, against closed forms of a truss that slides along a wall."""
+"""Falls of structures with friction, against closed forms of a truss that slides along a wall.
+
+Without friction the motion takes what the energy falls by, as the descent of it does.
+"""
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import pytest
+from helpers import follow
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
 import sheetfx as fx
+from sheetfx.scenes import lee_frame, star_dome
+from sheetfx.stability import snap, viscous
 from sheetfx.studies.traps import contact
 
 HELD = 2e-3  # friction of the wall at most, a force of 0.02 with a coefficient of 0.1
@@ -27,18 +35,30 @@ def fallen(load):
     return brentq(lambda deflection: load_at(deflection) - load, 0.36, 0.5)
 
 
+def unstable(path):
+    """States of a path up to the first unstable one."""
+    states = []
+    for state in path:
+        states.append(state)
+        if state.unstable_modes:
+            break
+    return states
+
+
+def falls(fall):
+    """Whether no step takes energy, but for rounding in the last ones."""
+    least = 1e-9 * fall.energy_released
+    return all(after.energy < before.energy + least for before, after in pairwise(fall.history))
+
+
 def test_fall_from_an_unstable_state():
     """The held load does more work on the way than truss and friction take: the rest is released.
 
     The wall yields to its friction by a hundred-thousandth, which is not in the closed form.
     """
     path = truss(contact.SHORT)
-    states = []
-    for state in path:
-        states.append(state)
-        if state.unstable_modes:
-            break
-    fall = fx.snap(path, states[-1])
+    *_, state = unstable(path)
+    fall = fx.snap(path, state)
     assert fall.after.unstable_modes == 0 and fall.after.load == pytest.approx(state.load, rel=1e-9)
     assert fall.after.deflection == pytest.approx(fallen(state.load), rel=1e-6)
     released, _ = quad(lambda x: state.load - load_at(x), state.deflection, fall.after.deflection, epsabs=1e-12)
@@ -60,3 +80,40 @@ def test_fall_from_where_the_load_cannot_rise():
     assert held.load == pytest.approx(load_at(held.deflection), rel=1e-4)
     *_, last = fx.Path(path.scene, fx.LoadControl(step=2e-4, target=6e-3), start=[fall.after])
     assert last.deflection == pytest.approx(fallen(6e-3), rel=1e-6)
+
+
+def test_short_pushes_lead_to_the_same_state(monkeypatch):
+    """Steps grow along the mode, none leads back to where the structure leaves: the work is that of a long push."""
+    path = truss(contact.SHORT)
+    *_, state = unstable(path)
+    fall = fx.snap(path, state)
+    for push in (0.01, 1e-3):
+        monkeypatch.setattr(viscous, "AMPLITUDE", push)
+        pushed = fx.snap(path, state)
+        assert falls(pushed)
+        assert pushed.after.deflection == pytest.approx(fall.after.deflection, rel=1e-8)
+        assert pushed.energy_released == pytest.approx(fall.energy_released, rel=1e-4)
+
+
+@pytest.fixture(scope="module")
+def records():
+    """A dome with six unstable directions, and a slender frame beyond the turning point of its deflection."""
+    cases = (star_dome.case(), 12.0), (lee_frame.case(elements=10, to=85.0), 85.0)
+    return [follow(case.scene, case.control, to) for case, to in cases]
+
+
+@pytest.mark.parametrize("push", [0.02, 1e-3])
+@pytest.mark.parametrize("hold", ["load", "displacement"])
+def test_without_friction_as_by_descent(records, push, hold, monkeypatch):
+    """The integral of the forces does not depend on the way, nor does the state where one valley leads to it."""
+    monkeypatch.setattr(viscous, "AMPLITUDE", push)
+    for record in records:
+        state = max(record.states, key=lambda s: (s.unstable_modes, s.current_stiffness > 0))
+        by_energy = fx.snap(record.path, state, hold)
+        with monkeypatch.context() as patched:
+            patched.setattr(snap, "Fall", viscous.ViscousFall)
+            by_motion = fx.snap(record.path, state, hold)
+        assert falls(by_motion)
+        assert by_motion.after.load == pytest.approx(by_energy.after.load, rel=1e-7)
+        assert by_motion.after.deflection == pytest.approx(by_energy.after.deflection, rel=1e-7)
+        assert by_motion.energy_released == pytest.approx(by_energy.energy_released, rel=1e-7)

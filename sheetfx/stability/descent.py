@@ -13,6 +13,7 @@ to their floors.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import copysign
 
@@ -22,6 +23,7 @@ from petsc4py import PETSc
 from ..continuation.linear import SingularTangent
 from ..continuation.spectrum import diagonal, lowest
 from ..continuation.state import State
+from ..discrete.contribution import Contribution
 from .modes import scaled
 
 AMPLITUDE, LONGEST = 0.02, 0.2  # of the first and of any step, in the scaled norm
@@ -68,10 +70,9 @@ def unstable(state: State, hold: str) -> int:
 class _Held:
     """Factor of the tangent plus shift W under a held load or displacement; a solver for `spectrum`."""
 
-    symmetric = True
-
     def __init__(self, tracer, hold: str):
         self.system, self._linear, self.matrix = tracer.system, tracer.stepper.linear, tracer.system.matrix
+        self.symmetric = self._linear.symmetric
         self._load = self.system.create_vector() if hold == "displacement" else None
         self._response, self._diagonal = self.system.create_vector(), self.system.create_vector()
 
@@ -87,15 +88,18 @@ class _Held:
         """Number of directions in which the quadratic form falls; at least 1 where it is singular."""
         self.matrix.setDiagonal(self._diagonal + shift * self.system.weights)
         try:
-            self._linear.factorise()
+            self.factorise_matrix()
         except SingularTangent:
             return 1
         negative = self._linear.negative_pivots() - self.system.multipliers
-        if self._load is None:
-            return negative
-        self._linear.solve(self._load, self._response)
-        self._compliance = self._load.dot(self._response)
-        return negative - (self._compliance < 0)
+        return negative - (self._load is not None and self._compliance < 0)
+
+    def factorise_matrix(self) -> None:
+        """Factor the matrix as it is."""
+        self._linear.factorise()
+        if self._load is not None:
+            self._linear.solve(self._load, self._response)
+            self._compliance = self._load.dot(self._response)
 
     def solve(self, right: PETSc.Vec, solution: PETSc.Vec) -> float:
         """Solve for the unknowns, and return the change of the load factor that holds the displacement."""
@@ -278,25 +282,39 @@ class Fall:
         return change
 
     def _move(self, way: PETSc.Vec, load_increment: float) -> float:
-        """Follow a straight way, let increments count from its end, and return the change of the energy.
+        """Follow a straight way, let increments count from its end, and return the change of the energy."""
+        change = self._work(way, load_increment)
+        self._follow(way, load_increment)
+        return change
 
-        That is the integral of the residual along it.
-        """
+    def _work(self, way: PETSc.Vec, load_increment: float) -> float:
+        """Change of the energy along a straight way, at whose end the system is then."""
+        return self._integral(self.system.contributions, way, load_increment)
+
+    def _integral(self, contributions: Sequence[Contribution], way: PETSc.Vec, load_increment: float) -> float:
+        """Integral of the residual of some contributions along a straight way, at whose end the system is then."""
         system, x, force = self.system, self.tracer.x, self.system.create_vector()
         start, change = system.factor, 0.0
         with system.additive_increments():
             for point, weight in zip(POINTS, WEIGHTS, strict=True):
                 x.array[:] = point * way.array
                 system.configure(x, start + point * load_increment)
-                system.residual(force)
+                system.residual_of(contributions, force)
                 change += weight * force.dot(way)
+        x.array[:] = way.array
+        system.configure(x, start + load_increment)
+        return float(change)
+
+    def _follow(self, way: PETSc.Vec, load_increment: float) -> None:
+        """Let increments count from the end of a straight way, where the system is."""
+        system, x = self.system, self.tracer.x
+        factor = system.factor
         x.zeroEntries()
-        system.configure(x, start)
+        system.configure(x, factor - load_increment)
         x.array[:] = way.array
         system.extrapolate_stress(x)
-        system.configure(x, start + load_increment)
+        system.configure(x, factor)
         self._deflection += self.tracer.monitored(x)
         system.history.rebase()
         x.zeroEntries()
-        system.configure(x, start + load_increment)
-        return float(change)
+        system.configure(x, factor)

@@ -36,7 +36,10 @@ class Snap:
 
     @property
     def energy_released(self) -> float:
-        """What a real structure turns into motion and heat (force times length), beside what friction takes."""
+        """What a real structure turns into motion and heat (force times length), beside what friction takes.
+
+        That is what stored energy and the held load's potential fall by, less friction's work, which hangs on the way.
+        """
         return -self.history[-1].energy
 
     @property
@@ -69,7 +72,7 @@ def snap(path, state: State, hold: str = "load", side: int = 1,
     hold : what the test holds during the fall: "load", the load factor (with a prescribed displacement that one), or
         "displacement", that on which the load works: the monitored one where the load is a force there
     side : 1 or -1, the sense of the fall along the unstable direction; 1: that of the path where the two are not
-        perpendicular, as at limit points
+        perpendicular, as at limit points; friction may hold the structure in one of them
     listener : called with every step of the fall
 
     Raises
