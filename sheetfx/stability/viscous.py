@@ -160,7 +160,7 @@ class ViscousFall(Fall):
 
         before = taken()
         change = self._integral(self._even, way, load_increment)
-        return change + self.system.comm.allreduce(taken() - before)
+        return change + taken() - before
 
     def _accept(self, change: float, load_increment: float) -> None:
         """Accept the end of a step, where the system is, with what has slipped on its way."""
