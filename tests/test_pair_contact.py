@@ -12,6 +12,7 @@ from sheetfx.discrete.discretisation import Discretisation
 from sheetfx.discrete.pair_work import pairs_of
 from sheetfx.discrete.pairs import friction_work
 from sheetfx.scenes import dome
+from sheetfx.show.pairs import draw_pairs, pair_states
 from sheetfx.studies.traps import TRAPS
 
 SECTION = {"section": fx.Rectangle(0.1, 0.1), "material": fx.Elastic(1.2e6, 0.0)}
@@ -38,6 +39,14 @@ def stacked(moving, enforcement="penalty", dimension=2, **how):
     held = {2: ("x rz", "x"), 3: ("x z rx ry rz", "x z rx ry")}[dimension]
     return fx.Scene(beams, [fx.Support(upper, "start", held[0]), fx.Support(lower, "start", held[1])],
                     [fx.LineForce(beams[0], down)], fx.Monitor(upper, "end", "y", -1.0), joints=[contact, foundation])
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_slips_that_are_not_known_are_not_drawn(friction):
+    """Without friction the picture used to show a slip of zero."""
+    record = leaf_spring(friction, 0.01)
+    _, sizes = draw_pairs(record, pair_states(record)).subfigs[0].axes
+    assert ("largest slip" in [line.get_label() for line in sizes.lines]) == (friction > 0)
 
 
 @pytest.mark.parametrize("friction, load", [(0.0, 356.1400), (0.2, 365.0142)])

@@ -69,10 +69,12 @@ def draw_pairs(record: Record, history: Sequence[Sequence[PairState]]):
     length = unit_of(record.case.axes[0])
     for label, size in (("largest opening", lambda s: s.gap),
                         ("largest slip", lambda s: np.linalg.norm(s.slip, axis=1))):
-        sizes.plot(deflection, [max(float(size(s).max(initial=0.0)) for s in states) for states in history], ".-",
-                   label=label)
+        largest = [max(float(size(s).max(initial=0.0)) for s in states) for states in history]
+        if any(largest):  # without friction slips are not known
+            sizes.plot(deflection, largest, ".-", label=label)
     sizes.set(xlabel=record.case.axes[0], ylabel=f"length ({length})" if length else "length")
-    sizes.legend(frameon=False)
+    if sizes.lines:
+        sizes.legend(frameon=False)
     for place, step in zip(below.subplots(1, len(steps), squeeze=False)[0], steps, strict=True):
         _plan(place, history[step])
         place.set_title(f"at {with_unit(record.states[step].deflection, length)}", fontsize=10)
