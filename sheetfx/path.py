@@ -86,7 +86,7 @@ class Path:
         self.critical_states: dict[CriticalPoint, State] = {}
         self._listeners: list[Callable[[State], None]] = []
         self._earlier = self.start[-2] if len(start) > 1 else None
-        self._trail = Trail(self.tracer, self.start or [self.tracer.state])
+        self._trail = None if self.tracer.system.smooth else Trail(self.tracer, self.start or [self.tracer.state])
         if start:
             self.tracer.back_to(self.control.facing(self.start[-1]))
         else:
@@ -175,7 +175,8 @@ class Path:
         after, points = taken
         after = replace(after, next_length=min(largest, length * self.control.growth(after.hardest)), critical=points)
         self.tracer.state, self._earlier = after, before
-        self._trail.append(after)
+        if self._trail:
+            self._trail.append(after)
         return after
 
     def _try(self, before: State, length: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:
@@ -203,14 +204,14 @@ class Path:
 
     @property
     def _guards_corners(self) -> bool:
-        return self.control.guarded and self.control.passes_limits and not self.tracer.system.smooth
+        return self.control.guarded and self.control.passes_limits
 
     def _searched(self, before: State, after: State, earlier: State | None,
                   largest_turn: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:
         """A step, or its sound part, with critical points; None and back if it turns too far or leaves its branch."""
         try:
             turn = self.tracer.turn(before, after)
-            if self._guards_corners and self._trail.holds(after):
+            if self._trail and self._guards_corners and self._trail.holds(after):
                 self._refusal = "it leads back onto the path that has led here"
             elif turn <= largest_turn:
                 points = locate(self.tracer, earlier, before, after, self._others)

@@ -36,13 +36,8 @@ def fallen(load):
 
 
 def unstable(path):
-    """States of a path up to the first unstable one."""
-    states = []
-    for state in path:
-        states.append(state)
-        if state.unstable_modes:
-            break
-    return states
+    """The first unstable state of a path."""
+    return next(state for state in path if state.unstable_modes)
 
 
 def falls(fall):
@@ -57,7 +52,7 @@ def test_fall_from_an_unstable_state():
     The wall yields to its friction by a hundred-thousandth, which is not in the closed form.
     """
     path = truss(contact.SHORT)
-    *_, state = unstable(path)
+    state = unstable(path)
     fall = fx.snap(path, state)
     assert fall.after.unstable_modes == 0 and fall.after.load == pytest.approx(state.load, rel=1e-9)
     assert fall.after.deflection == pytest.approx(fallen(state.load), rel=1e-6)
@@ -85,7 +80,7 @@ def test_fall_from_where_the_load_cannot_rise():
 def test_short_pushes_lead_to_the_same_state(monkeypatch):
     """Steps grow along the mode, none leads back to where the structure leaves: the work is that of a long push."""
     path = truss(contact.SHORT)
-    *_, state = unstable(path)
+    state = unstable(path)
     fall = fx.snap(path, state)
     for push in (0.01, 1e-3):
         monkeypatch.setattr(viscous, "AMPLITUDE", push)

@@ -28,6 +28,7 @@ class Condensation(Elimination):
     most, exact, can_do_without = 600, 1e-3, True
 
     def _linearise(self) -> None:
+        """Take forces and stiffness as they are, with what is held for this iteration, and the laws without it."""
         pairs = [c for c in self._system.contributions if c.condenses]
         self._laws = [c.law_of_changes() for c in pairs]
         motions = [c.motions() for c in pairs]

@@ -20,13 +20,12 @@ class CondensedPairs(PairWork):
     _pressed: np.ndarray | None = None  # pairs that were pressed where forces were found last
 
     def cling(self) -> bool:
-        if self._pressed is None or not self.sticks:
+        if self._pressed is None or not self._pressed.any() or not self.sticks:
             return False
-        opened = self._pressed & (self.place() > 0)
-        if not opened.any() or not opened[self._pressed].all():
+        if (self.place()[self._pressed] <= 0).any():
             return False
         table = self._table.copy()
-        table[opened, 4] = CLINGING
+        table[self._pressed, 4] = CLINGING
         self._law.give(self._data_of_history + 1, table)
         return True
 

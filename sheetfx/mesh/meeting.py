@@ -255,8 +255,8 @@ def _ways(part: Cells, line: Sequence[Piece], pair: _Pair) -> list[list[tuple[fl
 
     A straight piece that ends over the flat cell that it begins over does not leave it in between.
     """
-    starts, ends = (np.concatenate([piece.places(np.array([t(piece)])) for piece in line])
-                    for t in (lambda piece: _just_ahead(part, piece, 0.0), lambda piece: 1.0))
+    starts = np.concatenate([piece.places(np.array([_just_ahead(part, piece, 0.0)])) for piece in line])
+    ends = np.concatenate([piece.places(np.array([1.0])) for piece in line])
     cells, _, distances = part.closest(starts)
     pair.check(starts, [distances])
     stays = np.array([piece.straight for piece in line]) & part.flat[cells]
