@@ -12,7 +12,7 @@ C = G K^-1 G^T (thesis, equations 4.5 to 4.12, onto all pairs), the problem is s
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import block_diag, csr_matrix, vstack
+from scipy.sparse import block_diag, csc_matrix, csr_matrix, vstack
 
 from .elimination import Elimination
 
@@ -52,8 +52,8 @@ class Condensation(Elimination):
     def _stiffened(self) -> csr_matrix:
         return self._moduli - self._stiff
 
-    def _units(self, rows: np.ndarray) -> np.ndarray:
-        return self._motions[rows].T.toarray()
+    def _units(self, rows: np.ndarray) -> csc_matrix:
+        return self._motions[rows].T.tocsc()
 
     def _motion(self, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
         return self._motions[rows] @ columns

@@ -122,7 +122,7 @@ def sticking_tangent(system) -> PETSc.Mat:
     present = system.matrix.copy()
     for contribution in system.contributions:
         contribution.stick()
-    sticking = system.tangent().copy()
+    sticking = system.tangent(only=[c for c in system.contributions if c.sticks]).copy()
     for contribution in system.contributions:
         contribution.release()
     present.copy(system.matrix, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)

@@ -16,7 +16,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from petsc4py import PETSc
-from scipy.sparse import csr_matrix
+from scipy.sparse import csc_matrix, csr_matrix
 
 from ..discrete.system import System
 from .linear import DirectSolver
@@ -178,17 +178,15 @@ class Elimination:
         """Stiffness after the last step that was tried, less that before."""
         return self._system.tangent_of_steep() - self._stiff
 
-    def _units(self, rows: np.ndarray) -> np.ndarray:
+    def _units(self, rows: np.ndarray) -> csc_matrix:
         """Unit forces at rows, as columns."""
-        units = np.zeros((len(self._base), len(rows)), order="F")
-        units[rows, np.arange(len(rows))] = 1.0
-        return units
+        return csc_matrix((np.ones(len(rows)), (rows, np.arange(len(rows)))), shape=(len(self._base), len(rows)))
 
     def _motion(self, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
         """Motions at some rows in some responses."""
         return columns[rows]
 
-    def _responses(self, units: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _responses(self, units: csc_matrix) -> tuple[np.ndarray, np.ndarray]:
         """Responses to forces that keep to the control's equation, and the changes of load in them."""
         columns, (along, of_load) = self._linear.responses(units), self._normal
         if along is None:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from petsc4py import PETSc
+from scipy.sparse import csc_matrix, issparse
 
 from .. import compat
 
@@ -101,11 +102,21 @@ class DirectSolver:
         for solution, column in zip(solutions, found.T, strict=True):
             solution.array[:] = column
 
-    def responses(self, rights: np.ndarray) -> np.ndarray:
-        """Solutions for the columns of an array, as columns, on one process."""
-        arrays = np.asfortranarray(rights), np.empty_like(rights, order="F")
-        right, solutions = (PETSc.Mat().createDense(rights.shape, array=a, comm=self.ksp.comm) for a in arrays)
-        self.ksp.getPC().getFactorMatrix().matSolve(right, solutions)
+    def responses(self, rights: np.ndarray | csc_matrix) -> np.ndarray:
+        """Solutions for the columns of an array, as columns, on one process.
+
+        Of a sparse one MUMPS leaves out what of its forward substitution stays zero.
+        """
+        comm, pc = self.ksp.comm, self.ksp.getPC()
+        if issparse(rights) and pc.getFactorSolverType() == PETSc.Mat.SolverType.MUMPS:
+            rows = rights.T.tocsr()
+            entries = rows.indptr.astype(PETSc.IntType), rows.indices.astype(PETSc.IntType), rows.data
+            right = PETSc.Mat().createTranspose(PETSc.Mat().createAIJ(rows.shape, csr=entries, comm=comm))
+        else:
+            columns = np.asfortranarray(rights.toarray() if issparse(rights) else rights)
+            right = PETSc.Mat().createDense(rights.shape, array=columns, comm=comm)
+        solutions = PETSc.Mat().createDense(rights.shape, array=np.empty(rights.shape, order="F"), comm=comm)
+        pc.getFactorMatrix().matSolve(right, solutions)
         return solutions.getDenseArray().copy()
 
     def solve_transposed(self, right: PETSc.Vec, solution: PETSc.Vec) -> None:

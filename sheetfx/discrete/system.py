@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
+from itertools import zip_longest
 
 import numpy as np
 from petsc4py import PETSc
@@ -11,6 +12,7 @@ from scipy.sparse import csr_matrix
 
 from .. import compat
 from .contribution import Contribution, Forces
+from .curvature import curvature
 from .form_work import FormMatrix
 from .history import History
 from .layout import Layout
@@ -176,19 +178,25 @@ class System:
                     contribution.load(forces)
             self._gather(forces, out)
 
-    def tangent(self) -> PETSc.Mat:
-        """Derivative of the residual with respect to increments of the current configuration."""
+    def tangent(self, only: Sequence[Contribution] | None = None) -> PETSc.Mat:
+        """Derivative of the residual with respect to increments of the current configuration.
+
+        Parameters
+        ----------
+        only : contributions that alone have another tangent, though the same forces, since this was last made; None:
+            all may have
+        """
         with self.clock("assembly"):
-            if any(c.moved for c in self.contributions):
-                self._create_matrix()
             held = self._forces()
-            values = [array for contribution in self.contributions for array in contribution.tangent(held)]
-            moments = self._moments()
-            for number, field in enumerate(self.unknowns.fields):
-                if field.curved:
-                    blocks = field.curvature(held.on(number), self.conservative) + moments.pop(number, 0.0)
-                    values.append(blocks.ravel())
-            compat.set_coo_values(self.matrix, np.concatenate(values))
+            if only is None:
+                if any(c.moved for c in self.contributions):
+                    self._create_matrix()
+                self._shares = [c.tangent(held) for c in self.contributions] + [
+                    curvature(self.unknowns, self._layout, self.contributions, held)]
+            else:
+                self._shares = [c.tangent(held) if c in only else share for c, share in zip_longest(
+                    self.contributions, self._shares)]
+            compat.set_coo_values(self.matrix, np.concatenate([array for share in self._shares for array in share]))
             return self.matrix
 
     def tangent_of_steep(self) -> csr_matrix:
@@ -203,17 +211,6 @@ class System:
             values = np.concatenate([array for c in self.steep for array in c.tangent(held)])
             inside = (values != 0) & (np.minimum(rows, columns) >= 0) & (np.maximum(rows, columns) < size)
             return csr_matrix((values[inside], (rows[inside], columns[inside])), shape=(size, size))
-
-    def _moments(self) -> dict[int, np.ndarray]:
-        """For each field of rotations the change of moments with its increments, in problems without a potential."""
-        if self.conservative:
-            return {}
-        forces = self._forces()
-        for contribution in self.contributions:
-            if contribution.gives_moments:
-                contribution.residual(forces)
-        return {number: f.moment_slopes(array[f.dofs].reshape(-1, f.width))
-                for number, (f, array) in enumerate(self._layout.fields(forces.along_space)) if f.curved}
 
     def _forces(self) -> Forces:
         return Forces(self.unknowns, self._layout)
