@@ -192,4 +192,5 @@ class Elimination:
         if along is None:
             return columns, np.zeros(units.shape[1])
         loads = -(along.array @ columns) / (along.dot(self._unit) + of_load)
-        return columns + np.outer(self._unit.array, loads), loads
+        columns += np.outer(self._unit.array, loads)
+        return columns, loads

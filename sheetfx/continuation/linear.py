@@ -110,14 +110,15 @@ class DirectSolver:
         comm, pc = self.ksp.comm, self.ksp.getPC()
         if issparse(rights) and pc.getFactorSolverType() == PETSc.Mat.SolverType.MUMPS:
             rows = rights.T.tocsr()
+            rows.sum_duplicates()
             entries = rows.indptr.astype(PETSc.IntType), rows.indices.astype(PETSc.IntType), rows.data
             right = PETSc.Mat().createTranspose(PETSc.Mat().createAIJ(rows.shape, csr=entries, comm=comm))
         else:
             columns = np.asfortranarray(rights.toarray() if issparse(rights) else rights)
             right = PETSc.Mat().createDense(rights.shape, array=columns, comm=comm)
-        solutions = PETSc.Mat().createDense(rights.shape, array=np.empty(rights.shape, order="F"), comm=comm)
-        pc.getFactorMatrix().matSolve(right, solutions)
-        return solutions.getDenseArray().copy()
+        found = np.empty(rights.shape, order="F")
+        pc.getFactorMatrix().matSolve(right, PETSc.Mat().createDense(rights.shape, array=found, comm=comm))
+        return np.ascontiguousarray(found)
 
     def solve_transposed(self, right: PETSc.Vec, solution: PETSc.Vec) -> None:
         self.ksp.getPC().applyTranspose(right, solution)

@@ -36,11 +36,10 @@ class CondensedPairs(PairWork):
     def motions(self) -> csr_matrix:
         """Derivatives of gaps and slips by increments, pair by pair, on one process."""
         matrix = self._law.slopes(self.values())[:, :1 + self._slips] @ self._derivatives()
-        count = matrix.shape[0] * matrix.shape[1]
         columns = np.broadcast_to(self._numbers(self._layout)[:, None, :], matrix.shape)
-        rows = np.broadcast_to(np.arange(count).reshape(*matrix.shape[:2], 1), matrix.shape)
         free = columns >= 0
-        return csr_matrix((matrix[free], (rows[free], columns[free])), shape=(count, self._layout.size))
+        ends = np.append(0, np.cumsum(free.sum(axis=2)))
+        return csr_matrix((matrix[free], columns[free], ends), shape=(len(ends) - 1, self._layout.size))
 
     def law_of_changes(self) -> Callable[[np.ndarray], tuple[np.ndarray, bsr_matrix]]:
         """Function from changes of gaps and slips to forces on these, and their derivatives; partners stay."""
