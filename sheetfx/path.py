@@ -17,7 +17,7 @@ from typing import Any
 from .checks import require
 from .continuation.control import ArcLength, DisplacementControl, LoadControl, StepRule
 from .continuation.corner import LEAST, around_corner
-from .continuation.events import Event, end_at, occurrences
+from .continuation.events import Event, Hidden, end_at, occurrences
 from .continuation.linear import SingularTangent
 from .continuation.scattered import ScatteredState
 from .continuation.segment import Jump, Missed
@@ -82,7 +82,7 @@ class Path:
         self.start, self._started = self._taken(start), time.process_time()
         self.tracer = Tracer(self.discretisation, self._controls[start[-1].stage if start else 0], prefix)
         self._others = [Flutter(self.tracer)] if Flutter.concerns(self.tracer) else []
-        self.message = self._refusal = ""
+        self.message, self._refusal, self._hidden = "", "", 0.0
         self.critical_states: dict[CriticalPoint, State] = {}
         self._listeners: list[Callable[[State], None]] = []
         self._earlier = self.start[-2] if len(start) > 1 else None
@@ -167,6 +167,9 @@ class Path:
             if (shortest or cornered) and (taken := self._around_corner(before, wanted, length)):
                 length = taken[0].length
                 break
+            if shortest and (taken := self._whole(before)):
+                length = taken[0].length
+                break
             if shortest:
                 raise failure
             length /= 2
@@ -174,7 +177,7 @@ class Path:
             length = min(length, taken[0].length)
         after, points = taken
         after = replace(after, next_length=min(largest, length * self.control.growth(after.hardest)), critical=points)
-        self.tracer.state, self._earlier = after, before
+        self.tracer.state, self._earlier, self._hidden = after, before, max(0.0, self._hidden - after.length)
         if self._trail:
             self._trail.append(after)
         return after
@@ -200,28 +203,38 @@ class Path:
                        failed: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:
         """A step around a corner of the path, before which loads say nothing of those behind it."""
         after = around_corner(self.tracer, before, wanted, failed, self._trail, self._earlier)
-        return None if after is None else self._searched(before, after, None, pi)
+        return None if after is None else self._searched(before, after, None, pi, whole=True)
+
+    def _whole(self, before: State) -> tuple[State, tuple[CriticalPoint, ...]] | None:
+        """A step up to where one was refused for an event that no shorter ones lead to; None where none was."""
+        after = self.tracer.attempt(self._hidden) if self._hidden else None
+        return None if after is None else self._searched(before, after, self._earlier, self.control.turn, whole=True)
 
     @property
     def _guards_corners(self) -> bool:
         return self.control.guarded and self.control.passes_limits
 
     def _searched(self, before: State, after: State, earlier: State | None,
-                  largest_turn: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:
-        """A step, or its sound part, with critical points; None and back if it turns too far or leaves its branch."""
+                  largest_turn: float, whole: bool = False) -> tuple[State, tuple[CriticalPoint, ...]] | None:
+        """A step, or its sound part, with critical points; None and back if it turns too far or leaves its branch.
+
+        None also where shorter ones may find the state of an event in it, unless it has to be taken as a `whole`.
+        """
         try:
             turn = self.tracer.turn(before, after)
             if self._trail and self._guards_corners and self._trail.holds(after):
                 self._refusal = "it leads back onto the path that has led here"
             elif turn <= largest_turn:
                 points = locate(self.tracer, earlier, before, after, self._others)
-                return self._with_events(before, after, points)
+                return self._with_events(before, after, points, whole)
             else:
                 self._refusal = f"it turns off the path by {turn:.2g} radians, more than {self.control.turn:g}"
         except Jump as jump:
             self._refusal = str(jump)
             if jump.sound is not None:
-                return self._searched(before, jump.sound, earlier, largest_turn)
+                return self._searched(before, jump.sound, earlier, largest_turn, whole)
+        except Hidden:
+            self._refusal, self._hidden = "states about an event do not converge", after.length
         except Missed:
             self._refusal = "it skips states in between"
         except SingularTangent:
@@ -245,11 +258,11 @@ class Path:
     def _in_last_stage(self, state: State) -> bool:
         return state.stage + 1 == len(self._controls)
 
-    def _with_events(self, before: State, after: State,
-                     points: dict[CriticalPoint, State | None]) -> tuple[State, tuple[CriticalPoint, ...]]:
+    def _with_events(self, before: State, after: State, points: dict[CriticalPoint, State | None],
+                     whole: bool) -> tuple[State, tuple[CriticalPoint, ...]]:
         """A step and its critical points with the events in it; the step ends at what ends the path."""
         bounds = self.until.bounds if self._in_last_stage(before) else []
-        for occurrence in occurrences(self.tracer, before, after, [*self.events, *bounds]):
+        for occurrence in occurrences(self.tracer, before, after, [*self.events, *bounds], whole):
             point = occurrence.point
             if occurrence.event in self.events:
                 points = points | {point: occurrence.state}

@@ -72,6 +72,57 @@ def test_event_with_contact():
     assert 0 < point.deflection < 9.0
 
 
+def test_event_that_counts():
+    """Its value passes zero without coming near to it."""
+    record = traced(UNTIL, [fx.Event("half", lambda state: 0.5 if state.deflection > 7.5 else -0.5)])
+    (half,) = (p for p in record.critical_points if p.kind == "event")
+    assert half.deflection == pytest.approx(7.5, rel=1e-5)
+
+
+def without_states(monkeypatch, hidden):
+    """A path with tangents that waver, of which steps find no state that is `hidden`, given the one they start from."""
+    path = fx.Path(shallow_arch(10), fx.ArcLength(0.01), UNTIL, events=[HALF, HALVED])
+    path.tracer.state = replace(path.tracer.state, apart=False)
+    attempt = path.tracer._attempted
+
+    def attempted(*arguments, **named):
+        start, found = path.tracer.state, attempt(*arguments, **named)
+        if found is not None and hidden(start, found):
+            path.tracer.back_to(start)
+            return None
+        return found
+
+    monkeypatch.setattr(path.tracer, "_attempted", attempted)
+    monkeypatch.setattr(path.tracer.system, "smooth", False)
+    return path
+
+
+HALF = fx.Event("half", lambda state: state.deflection > 7.5)
+HALVED = fx.Event("halved", lambda state: state.deflection - 7.5)
+
+
+def test_event_is_found_by_shorter_steps(monkeypatch):
+    """Where a long step finds no states in between, and used to be taken to hold the event at its end."""
+    path = without_states(monkeypatch, lambda start, found: found.deflection - start.deflection > 0.5 and
+                          6.0 < found.deflection < 8.5)
+    found = {p.name: p for state in path for p in state.critical if p.kind == "event"}
+    assert {name: p.deflection for name, p in found.items()} == pytest.approx({"half": 7.5, "halved": 7.5}, rel=1e-5)
+    assert not any(p.spread for p in found.values())
+
+
+@pytest.mark.parametrize("width", [0.05, 2.0])
+def test_event_where_no_state_is(monkeypatch, width):
+    """A path that jumps goes on, and the event is told to lie between the states on both sides of the jump."""
+    low, high = 7.5 - width / 2, 7.5 + width / 2
+    path = without_states(monkeypatch, lambda start, found: low < found.deflection < high)
+    states = list(path)
+    found = {p.name: p for state in states for p in state.critical if p.kind == "event"}
+    assert states[-1].deflection == pytest.approx(15.0, rel=1e-9), path.message
+    for point in found.values():
+        assert point.spread and high <= point.deflection < high + width
+        assert point.title == f"{point.name} (between the loads {point.spread[0]:.8g} and {point.spread[1]:.8g})"
+
+
 def test_resumed_path_knows_its_events():
     case = fx.Case(shallow_arch(10), fx.ArcLength(0.005), fx.Until(lambda state: state.deflection - 7.5))
     whole = fx.trace(case).states

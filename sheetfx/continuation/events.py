@@ -17,6 +17,11 @@ from .state import CriticalPoint, State
 TOLD = Like("a number, or True or False", lambda value: isinstance(value, Real))
 EXACT = 1e-10  # relative error of the load at an event
 SHORTEST = 1e-6  # of a step, within which a test that is only true or false changes
+COARSE = 1 / 64  # of the usual first step, way without states that an event may lie on: refusing it would lead nowhere
+
+
+class Hidden(Missed):
+    """An event happens between states that are far apart, and none in between converges."""
 
 
 @dataclass(frozen=True)
@@ -56,50 +61,64 @@ class Occurrence:
     state: State
 
 
-def occurrences(tracer, before: State, after: State, events: Sequence[Event]) -> list[Occurrence]:
-    """Events that happen in the step from `before` to `after`, in their order; the tracer ends at `after`."""
+def occurrences(tracer, before: State, after: State, events: Sequence[Event], whole: bool = False) -> list[Occurrence]:
+    """Events that happen in the step from `before` to `after`, in their order; the tracer ends at `after`.
+
+    Parameters
+    ----------
+    whole : whether the step has to be taken as it is, unless an event asks how near its value must come
+
+    Raises
+    ------
+    Hidden
+        If states about an event do not converge and shorter steps may find them.
+    """
     found = []
     for event in events:
         left, right = event.value(before), event.value(after)
         if (left * right < 0 or (left and not right)) and event.way * (right - left) >= 0:
-            found.append(_occurrence(tracer, before, after, event))
+            found.append(_occurrence(tracer, before, after, event, whole))
     if found:
         tracer.back_to(after)
     return sorted(found, key=lambda occurrence: occurrence.point.length)
 
 
-def _occurrence(tracer, before: State, after: State, event: Event) -> Occurrence:
-    segment = Segment(tracer, before, after)
-    if isinstance(event.test(after), bool):
-        length = _bisected(segment, event)
-    elif event.near:
-        length = _near_zero(segment, event)
-    else:
-        values = segment.root(lambda s: event.value(segment[s]), 0.0, after.length, EXACT)
-        length = next(iter(values))
+def _occurrence(tracer, before: State, after: State, event: Event, whole: bool) -> Occurrence:
+    """An event, at the state behind it where it is only known to lie between two."""
+    segment, spread = Segment(tracer, before, after), None
+    try:
+        length = _length(segment, event)
+    except Missed:
+        left, length = _around(segment, event)
+        if tracer.control.guarded and (event.near or (not whole and length - left > COARSE * tracer.usual)):
+            raise Hidden from None
+        low, high = sorted(segment[s].load for s in (left, length))
+        spread = low, high
     state = segment[length]
-    point = CriticalPoint("event", state.load, state.deflection, after.step, float(length), name=event.name)
+    point = CriticalPoint("event", state.load, state.deflection, after.step, float(length), name=event.name,
+                          spread=spread)
     return Occurrence(event, point, state)
 
 
-def _near_zero(segment: Segment, event: Event) -> float:
-    """Length at which a test function is zero within what is asked of it.
+def _length(segment: Segment, event: Event) -> float:
+    """Length at which a test passes zero, or at which it has changed.
 
     Raises
     ------
     Missed
-        If states in between do not converge; steps of a control that leaves them as they are end where they end.
     """
+    end = segment.after.length
+    if isinstance(event.test(segment.after), (bool, np.bool_)):
+        return _bisected(segment, event)
+
     def value(length):
         found = event.value(segment[length])
         return 0.0 if abs(found) <= event.near else found
 
-    try:
-        return float(brentq(value, 0.0, segment.after.length, xtol=1e-12 * segment.after.length))
-    except Missed:
-        if segment.tracer.control.guarded:
-            raise
-        return segment.after.length
+    if event.near:
+        return float(brentq(value, 0.0, end, xtol=1e-12 * end))
+    segment.close_in(value, 0.0, end, EXACT)
+    return min(reversed(_around(segment, event)), key=lambda s: abs(value(s)))
 
 
 def _bisected(segment: Segment, event: Event) -> float:
@@ -108,12 +127,15 @@ def _bisected(segment: Segment, event: Event) -> float:
     start = event.value(segment.before)
     while right - left > SHORTEST * segment.after.length:
         middle = (left + right) / 2
-        try:
-            changed = event.value(segment[middle]) != start
-        except Missed:
-            break
+        changed = event.value(segment[middle]) != start
         left, right = (left, middle) if changed else (middle, right)
     return right
+
+
+def _around(segment: Segment, event: Event) -> tuple[float, float]:
+    """Lengths of the neighbouring states between which a test changes."""
+    values = {length: event.value(state) for length, state in segment.states.items()}
+    return next(pair for pair in segment.pairs() if values[pair[0]] and values[pair[0]] * values[pair[1]] <= 0)
 
 
 def end_at(tracer, after: State, occurrence: Occurrence) -> State:

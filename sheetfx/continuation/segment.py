@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from itertools import pairwise
 from math import inf
 
@@ -234,12 +235,16 @@ class Segment:
         """Largest size of the eigenvalue nearest to zero, over other states whose spectra are known; infinite: none."""
         return max((min(map(abs, values)) for s, (values, _) in self._spectra.items() if s != length), default=np.inf)
 
-    def root(self, function: Callable[[float], float], left: float, right: float, exact: float) -> dict[float, float]:
-        """Values of a function of the state, at lengths that close in on its root between two others.
+    def close_in(self, function: Callable[[float], float], left: float, right: float, exact: float) -> None:
+        """Have states that close in on the root of a function of the length between two others.
 
         Parameters
         ----------
         exact : relative error of the load at which to stop
+
+        Raises
+        ------
+        Missed
         """
         known = {}
 
@@ -250,11 +255,7 @@ class Segment:
             state = self.states[length]
             return 0.0 if slope and self.load_change(state, value / slope) < exact * self._size(state) else value
 
-        try:
-            brentq(stopped, left, right, xtol=1e-12 * self.after.length, rtol=1e-14)
-        except Missed:
-            pass
-        return dict(sorted(known.items(), key=lambda item: abs(item[1])))
+        brentq(stopped, left, right, xtol=1e-12 * self.after.length, rtol=1e-14)
 
     def stationary(self, left: float, right: float, exact: float) -> float:
         """Length of a state between two others, whose load rates have other signs, at which the load is stationary.
@@ -280,7 +281,9 @@ class Segment:
             last = change
             if not self.reach(length):
                 break
-        return next(iter(self.root(rate, left, right, exact)))
+        with suppress(Missed):
+            self.close_in(rate, left, right, exact)
+        return min((s for s in self.states if left <= s <= right), key=lambda s: abs(rate(s)))
 
     def _size(self, state: State) -> float:
         """Load factor that errors of a state's are compared with."""

@@ -34,7 +34,8 @@ class CriticalPoint:
         load factor is that of forces or of a prescribed motion, and xi is the mode's largest displacement, its largest
         component being positive; None: not known
     spread : loads between which bifurcations lie that could not be told apart, of which `multiplicity` is the least
-        number and `load` about their middle; None: the load is exact
+        number and `load` about their middle; or between which an event happens and nothing converges, `load` being that
+        of the state behind; None: the load is exact
     """
 
     kind: str
@@ -51,12 +52,12 @@ class CriticalPoint:
     @property
     def title(self) -> str:
         """Kind and name in words, for example "limit point (maximum)"."""
+        between = "between the loads {:.8g} and {:.8g}".format(*self.spread) if self.spread else ""
         if self.kind == "event":
-            return self.name
-        if self.spread:
+            return self.name + (f" ({between})" if between else "")
+        if between:
             where = "at a corner" if self.name == "corner" else "not told apart"
-            return (f"{self.kind} points (at least {self.multiplicity}, {where}, between the loads "
-                    f"{self.spread[0]:.8g} and {self.spread[1]:.8g})")
+            return f"{self.kind} points (at least {self.multiplicity}, {where}, {between})"
         name = f"{self.multiplicity}-fold" if self.multiplicity > 1 else self.name
         return f"{self.kind} point" + (f" ({name})" if name else "")
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import basix
 import numpy as np
-from scipy.optimize import bisect, brentq
+from scipy.optimize import brentq
 from scipy.spatial import cKDTree
 
 from .lines import SAME, Piece
@@ -253,7 +253,7 @@ def _segments(line: Sequence[Piece], pair: _Pair) -> list[_Segment]:
 def _ways(part: Cells, line: Sequence[Piece], pair: _Pair) -> list[list[tuple[float, int]]]:
     """For each piece of a line the parameters at which it leaves cells of a part, and these cells.
 
-    A straight piece that ends over the flat cell that it begins over does not leave it in between.
+    A straight piece that ends closest to the flat cell that it begins over does not leave it in between.
     """
     starts = np.concatenate([piece.places(np.array([_just_ahead(part, piece, 0.0)])) for piece in line])
     ends = np.concatenate([piece.places(np.array([1.0])) for piece in line])
@@ -261,8 +261,8 @@ def _ways(part: Cells, line: Sequence[Piece], pair: _Pair) -> list[list[tuple[fl
     pair.check(starts, [distances])
     stays = np.array([piece.straight for piece in line]) & part.flat[cells]
     stays &= part.holds(cells, starts) & part.holds(cells, ends)
-    off = part.places(cells[stays], part.nearest(cells[stays], ends[stays])) - ends[stays]
-    pair.check(ends[stays], [np.linalg.norm(off, axis=1)])
+    pair.check(ends[stays], [part.distances(cells[stays], ends[stays])])
+    stays[stays] = part.are_closest(cells[stays], ends[stays])
     return [[(1.0, int(cell))] if only else _way(part, piece, pair)
             for piece, cell, only in zip(line, cells, stays, strict=True)]
 
@@ -285,7 +285,7 @@ def _way(part: Cells, piece: Piece, pair: _Pair) -> list[tuple[float, int]]:
         t = _leaves(part, int(cells[0]), piece, ahead, part.sizes[cells[0]] / pace / 2)
         way.append((t, int(cells[0])))
     end = piece.places(np.array([1.0]))
-    pair.check(end, [np.linalg.norm(part.places(cells, part.nearest(cells, end)) - end, axis=1)])
+    pair.check(end, [part.distances(cells, end)])
     return way
 
 
@@ -294,14 +294,16 @@ def _leaves(part: Cells, cell: int, piece: Piece, t: float, step: float) -> floa
     def place(at: float) -> np.ndarray:
         return piece.places(np.array([at]))[0]
 
+    start = t
     while t < 1.0:
         further = min(t + step, 1.0)
         beside, margins = part.margins(cell, place(t))
         left = np.flatnonzero((margins(place(further)) < -OUTSIDE) & (margins(place(t)) >= -OUTSIDE))
-        ends = [_zero(lambda at, border=border, margins=margins: margins(place(at))[border], t, further)
-                for border in left]
-        if beside and not ends and not part.is_closest(cell, place(further)):
-            ends = [bisect(lambda at: 0.5 - part.is_closest(cell, place(at)), t, further, xtol=OUTSIDE)]
+        ends = [_zero(lambda at, n=n, margins=margins: margins(place(at))[n], t, further) for n in left]
+        last = min(ends, default=further)
+        may_be_left = not ends if beside else last in (1.0, *ends)
+        if may_be_left and not part.are_closest(np.array([cell]), place(last)[None])[0]:
+            ends = [part.given_over(cell, place, start, last)]
         if ends:
             return 1.0 if min(ends) > 1.0 - OUTSIDE else min(ends)
         t = further

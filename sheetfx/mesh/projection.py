@@ -10,6 +10,7 @@ from collections.abc import Callable
 
 import basix
 import numpy as np
+from scipy.optimize import bisect, brentq
 from scipy.spatial import cKDTree
 
 from ..compat import geometry_nodes
@@ -160,10 +161,35 @@ class Cells:
             return np.array([s, 1 - s])
         return True, along
 
-    def is_closest(self, cell: int, point: np.ndarray) -> bool:
-        """Whether no other cell is closer to a point."""
-        own = self.places(np.array([cell]), self.nearest(np.array([cell]), point[None]))[0]
-        return np.linalg.norm(own - point) <= self.closest(point[None])[2][0] + EVIDENT * self.mesh.size
+    def distances(self, which: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """Of points from given cells, one for each."""
+        return np.linalg.norm(self.places(which, self.nearest(which, points)) - points, axis=1)
+
+    def are_closest(self, which: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """Whether no other cells are closer to points than given ones, one for each."""
+        beyond = self.distances(which, points) - EVIDENT * self.mesh.size
+        found = beyond <= 0
+        found[~found] = beyond[~found] <= self.closest(points[~found])[2]
+        return found
+
+    def given_over(self, cell: int, place: Callable[[float], np.ndarray], low: float, high: float) -> float:
+        """Parameter of a line at which the next cell is closer than one that is closest at `low`, but not at `high`.
+
+        Where the line is beside the cell, over a fold that points to it, both are as close, and then nearly so, until
+        it is over the next one: that begins there.
+        """
+        own = np.array([cell])
+        high = bisect(lambda at: 0.5 - self.are_closest(own, place(at)[None])[0], low, high, xtol=OUTSIDE)
+        following = self.closest(place(high)[None])[0]
+        beside, _ = self.margins(cell, place(high))
+        _, margins = self.margins(int(following[0]), place(high))
+
+        def ahead(at: float) -> float:
+            if beside:
+                return float(margins(place(at)).min())
+            return float(np.subtract(*(self.distances(which, place(at)[None])[0] for which in (own, following))))
+
+        return float(brentq(ahead, low, high, xtol=1e-15, rtol=1e-14)) if ahead(low) < 0 < ahead(high) else high
 
     def closest(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Of each point the closest cell (a number in `cells`), the reference point in it, and the distance.

@@ -8,7 +8,7 @@ import basix
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from .projection import Cells
+from .projection import OUTSIDE, Cells
 
 ON = cos(radians(45.0))  # of the angle up to which a chain goes on where it bends
 SMOOTH = cos(radians(10.0))  # of that up to which a bend is one of the cells, not of the curve
@@ -64,6 +64,17 @@ class Track:
             return np.empty((0, self.cells.mesh.dimension))
         table = self.cells.shape.tabulate(order, np.ascontiguousarray(reference))[order, :, :, 0]
         return np.einsum("nk,nkd->nd", table, self.cells.nodes[which])
+
+    def tangents(self, which: np.ndarray, reference: np.ndarray) -> np.ndarray:
+        """Unit tangents, at nodes where the curve has no corner midway between those of both cells."""
+        found = self.cells.tangents(which, reference)
+        for end in (0, 1):
+            at = np.flatnonzero((np.abs(reference[:, 0] - end) <= OUTSIDE) & self.smooth[which, end])
+            other, enters = self.following[which[at], end], self.enters[which[at], end]
+            beyond = self.cells.tangents(other, enters[:, None].astype(float))
+            both = found[at] + np.where(enters == end, -1.0, 1.0)[:, None] * beyond
+            found[at] = both / np.linalg.norm(both, axis=1, keepdims=True)
+        return found
 
     def lengths(self, which: np.ndarray, reference: np.ndarray) -> np.ndarray:
         """Length of cells from their beginning to a reference coordinate."""

@@ -13,8 +13,9 @@ from .. import forms
 from ..checks import NONZERO, Choice, Count, NotNegative, Positive, check, require_components
 from ..mesh.lines import Stretch
 from ..mesh.meeting import Meeting, Side, along_lines, at_pairs
-from ..mesh.projection import Cells
+from ..mesh.projection import Cells, cells_at
 from ..mesh.reader import NamedMesh
+from ..mesh.track import Track
 from .interface import stiffness_over
 from .joints import Joint
 from .places import Place, each_of, meeting_of, require_places, title_of
@@ -149,8 +150,9 @@ class PairContact(Joint):
 
     def _directions(self) -> np.ndarray:
         """Unit vectors along the lines, at points along the second part."""
-        two = self.meeting.sides[1]
-        return Cells(self.to[0], two.cells).tangents(np.arange(len(two.cells)), two.reference)
+        two, (mesh, group) = self.meeting.sides[1], self.to
+        cells = np.sort(cells_at(mesh, group))
+        return Track(Cells(mesh, cells)).tangents(np.searchsorted(cells, two.cells), two.reference)
 
     def _sign(self, out: np.ndarray, arms: np.ndarray) -> np.ndarray:
         toward = arms / self.mesh.size if self.toward is None else self.toward / np.linalg.norm(self.toward)

@@ -67,7 +67,9 @@ def _of_bifurcations_with_contact(system) -> list[str]:
                 "loads without a potential)"]
     found = ["bifurcations: unstable modes compared at the ends of steps, and between where the load turns; where "
              "something begins or ceases to touch or to slip eigenvalues jump, and may jump past zero; what is lost "
-             "and regained within one step is not seen (shorter steps: `largest` of the control)"]
+             "and regained within one step is not seen (shorter steps: `largest` of the control)",
+             "bifurcations with contact: that a path bends away from one, as a slightly imperfect structure's does, is "
+             "not seen; a long step may go straight past it, and name that of the perfect structure"]
     if not system.conservative:
         found += ["bifurcations with friction: of the loading tangent, with which what slips slips on, and what sticks "
                   "or is open stays so; not those at which some of it would turn",
