@@ -21,9 +21,10 @@ from scipy.sparse import csc_matrix, csr_matrix
 from ..discrete.system import System
 from .linear import DirectSolver
 
-ITERATIONS = 25  # at each thickness
+ITERATIONS, PEELING = 25, 60  # at each thickness, damped ones and full ones
 LOOSE = 1e-2  # error of contact forces over the load, from which one correction more is enough on the way
 CYCLING = 0.9  # error over that of two corrections before, from which half of a correction is taken
+AGAIN = 1e-6  # relative difference of errors that are the same: the same points touch as before
 NEAR = 0.1  # the same, of a plain step, from which no approach is needed
 
 
@@ -104,8 +105,10 @@ class Elimination:
         size = np.linalg.norm(remainder) / self._size
         if size <= self._exact:
             return np.zeros(len(self._rows))
-        sequences = [self._multiples, [1.0]]
-        for multiples in sequences[::-1] if size < NEAR else sequences[:1]:
+        sequences = [self._multiples]
+        if size < NEAR and len(self._multiples) > 1:
+            sequences.insert(0, [1.0])
+        for multiples in sequences:
             forces = np.zeros(len(self._rows))
             for times in multiples:
                 self._regularise(times)
@@ -118,9 +121,20 @@ class Elimination:
         return None
 
     def _converge(self, forces: np.ndarray, exact: float) -> np.ndarray | None:
-        """Newton's iteration for the remaining forces at one thickness."""
+        """The remaining forces at one thickness; None: not found."""
+        found = self._iterate(forces, exact, ITERATIONS, damped=True)
+        if found is None and not self._many:
+            found = self._iterate(forces, exact, PEELING, damped=False)
+        return found
+
+    def _iterate(self, forces: np.ndarray, exact: float, most: int, damped: bool) -> np.ndarray | None:
+        """Newton's iteration, damped where it cycles, else given up where it does.
+
+        Where a panel peels off its bars each iteration opens a few points more. Errors rise and fall meanwhile, as if
+        it cycled, and damped it would stand still.
+        """
         errors: list[float] = []
-        for _ in range(ITERATIONS):
+        for _ in range(most):
             remainder = self._remainder(self._moved(forces))
             if remainder is None:
                 return None
@@ -131,12 +145,15 @@ class Elimination:
                 correction = np.linalg.solve(np.eye(len(off)) + change @ self._flexibility, off)
             except np.linalg.LinAlgError:
                 return None
-            errors.append(float(np.linalg.norm(off)))
-            cycles = len(errors) > 2 and errors[-1] > CYCLING * errors[-3]
+            error = float(np.linalg.norm(off))
+            if not (damped or all(abs(error - other) > AGAIN * other for other in errors)):
+                return None
+            errors.append(error)
+            cycles = damped and len(errors) > 2 and error > CYCLING * errors[-3]
             forces = forces + (0.5 if cycles else 1.0) * correction
             if not np.isfinite(correction).all():
                 return None
-            if errors[-1] <= exact * self._size:
+            if error <= exact * self._size:
                 return forces
         return None
 
