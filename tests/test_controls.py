@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 from petsc4py import PETSc
+from scipy.sparse import random as sparse_array
 
 from sheetfx import compat
 from sheetfx.case import trace
@@ -171,6 +172,24 @@ def test_pivots_that_other_values_have_made_zero_are_chosen_anew(monkeypatch):
     monkeypatch.setattr(DirectSolver, "_null_pivots", lambda self: 1)
     with pytest.raises(SingularTangent):
         solver.factorise()
+
+
+@pytest.mark.parametrize("package", ["mumps", "petsc"])
+@pytest.mark.parametrize("symmetric", [True, False])
+def test_sparse_forces_have_the_responses_of_dense_ones(package, symmetric):
+    full = np.random.default_rng(1).normal(size=(40, 40))
+    full = full + full.T + 20 * np.eye(40) if symmetric else full
+    matrix, ksp = PETSc.Mat().createAIJ((40, 40), comm=MPI.COMM_SELF), PETSc.KSP().create(MPI.COMM_SELF)
+    matrix.setUp()
+    matrix.setValues(range(40), range(40), full)
+    matrix.assemble()
+    solver = DirectSolver(ksp, matrix, symmetric)
+    ksp.getPC().setFactorSolverType(package)
+    solver.factorise()
+    rights = sparse_array(40, 6, density=0.1, rng=2, format="csc")
+    wanted = np.linalg.solve(full, rights.toarray())
+    assert solver.responses(rights) == pytest.approx(wanted, abs=1e-10)
+    assert solver.responses(rights.toarray()) == pytest.approx(wanted, abs=1e-10)
 
 
 def test_inertia_where_entries_have_got_other_places():

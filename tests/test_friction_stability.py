@@ -12,6 +12,7 @@ from scipy.optimize import brentq
 from scipy.sparse import csr_matrix
 
 import sheetfx as fx
+from sheetfx.continuation.crossings import sticking_tangent
 from sheetfx.discrete.pair_work import pairs_of
 from sheetfx.forms.interface import stiff
 from sheetfx.scenes import dome
@@ -187,6 +188,22 @@ def test_arch_that_comes_down_on_another_bifurcates_whatever_its_steps(step):
     assert [p.kind for p in (first, last, limit)] == ["bifurcation", "bifurcation", "limit"]
     assert [first.load, last.load] == pytest.approx([1254.93, 3885.42], rel=1e-5)
     assert limit.load == pytest.approx(4324.5, rel=1e-4)  # the highest load found
+
+
+def test_sticking_tangent_is_the_one_that_is_assembled_whole():
+    """Only pairs are asked for theirs; the tangent with which they slip stays in its place."""
+    path = fx.Path(pressed_together(0.3, 0.5, 1e8, (1.0,)), fx.LoadControl(step=6000.0, target=12000.0))
+    *_, last = path
+    assert "slip" in statuses(path)
+    system, rough = path.tracer.system, works(path)
+    path.tracer.back_to(last)
+    slipping = system.tangent().copy()
+    found = sticking_tangent(system)
+    assert (system.matrix - slipping).norm() == 0
+    for contact in rough:
+        contact.stick()
+    whole = system.tangent()
+    assert (found - whole).norm() <= 1e-9 * (slipping - whole).norm()
 
 
 def test_fewer_unstable_modes_than_none_are_no_count(monkeypatch):
