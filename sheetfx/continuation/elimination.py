@@ -24,8 +24,8 @@ from .linear import DirectSolver
 ITERATIONS, PEELING = 25, 60  # at each thickness, damped ones and full ones
 LOOSE = 1e-2  # error of contact forces over the load, from which one correction more is enough on the way
 CYCLING = 0.9  # error over that of two corrections before, from which half of a correction is taken
+NEAR = 0.1  # error of a plain step over the load, below which no approach is needed
 AGAIN = 1e-6  # relative difference of errors that are the same: the same points touch as before
-NEAR = 0.1  # the same, of a plain step, from which no approach is needed
 
 
 class Elimination:
@@ -122,19 +122,19 @@ class Elimination:
 
     def _converge(self, forces: np.ndarray, exact: float) -> np.ndarray | None:
         """The remaining forces at one thickness; None: not found."""
-        found = self._iterate(forces, exact, ITERATIONS, damped=True)
+        found = self._iterate(forces, exact, damped=True)
         if found is None and not self._many:
-            found = self._iterate(forces, exact, PEELING, damped=False)
+            found = self._iterate(forces, exact, damped=False)
         return found
 
-    def _iterate(self, forces: np.ndarray, exact: float, most: int, damped: bool) -> np.ndarray | None:
+    def _iterate(self, forces: np.ndarray, exact: float, damped: bool) -> np.ndarray | None:
         """Newton's iteration, damped where it cycles, else given up where it does.
 
         Where a panel peels off its bars each iteration opens a few points more. Errors rise and fall meanwhile, as if
         it cycled, and damped it would stand still.
         """
         errors: list[float] = []
-        for _ in range(most):
+        for _ in range(ITERATIONS if damped else PEELING):
             remainder = self._remainder(self._moved(forces))
             if remainder is None:
                 return None
@@ -146,7 +146,7 @@ class Elimination:
             except np.linalg.LinAlgError:
                 return None
             error = float(np.linalg.norm(off))
-            if not (damped or all(abs(error - other) > AGAIN * other for other in errors)):
+            if not damped and any(abs(error - other) <= AGAIN * other for other in errors):
                 return None
             errors.append(error)
             cycles = damped and len(errors) > 2 and error > CYCLING * errors[-3]
