@@ -16,7 +16,7 @@ from typing import Any
 
 from .checks import require
 from .continuation.control import ArcLength, DisplacementControl, LoadControl, StepRule
-from .continuation.corner import LEAST, around_corner
+from .continuation.corner import LEAST, around_corner, change_ahead, up_to_change
 from .continuation.events import Event, Hidden, end_at, occurrences
 from .continuation.linear import SingularTangent
 from .continuation.scattered import ScatteredState
@@ -33,6 +33,7 @@ from .stability.verdict import searched
 
 CORNERED = 1 / 16  # of a step, length with which it fails where the path is taken to have a corner
 NEAR = 1e-3  # of the load, most that such a step would change it: a step around a corner leaves out what is before it
+THERE = 1e-6  # of the load, most that it changes up to where contact does, of a state that lies there
 SHORT = 1 / 64  # of a step that fails and with half of its length does, length that gets past a corner close ahead
 BEHIND = 1 / 8  # of such a step, from which the next one grows: what made both fail may lie further ahead
 
@@ -167,6 +168,9 @@ class Path:
             if (shortest or cornered) and (taken := self._around_corner(before, wanted, length)):
                 length = taken[0].length
                 break
+            if length <= wanted / 2 and (taken := self._by_change(before, wanted, length)):
+                length = taken[0].length
+                break
             if shortest and (taken := self._whole(before)):
                 length = taken[0].length
                 break
@@ -193,6 +197,16 @@ class Path:
         if near or self.tracer.system.smooth or not self.control.guarded:
             return None
         return self._try(before, SHORT * wanted)
+
+    def _by_change(self, before: State, wanted: float, failed: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:
+        """A step up to where contact changes within half of one that fails, or around it where the state lies there."""
+        if self.tracer.system.smooth or not self.control.guarded:
+            return None
+        ahead = change_ahead(self.tracer, before, failed / 2)
+        if ahead and abs(before.load_rate) * ahead <= THERE * abs(before.factor):
+            return self._around_corner(before, wanted, failed)
+        after = up_to_change(self.tracer, before, ahead) if ahead else None
+        return None if after is None else self._searched(before, after, self._earlier, self.control.turn)
 
     def _at_corner(self, before: State, wanted: float, failed: float) -> bool:
         """Whether the path is taken to have a corner where a short step fails, at hardly another load."""

@@ -430,6 +430,10 @@ def test_path_turns_back_where_a_prop_lets_go():
     record = fx.trace(fx.Case(scene, until=fx.Until(deflection=0.02)))
     limit, = (p for p in record.critical_points if p.kind == "limit")
     assert limit.name == "maximum" and limit.load == pytest.approx(100.0, rel=1e-3)
+    other = fx.trace(fx.Case(scene, fx.ArcLength(step=0.02), fx.Until(deflection=0.02)))
+    again, = (p for p in other.critical_points if p.kind == "limit")
+    assert again.load == pytest.approx(limit.load, rel=2e-6), "what corners are told to; 5e-4 where steps were halved"
+    assert other.path.tracer.total_factorisations < 400, "832 where steps were halved"
     behind = [s for s in record.states if s.stage and not s.contact_points]
     assert len(behind) > 5 and all(s.unstable_modes == 1 for s in behind)
     for state in behind:

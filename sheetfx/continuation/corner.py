@@ -9,6 +9,7 @@ tangent ahead of the corner, in whichever sense contacts go on as they are there
 from __future__ import annotations
 
 import numpy as np
+from mpi4py import MPI
 from petsc4py import PETSc
 
 from .linear import SingularTangent
@@ -19,6 +20,7 @@ SHORTER, FEWEST = 1 / 4, 3  # ratio of the lengths of steps that are tried, and 
 LEAST = 1 / 8  # of the usual first step, the longest one at least: beside a corner steps have become short
 FROM_REST = 1 / 16  # of a first step that fails, one at whose end what touched without a force has opened
 AHEAD = 0.5  # of a step that is tried, distance at which the tangent is that of the other side
+SHORT_OF = 0.98  # of the way to a change of contact, for the state ahead of it
 BACK = 0.95  # cosine of the angle with the step before, from which a step goes back where it came from
 
 
@@ -56,6 +58,37 @@ def around_corner(tracer, before: State, wanted: float, failed: float, trail: Tr
                 return after
     tracer.back_to(before)
     return None
+
+
+def change_ahead(tracer, before: State, within: float) -> float | None:
+    """Length of a step, along its tangent, at which contact changes last within a length; None: nowhere there."""
+    tracer.back_to(before)
+    system, load = tracer.system, tracer.control.predict(within, tracer.control.direction(before), tracer.tangent)
+    gaps = []
+    for part in (0.0, load):
+        tracer.x.array[:] = part * before.response
+        system.configure(tracer.x, before.factor + part)
+        gaps.append(np.concatenate([c.gaps() for c in system.contributions]))
+    tracer.back_to(before)
+    now, then = gaps
+    changes = now * then < 0
+    last = float(np.max(now[changes] / (now - then)[changes], initial=0.0))
+    return within * system.comm.allreduce(last, MPI.MAX) or None
+
+
+def up_to_change(tracer, before: State, ahead: float) -> State | None:
+    """A state just ahead of where contact changes, about at a length; None: none converges.
+
+    The tangent of a state close to it tells once more where that is.
+    """
+    tracer.back_to(before)
+    near = tracer.attempt(SHORT_OF * ahead)
+    if near is None:
+        return None
+    rest = change_ahead(tracer, near, 2 * (1 - SHORT_OF) * ahead)
+    tracer.back_to(before)
+    closer = tracer.attempt(near.length + SHORT_OF * rest) if rest else None
+    return closer or near
 
 
 def _lengths(longest: float, failed: float) -> list[float]:

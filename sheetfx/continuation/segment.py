@@ -61,6 +61,7 @@ class Segment:
         self.states = {0.0: before, after.length: after}
         self.course = Course(tracer, before, after)
         self._spectra: dict[float, tuple[list[float], list]] = {}
+        self._missed: set[float] = set()
         self.close: set[float] = set()
 
     def __getitem__(self, length: float) -> State:
@@ -70,6 +71,8 @@ class Segment:
         ------
         Jump, Missed
         """
+        if length in self._missed:
+            raise Missed
         if length not in self.states:
             left, right = self.neighbours(length)
             guess = self.interpolated(left, right, length)
@@ -77,12 +80,12 @@ class Segment:
             self.tracer.back_to(self.before)
             state = start and self.tracer.attempt(length, start)
             state = state or self.tracer.attempt(length, part=1.0 if self.wavering else WITHIN)
-            if state is None:
-                raise Missed
-            if self._strays(state, guess, left, right):
-                if not self.guarded:
-                    raise Missed
+            strays = state is not None and self._strays(state, guess, left, right)
+            if strays and self.guarded:
                 raise Jump("a state within the step is off the path")
+            if state is None or strays:
+                self._missed.add(length)
+                raise Missed
             self.states[length] = state
             if self._off(state, guess) <= CLOSE * self.distance(left, right):
                 self.close.add(length)

@@ -195,6 +195,10 @@ class Contribution:
         """
         return self.energy()
 
+    def gaps(self) -> np.ndarray:
+        """Distances of its points on this process, negative where they touch; NaN: unknown; none: it does not tell."""
+        return np.empty(0)
+
     def apart(self) -> bool:
         """Whether it does nothing now, nor will after a small motion, on all processes: then it is smooth here."""
         return self.smooth

@@ -108,8 +108,7 @@ class PairWork(PointWork):
     def _find(self, values: np.ndarray) -> bool:
         """Find partners for values of the traces; whether any has changed."""
         along = self.pairs.axes[:, 1]
-        if len(self._first) > 1:
-            along = turned(values[:, self._parts[1]], along)
+        along = turned(values[:, self._parts[1]], along) if len(self._first) > 1 else along
         return self._partners.follow(self.pairs.points + values[:, :self.pairs.dimension], along)
 
     def _renew(self) -> None:
@@ -281,6 +280,9 @@ class PairWork(PointWork):
     def place(self) -> np.ndarray:
         """Gaps now."""
         return self._law.strains(self.values())[:, 0]
+
+    def gaps(self) -> np.ndarray:
+        return np.empty(0) if self.pairs.augmented else np.where(self._here, self.place(), np.nan)
 
     def taken(self, start: np.ndarray | None) -> float | None:
         """Energy of pressures, and what friction has taken since the last accepted state, whose gaps `start` is."""

@@ -48,7 +48,7 @@ class Crossing:
 
 
 def unresolved(segment: Segment, left: float, right: float, count: int) -> list[Crossing]:
-    """Crossings that are known to lie between two lengths, and no more.
+    """Crossings that are known to lie between two lengths, and no more; those of a step around a corner: its start.
 
     Raises
     ------
@@ -59,8 +59,10 @@ def unresolved(segment: Segment, left: float, right: float, count: int) -> list[
     require_path(segment, left, right)
     low, high = sorted((one.load, other.load))
     corner = segment.wavering and _jumps(segment, Border(segment, left, right, count), left, right)
-    found = Crossing(left, (low + high) / 2, (one.deflection + other.deflection) / 2, (low, high), corner)
-    return [found] * count
+    load, deflection = (one.load + other.load) / 2, (one.deflection + other.deflection) / 2
+    if one is segment.before and leads_around_corner(segment):
+        load, deflection = one.load, one.deflection
+    return [Crossing(left, load, deflection, (low, high), corner)] * count
 
 
 def _jumps(segment: Segment, border: Border, left: float, right: float) -> bool:
@@ -109,8 +111,9 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
         between, drift = (_load_change(segment, samples[0], float(np.abs(finer - other).max()))
                           for other in (coarser, roots))
         roots, error = finer, between if between <= EXACT else max(between, drift)
+        worse = segment.wavering and best[0] <= min(ROUGH, error)
         best = min(best, (error, roots, samples), key=itemgetter(0))
-        if error <= EXACT:
+        if error <= EXACT or worse:
             break
     error, roots, samples = best
     if not error <= ROUGH or (segment.wavering and not _counted(segment, lengths, roots)):
