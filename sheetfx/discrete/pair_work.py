@@ -67,6 +67,8 @@ class PairWork(PointWork):
         """Forces at the pairs, from so many components of each trace."""
         pairs, law, slips, split = self.pairs, self.contact.law, self._slips, len(self._first)
         moving = self._partners is not None
+        if moving:
+            self._partners.begin(pairs.points, pairs.axes[:, 1])
         self._arms = self._geometry()[0] if moving else pairs.arms
         axes = pairs.axes.reshape(pairs.count, -1)
         geometry = self._geometry() if moving else [pairs.arms]
