@@ -101,6 +101,14 @@ def test_law_that_is_no_gradient_is_refused():
         fx.Beam(line(dimension=2), SECTION, MATERIAL, law=unsymmetric)
 
 
+def test_a_name_of_another_kind_is_told():
+    """A group of curves is no edge that a support holds, but the mesh knows the name; this was not said."""
+    mesh = line()
+    group, = mesh.cells
+    with pytest.raises(ValueError, match=f"no point or edge named '{group}' \\(it is a group of cells\\); it has "):
+        fx.pin(mesh, group)
+
+
 def test_a_tangent_that_is_singular_within_a_step_is_told(monkeypatch):
     """The search for critical points may come to states whose tangent cannot be factored: the step is cut there."""
     def singular(*_):

@@ -224,6 +224,26 @@ def test_slides_over_bends_between_cells():
     assert np.ptp(forces) < 5e-3 * forces.mean()
 
 
+def test_nothing_has_slipped_before_anything_moves():
+    """On a cylinder of cells of 17 degrees the closest points of cells and of the smooth surface are 1.5e-3 apart.
+
+    That counted as slip as soon as a path began.
+    """
+    def around(radius, first, last):
+        def place(x):
+            angle = first + (last - first) * x[:, 0]
+            return np.column_stack((radius * np.sin(angle), 20.0 * x[:, 1], radius * np.cos(angle)))
+        return place
+
+    sheets = [fx.read(lambda cells=cells: meshes.rectangle(cells), 3, 2, place) for cells, place in (
+        ((4, 1), around(102.0, 0.0, 1.0)), ((5, 1), around(100.0, -0.2, 1.3)))]
+    shells = [fx.Shell(m, fx.Plate(1.0), fx.Elastic(1e4), form="naghdi-q2") for m in sheets]
+    contact = fx.SurfaceContact(sheets[0], None, (sheets[1], None), friction=0.2)
+    scene = fx.Scene(shells, [fx.clamp(m, "west") for m in sheets], [fx.EdgeForce(sheets[0], "east", (0.0, 0.0, -1.0))],
+                     fx.Monitor(sheets[0], "south-east", "z"), joints=[contact])
+    assert np.abs(work_of(Discretisation(scene)).evaluate().slip).max() < 1e-12 * 100.0
+
+
 @pytest.mark.parametrize("friction", [0.0, 0.2])
 def test_pressed_on_a_vertex(friction):
     """A rod in the middle of a plate of four by four cells stays there, by symmetry."""

@@ -53,6 +53,8 @@ class PairWork(PointWork):
         self.contact, self._first, self.pairs, self._name = contact, list(first), pairs, name
         n = self._directions = pairs.dimension - self._without
         self._partners = None if second is None or isinstance(second, Trace) else second
+        if self._partners:
+            self._begin()
         traces = [*first, *(self._partners.traces() if self._partners else [second] if second else [])]
         self._slips, self._history = n if pairs.rubs else 0, np.zeros((pairs.count, 1 + 2 * n))
         points = self._law_of([unknowns.fields[t.field].components for t in traces])
@@ -62,6 +64,12 @@ class PairWork(PointWork):
         self._partners_committed = self._partners.history() if self._partners else None
         self._pattern_nodes = self._seen = None
         self._table = pairs.table()
+        if self._partners:
+            self._law.weigh(pairs.weights * self._partners.on)
+
+    def _begin(self) -> None:
+        """Bring the partners to where they are opposite before anything moves."""
+        self._partners.begin(self.pairs.points, self.pairs.axes[:, 1])
 
     def _law_of(self, sizes: Sequence[int]) -> PointLaw:
         """Forces at the pairs, from so many components of each trace."""

@@ -52,6 +52,15 @@ class Partners:
     def travelled(self) -> np.ndarray:
         return self._base + self._sense * self._track.lengths(self._which, self._reference)
 
+    def begin(self, points: np.ndarray, directions: np.ndarray) -> None:
+        """Find the first partners of points, on the smooth curve, which those on its cells are beside where it is bent.
+
+        Otherwise pairs would have slipped by as much before anything moves.
+        """
+        self.follow(points, directions)
+        self._sense = np.ones(len(points))
+        self._base = -self._track.lengths(self._which, self._reference)
+
     def commit(self) -> None:
         """The present state is accepted; what has been travelled goes on counting."""
 

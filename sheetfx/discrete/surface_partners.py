@@ -57,7 +57,19 @@ class SurfacePartners:
         self._which, self._reference, self._overhang = which.copy(), reference.copy(), overhang
         self.side, self.on = side.astype(float), np.ones(len(which), dtype=bool)
         self._left, self._kept = np.full(len(which), -1), np.zeros(len(which), dtype=bool)
-        self._passed, (self._origin, along, _) = np.zeros((len(which), 2)), self.undeformed(1)
+        self._start_from_here()
+
+    def begin(self, points: np.ndarray) -> None:
+        """Find the first partners of points, on the smooth surface, which those on its cells are beside where it bends.
+
+        Otherwise points would have slipped by as much before anything moves.
+        """
+        self.follow(points)
+        self._start_from_here()
+
+    def _start_from_here(self) -> None:
+        """Count travel from where the partners are, along axes of which the first goes along its coordinate lines."""
+        self._passed, (self._origin, along, _) = np.zeros((len(self._which), 2)), self.undeformed(1)
         self._axes = self._axes_along(along)
 
     @property

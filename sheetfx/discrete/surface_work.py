@@ -99,6 +99,9 @@ class SurfaceWork(PairWork):
         return SurfaceLaw(self.contact.law, self._partners, pairs.points, pairs.gap, self._history, pairs.table(),
                           pairs.weights, pairs.rubs)
 
+    def _begin(self):
+        self._partners.begin(self.pairs.points)
+
     def _find(self, values):
         return self._partners.follow(self.pairs.points + values[:, :3])
 

@@ -128,12 +128,13 @@ class NamedMesh:
         return self.cells[name]
 
     def require(self, owner: str, name: str, *kinds: str) -> None:
-        """Refuse a name that nothing of some kinds has: "point", "edge" or "group of cells"."""
+        """Refuse a name that nothing of some kinds has: "point", "edge" or "group of cells"; say what it is instead."""
         named = {"point": self.points, "edge": self.edges, "group of cells": self.cells}
         known = [n for kind in kinds for n in named[kind]]
         if name not in known:
             what = " or ".join(filter(None, (", ".join(kinds[:-1]), kinds[-1])))
-            raise ValueError(f"{owner}: the mesh has no {what} named {name!r}; it has "
+            other = next((f" (it is a {kind})" for kind, names in named.items() if name in names), "")
+            raise ValueError(f"{owner}: the mesh has no {what} named {name!r}{other}; it has "
                              f"{', '.join(known) or 'none'}")
 
     def at(self, name: str) -> tuple[int, np.ndarray]:

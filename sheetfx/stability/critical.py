@@ -73,7 +73,7 @@ def locate(tracer, earlier: State | None, before: State, after: State,
     crossings = _bifurcations(segment, [length for s, length, _ in limits if s is segment])
     crossings += [returning(segment, length) for length in returns]
     points |= (_bifurcation(segment, cluster) for cluster in _clusters(crossings, TOGETHER * after.length))
-    if segment.guarded and turns(segment) > sum(limit[0] is segment for limit in limits) + len(returns):
+    if tracer.control.guarded and turns(segment) > sum(limit[0] is segment for limit in limits) + len(returns):
         raise Jump("the load turns beside a bifurcation that the step passes")
     for other in others:
         points |= dict.fromkeys(other(segment))

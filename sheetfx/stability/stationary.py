@@ -10,7 +10,9 @@ from scipy.optimize import brentq
 
 from ..continuation.segment import SAMPLES, Jump, Segment
 from ..continuation.state import State
+from ..continuation.work import WAVER
 from .crossings import EXACT, REACHES, Crossing
+from .turning import SHORT
 
 EXACTLY, ROUGHLY = 1e-12, 1e-6  # relative error of the load at a limit point, and where that may be a return
 ONWARD = 0.1  # rate of a displacement at a limit point, over the larger one beside it
@@ -79,10 +81,15 @@ def turns(segment: Segment) -> int:
     """How often the load turns along the states that are known.
 
     Where it does so between states that a search for bifurcations has brought to light, the path bends away there, and
-    those behind are on another one.
+    those behind are on another one; or, with contact, limit points lie between the ends of the step. There loads waver,
+    and of short steps nothing is said.
     """
     factors = [segment.states[s].factor for s in sorted(segment.states)]
     small, extreme, sense, count = TURNED * np.ptp(factors), factors[0], 0.0, 0
+    if segment.wavering:
+        if segment.after.length <= SHORT * segment.tracer.usual:
+            return 0
+        small = max(small, WAVER * max(map(abs, factors)))
     for factor in factors[1:]:
         change = factor - extreme
         if abs(change) > small:
