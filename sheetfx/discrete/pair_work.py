@@ -8,10 +8,10 @@ from math import inf
 import numpy as np
 
 from .. import forms
-from .contact import OPEN, SLIP, status_of
+from .contact import OPEN, SLIP
 from .contribution import Contribution
 from .layout import Layout
-from .pairs import Pairs, PairState, friction_work, unilateral_energy
+from .pairs import Pairs, PairState
 from .partners import Partners, turned
 from .point_law import PointLaw
 from .points import PointWork, Trace
@@ -64,8 +64,7 @@ class PairWork(PointWork):
         self._partners_committed = self._partners.history() if self._partners else None
         self._pattern_nodes = self._seen = None
         self._table = pairs.table()
-        if self._partners:
-            self._law.weigh(pairs.weights * self._partners.on)
+        self._law.weigh(pairs.weights * self._here)
 
     def _begin(self) -> None:
         """Bring the partners to where they are opposite before anything moves."""
@@ -75,10 +74,9 @@ class PairWork(PointWork):
         """Forces at the pairs, from so many components of each trace."""
         pairs, law, slips, split = self.pairs, self.contact.law, self._slips, len(self._first)
         moving = self._partners is not None
-        self._arms = self._geometry()[0] if moving else pairs.arms
-        axes = pairs.axes.reshape(pairs.count, -1)
         geometry = self._geometry() if moving else [pairs.arms]
-        data = [*geometry, axes, self._start(), self._history, pairs.table()]
+        self._arms = geometry[0]
+        data = [*geometry, pairs.axes.reshape(pairs.count, -1), self._start(), self._history, pairs.table()]
         self._data_of_start, self._data_of_history = len(data) - 3, len(data) - 2
 
         def strains(values, data, factor):
@@ -296,11 +294,7 @@ class PairWork(PointWork):
         """Energy of pressures, and what friction has taken since the last accepted state, whose gaps `start` is."""
         if self.pairs.augmented or self.contact.law is not forms.contact.mohr_coulomb:
             return None
-        strains, table, n = self._law.strains(self.values()), self.pairs.table(), self._slips
-        work = unilateral_energy(strains[:, 0], self._history[:, 0], table)
-        if n:
-            gaps = start, strains[:, 0]
-            work += friction_work(gaps, strains[:, 1:1 + n], self._history[:, 1:1 + n], self._history[:, 0], table)
+        work = self.pairs.work(self._law.strains(self.values()), start, self._history)
         return float((self.pairs.weights * self._here) @ work)
 
     def apart(self) -> bool:
@@ -321,11 +315,8 @@ class PairWork(PointWork):
         strains, resultants = self._law.strains(z), self._law.resultants(z)
         pressure = np.where(self._here, -resultants[:, 0], 0.0)
         traction = resultants[:, 1:1 + n] * self._here[:, None] if n else np.zeros((len(z), self._directions))
-        _, _, friction, cohesion, _ = self.pairs.parameters
-        bound = (friction * pressure + cohesion) * (1 - self._slack)
-        status = status_of(pressure, np.linalg.norm(traction, axis=1), bound)
-        return PairState(self.pairs.points + z[:, :d], strains[:, 0], pressure, traction,
-                         self.pairs.weights * self._here, status, self._slip(strains))
+        return self.pairs.state(z[:, :d], strains[:, 0], pressure, traction, self._slip(strains), self._here,
+                                self._slack)
 
     def _slip(self, strains: np.ndarray) -> np.ndarray:
         """Slip since the beginning; without friction it is not known."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .contact import ContactState
+from .contact import ContactState, status_of
 
 STRETCHES = 16  # of a step, in which the work of friction is added up
 
@@ -65,6 +65,36 @@ class Pairs:
     def table(self) -> np.ndarray:
         """The parameters at each pair."""
         return np.tile(np.array(self.parameters, dtype=float), (self.count, 1))
+
+    def work(self, strains, start, history) -> np.ndarray:
+        """Energy of pressures and what friction has taken, per length of the line of contact.
+
+        Parameters
+        ----------
+        strains : (n, 1 + slips), gaps now and slips since the last accepted state
+        start : (n,), gaps of that state, asked for with friction only
+        history : (n, 1 + 2 slips), its pressures that are augmented and its tractions, and slips up to it
+        """
+        table, n = self.table(), (history.shape[1] - 1) // 2
+        work = unilateral_energy(strains[:, 0], history[:, 0], table)
+        if self.rubs:
+            gaps = start, strains[:, 0]
+            work += friction_work(gaps, strains[:, 1:1 + n], history[:, 1:1 + n], history[:, 0], table)
+        return work
+
+    def state(self, moved, gap, pressure, traction, slip, here, slack: float) -> PairState:
+        """State of the pairs, of which those have a weight that have a partner; each slips at its bound less a part.
+
+        Parameters
+        ----------
+        moved : (n, d), displacements of the first part's points
+        here : (n,), whether pairs have a partner
+        slack : part of the bound
+        """
+        _, _, friction, cohesion, _ = self.parameters
+        bound = (friction * pressure + cohesion) * (1 - slack)
+        status = status_of(pressure, np.linalg.norm(traction, axis=1), bound)
+        return PairState(self.points + moved, gap, pressure, traction, self.weights * here, status, slip)
 
 
 def unilateral_energy(gap, pressure, parameters):
