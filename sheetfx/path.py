@@ -204,7 +204,7 @@ class Path:
             return None
         ahead = change_ahead(self.tracer, before, failed / 2)
         if ahead and abs(before.load_rate) * ahead <= THERE * abs(before.factor):
-            return self._around_corner(before, wanted, failed)
+            return self._around_corner(before, wanted, failed) if failed == wanted / 2 else None
         after = up_to_change(self.tracer, before, ahead) if ahead else None
         return None if after is None else self._searched(before, after, self._earlier, self.control.turn)
 

@@ -8,10 +8,14 @@ tangent ahead of the corner, in whichever sense contacts go on as they are there
 
 from __future__ import annotations
 
+from contextlib import nullcontext
+from itertools import product
+
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
+from .crossings import can_stick, sticking
 from .linear import SingularTangent
 from .state import State
 from .trail import Trail
@@ -45,9 +49,10 @@ def around_corner(tracer, before: State, wanted: float, failed: float, trail: Tr
     if not control.passes_limits:
         return None
     flows = earlier is not None and tracer.system.history.moved_since(earlier.fields)
-    for length in _lengths(max(wanted, LEAST * tracer.usual), failed):
+    ways = (False, True) if can_stick(tracer.system) else (False,)
+    for length, sticks in product(_lengths(max(wanted, LEAST * tracer.usual), failed), ways):
         try:
-            solution, forwards = _ahead(tracer, before, AHEAD * length)
+            solution, forwards = _ahead(tracer, before, AHEAD * length, sticks)
         except SingularTangent:
             continue
         for sign in (forwards, -forwards):
@@ -111,15 +116,19 @@ def _from_rest(tracer, before: State, length: float) -> State | None:
     return None
 
 
-def _ahead(tracer, before: State, distance: float) -> tuple[PETSc.Vec, float]:
-    """Response to the load at a distance along the tangent, and the sign of the load with which it leads on."""
+def _ahead(tracer, before: State, distance: float, sticks: bool) -> tuple[PETSc.Vec, float]:
+    """Response to the load at a distance along the tangent, and the sign of the load with which it leads on.
+
+    What touches there may have slid up to it, so that it slips; if it `sticks` it does so from there on.
+    """
     tracer.back_to(before)
     load, x = before.tangent
     system, solution = tracer.system, tracer.system.create_vector()
     tracer.x.array[:] = distance * x
     system.configure(tracer.x, before.factor + distance * load)
     system.extrapolate_stress()
-    tracer.stepper.factorise(tracer.snes, tracer.x)
+    with sticking(system) if sticks else nullcontext():
+        tracer.stepper.factorise(tracer.snes, tracer.x)
     tracer.stepper.linear.solve(tracer.load_vector(), solution)
     return solution, float(np.sign(tracer.inner((0.0, solution.array), (0.0, x)))) or 1.0
 

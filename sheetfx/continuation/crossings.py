@@ -15,6 +15,8 @@ The SLEPc solver takes the prefix `sheetfx_crossings_`.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from math import inf
 
 import numpy as np
@@ -117,16 +119,25 @@ def can_stick(system) -> bool:
     return not system.conservative and all(c.conservative or c.sticks for c in system.contributions)
 
 
+@contextmanager
+def sticking(system) -> Iterator[None]:
+    """Have all that touches answer as if it stuck where it is."""
+    for contribution in system.contributions:
+        contribution.stick()
+    try:
+        yield
+    finally:
+        for contribution in system.contributions:
+            contribution.release()
+
+
 def sticking_tangent(system) -> PETSc.Mat:
     """The tangent of a system as if all that touches stuck where it is; that of the system stays as it is."""
     present = system.matrix.copy()
-    for contribution in system.contributions:
-        contribution.stick()
-    sticking = system.tangent(only=[c for c in system.contributions if c.sticks]).copy()
-    for contribution in system.contributions:
-        contribution.release()
+    with sticking(system):
+        found = system.tangent(only=[c for c in system.contributions if c.sticks]).copy()
     present.copy(system.matrix, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
-    return sticking
+    return found
 
 
 def first_critical(system, linear: DirectSolver, response: PETSc.Vec, ahead: float) -> float:
