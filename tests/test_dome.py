@@ -143,6 +143,25 @@ def test_edges_that_lift_off_snap(friction, enforcement, limits):
 
 
 @pytest.mark.slow
+def test_edges_that_have_slid_up_to_bars_stick_there():
+    """The path goes on where edges first touch: what would slip on there finds no state ahead, what sticks does.
+
+    With the flexibility at the twelve pairs, rigid ones that stick make a stiffness of 32.36 kN/mm for 7.12, and need a
+    friction of 0.144. A step and elastic slip may take 5 % of it.
+    """
+    butt = case(model="contact", divisions=4, faces="butt", weld=100.0, tie="hinge", friction=0.2)
+    states = []
+    for state in fx.Path(butt.scene, butt.control, butt.until):
+        states.append(state)
+        if state.contact_points:
+            break
+    *_, before, last = states
+    assert before.load == pytest.approx(151.57e3, rel=1e-4) and last.contact_points == 12 and not last.unstable_modes
+    stiffness = (last.load - before.load) / (last.deflection - before.deflection)
+    assert stiffness == pytest.approx(32.36e3, rel=0.05)
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("enforcement", ["condensed", "penalty"])
 def test_modes_that_come_and_go_within_a_step_are_found(enforcement):
     """Six modes become unstable at a corner and five of them stable again within one step of the default enforcement.
