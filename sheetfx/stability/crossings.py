@@ -29,7 +29,7 @@ STEEP = 4  # of an even change over the step, that of eigenvalues between two ne
 APART = 0.1  # of a piece of path, distance of crossings that are looked for one by one
 EVEN = 0.5  # smaller rate of the load factor over the larger one at the outer samples, where it tells them apart
 DOUBT = 4  # of the last correction of a load, difference from another value of it that shows which one is noise
-FAR = 0.03  # of a piece of path, distance from crossings of states that tell how far apart these are
+FAR = 0.05  # of a piece of path, distance from crossings of states that tell how far apart these are
 FOLD = 0.9  # of the length of a piece of path, motion along the mode where a limit point is
 NOISE = 1e-6  # of the length of a piece of path, motion along a mode that does not count
 STEADY = 100  # of what tangents are off by beside a crossing, motion along the mode that is no rounding
@@ -89,7 +89,7 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
         raise Jump(f"{count} eigenvalues pass zero in the step, of which {len(border.numbers)} are found")
     if len(border.numbers) != count:
         return _halves(segment, left, right)
-    roots, samples, between = border.roots(lengths), lengths, np.inf
+    roots, samples, between, close = border.roots(lengths), lengths, np.inf, CLOSEST * segment.after.length
     best = np.inf, roots, samples  # in the end rounding takes over, so that nearer samples are worse
     for reach, sides in (*ALTERNATELY, *((reach, (-1, 1)) for reach in REACHES)):
         gaps = np.diff(roots)
@@ -108,8 +108,7 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
         coarser, finer = border.roots(samples[:-1]), border.roots(samples)
         if not _counted(segment, lengths, finer):
             return _pieces(segment, left, right)
-        between, drift = (_load_change(segment, samples[0], float(np.abs(finer - other).max()))
-                          for other in (coarser, roots))
+        between, drift = (_load_change(segment, samples[0], _moved(finer, other, close)) for other in (coarser, roots))
         roots, error = finer, between if between <= EXACT else max(between, drift)
         worse = segment.wavering and best[0] <= min(ROUGH, error)
         best = min(best, (error, roots, samples), key=itemgetter(0))
@@ -122,7 +121,7 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
         return _halves(segment, left, right)
     if segment.guarded:
         _compare_sides(segment, roots, samples, border)
-    found = _at_loads(segment, _together(border, roots, lengths), samples, border)
+    found = _at_loads(segment, _together(border, roots, lengths, close), samples, border)
     for crossing in found if segment.wavering else []:
         require_path(segment, *segment.neighbours(crossing.length))
     if segment.wavering and error > EXACT:
@@ -130,7 +129,16 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
     return found
 
 
-def _together(border: Border, roots: np.ndarray, lengths: Sequence[float]) -> np.ndarray:
+def _moved(roots: np.ndarray, others: np.ndarray, close: float) -> float:
+    """Largest distance of crossings from others, where they lie close together that of their means.
+
+    Rounding parts crossings that lie together, and the more the nearer the states are, but hardly moves their means.
+    """
+    groups = np.split(roots - others, np.flatnonzero(np.diff(roots) > close) + 1)
+    return max(abs(float(group.mean())) for group in groups)
+
+
+def _together(border: Border, roots: np.ndarray, lengths: Sequence[float], close: float) -> np.ndarray:
     """Crossings that are close to each other as far apart as states that are further off have them, if that is less.
 
     Rounding splits eigenvalues that are alike by as much as it moves states along the mode, in inverse proportion to
@@ -138,7 +146,7 @@ def _together(border: Border, roots: np.ndarray, lengths: Sequence[float]) -> np
     """
     size, middle = lengths[-1] - lengths[0], roots.mean()
     far = [s for s in lengths if abs(s - middle) >= FAR * size]
-    if not 0 < np.ptp(roots) < CLOSEST * size or len(far) < 2:
+    if not 0 < np.ptp(roots) < close or len(far) < 2:
         return roots
     found = border.roots(_nearest(far, roots))
     nearer = np.isfinite(found).all() and np.ptp(found) < np.ptp(roots)
