@@ -71,6 +71,9 @@ class Segment:
         ------
         Jump, Missed
         """
+        return self._found(length)
+
+    def _found(self, length: float, only_guessed: bool = False) -> State:
         if length in self._missed:
             raise Missed
         if length not in self.states:
@@ -79,7 +82,8 @@ class Segment:
             start = None if self.wavering else self.course.at(length, self.states)
             self.tracer.back_to(self.before)
             state = start and self.tracer.attempt(length, start)
-            state = state or self.tracer.attempt(length, part=1.0 if self.wavering else WITHIN)
+            if state is None and not only_guessed:
+                state = self.tracer.attempt(length, part=1.0 if self.wavering else WITHIN)
             strays = state is not None and self._strays(state, guess, left, right)
             if strays and self.guarded:
                 raise Jump("a state within the step is off the path")
@@ -91,10 +95,10 @@ class Segment:
                 self.close.add(length)
         return self.states[length]
 
-    def reach(self, length: float) -> bool:
-        """Have the state at a length, if it converges."""
+    def reach(self, length: float, only_guessed: bool = False) -> bool:
+        """Have the state at a length, if it converges, also from the start of the step unless it is `only_guessed`."""
         try:
-            self[length]
+            self._found(length, only_guessed)
         except Missed:
             return False
         return True

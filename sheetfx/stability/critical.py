@@ -141,7 +141,7 @@ def _check(segment: Segment) -> None:
             if right - left < SHORTEST * segment.after.length:
                 raise Jump("tangents within the step do not explain its load", sound)
             middle = (left + right) / 2
-            if not segment.reach(middle):
+            if not segment.reach(middle, only_guessed=sound is not None):
                 raise Jump("the middle of the step does not converge", sound)
             pieces += [(middle, right), (left, middle)]
 
