@@ -28,7 +28,7 @@ from .linear import DirectSolver
 from .state import State
 
 PREFIX = "sheetfx_crossings_"
-FEW, MANY = 6, 48  # eigenvalues that are looked for: those that change most, and at most of those that pass zero
+FEW, MANY = 6, 48  # eigenvalues that are looked for: those that change most, at most of those that pass zero
 FAR, ROUGH = 0.5, 1e-2  # real part of 1 / (1 - s) below which none is near 1, and its error
 REAL = 1e-5  # imaginary over real part of what counts as real: double eigenvalues split by rounding
 ALIKE = 1e-9  # of estimates that steps hang on, so that any number of processes takes the same steps
@@ -201,12 +201,13 @@ def crossings(solver: DirectSolver, earlier: PETSc.Mat, weights: PETSc.Vec, sign
 def first_passing(solver: DirectSolver, change: PETSc.Mat) -> float:
     """Multiple of a change of the factored tangent with which an eigenvalue passes zero, roughly.
 
-    Infinite where none of those that change most does. Where the tangent is not symmetric all changes count, since
-    those that do not pass zero may lead to flutter.
+    Infinite where none does. Where the tangent is not symmetric all changes count, since those that do not pass zero
+    may lead to flutter.
     """
     if not change.norm() > 0:
         return inf
-    values = _values(_solver(solver, change, FEW, ALIKE, SLEPc.EPS.Which.LARGEST_MAGNITUDE))
+    count, which = (1, SLEPc.EPS.Which.SMALLEST_REAL) if solver.symmetric else (FEW, SLEPc.EPS.Which.LARGEST_MAGNITUDE)
+    values = _values(_solver(solver, change, count, ALIKE, which))
     fastest = max((-values.real) if solver.symmetric else np.abs(values))
     return 1 / fastest if fastest > 0 else inf
 

@@ -28,7 +28,7 @@ class DirectSolver:
         self.ksp, self.matrix, self.symmetric = ksp, matrix, symmetric
         self.factorisations, self._spare = 0, SPARE
         self._pattern: int | None = None
-        self._analysed = False
+        self._analysed = self._has_zeros_on_diagonal = False
         self._set_up()
 
     def _set_up(self) -> None:
@@ -51,6 +51,10 @@ class DirectSolver:
         if pattern != self._pattern:  # PETSc takes a new factor then, which would lack what is set below
             self._begin_anew()
             self._pattern = pattern
+        if not self._analysed:
+            diagonal = self.matrix.getDiagonal()
+            diagonal.abs()
+            self._has_zeros_on_diagonal = not diagonal.min()[1] > 0
         analysed, self._analysed, pc = self._analysed, True, self.ksp.getPC()
         self.ksp.setOperators(self.matrix)
         if pc.getFactorSolverType() == PETSc.Mat.SolverType.MUMPS:
@@ -60,6 +64,8 @@ class DirectSolver:
             pc.getFactorMatrix().setMumpsCntl(3, -1e-100)
             pc.getFactorMatrix().setMumpsIcntl(14, self._spare)
             pc.getFactorMatrix().setMumpsIcntl(27, TOGETHER)
+            if self.symmetric and not self._has_zeros_on_diagonal:
+                pc.getFactorMatrix().setMumpsIcntl(8, 1)  # scaled by its roots, which sweeps over all rows only refine
             if pc.getType() == PETSc.PC.Type.LU:
                 pc.getFactorMatrix().setMumpsIcntl(33, 1)  # the determinant, in place of the inertia
         self.factorisations += 1
