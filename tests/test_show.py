@@ -274,6 +274,22 @@ def test_display_leaves_the_environment_as_it_was(window, monkeypatch):
     assert os.environ == before
 
 
+@pytest.mark.skipif(shutil.which("Xvfb") is None, reason="Xvfb is missing")
+@pytest.mark.parametrize("deaf", [1, display.STARTS])
+def test_xvfb_that_accepts_no_connection_is_started_again(deaf, monkeypatch):
+    """VTK ends the process where it finds none; here only the last of some servers answer, or none does."""
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.setattr(display, "_window", lambda: None)
+    answers = iter([False, *deaf * [False], True])
+    monkeypatch.setattr(display, "_answers", lambda: next(answers))
+    if deaf < display.STARTS:
+        with display.display():
+            assert os.environ["DISPLAY"].startswith(":")
+    else:
+        with pytest.raises(display.NoDisplay, match="accepts no connection"), display.display():
+            pass
+
+
 def test_paraview_has_every_state(record, tmp_path):
     import pyvista
 

@@ -13,6 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 WINDOWS = {"EGL": "vtkEGLRenderWindow", "OSMesa": "vtkOSOpenGLRenderWindow"}  # by the library that they need
+STARTS = 3  # of Xvfb, until one accepts connections
 CHOICE = "VTK_DEFAULT_OPENGL_WINDOW"  # variable by which VTK is told
 
 
@@ -83,7 +84,19 @@ def _answers() -> bool:
 
 
 def _start() -> tuple[subprocess.Popen, str]:
-    """Start Xvfb on a free display and wait for the number that it reports."""
+    """Start an Xvfb that accepts connections: on a busy machine one may not, and VTK would end the process."""
+    for _ in range(STARTS):
+        server, name = _begun()
+        with _variable("DISPLAY", name):
+            if _answers():
+                return server, name
+        server.terminate()
+        server.wait()
+    raise NoDisplay(f"Xvfb has been started {STARTS} times and accepts no connection; run Xvfb by hand to see why")
+
+
+def _begun() -> tuple[subprocess.Popen, str]:
+    """Begin an Xvfb and wait for the number that it reports."""
     executable = shutil.which("Xvfb")
     if executable is None:
         raise NoDisplay("there is no X server and Xvfb is missing: install the package xvfb (apt-get install xvfb)")
