@@ -14,8 +14,10 @@ from scipy.interpolate import RBFInterpolator
 from scipy.optimize import brentq, minimize_scalar, root
 
 from ..checks import Positive, require
+from ..continuation.segment import Jump, Missed
 from ..continuation.state import CriticalPoint, State
 from ..continuation.tracer import tracer_of
+from .corner_branches import Unsettled, corner_of
 from .critical import state_at, step_of
 from .first_piece import FirstPiece
 from .modes import largest_displacement
@@ -43,10 +45,10 @@ class Branch:
     ----------
     start : state on the branch, from which `Path(scene, control, until, start=[branch.start])` leads away from the
         bifurcation
-    direction : of the null vectors' space, a unit vector
-    mode : null vector in this direction, this process's part, the largest displacement being 1 (see
-        `mode_displacement`)
-    amplitude : largest displacement of the mode's share in the start
+    direction : of the null vectors' space, a unit vector; of a corner one in which the pairs count that change
+    mode : null vector in this direction, of a corner the tangent, this process's part, the largest displacement being 1
+        (see `mode_displacement`)
+    amplitude : largest displacement of the mode's share in the start, of a corner of the start from that
     family : whether it stands for a continuum of branches, in all directions; a path along it may drift from one to
         another unless a support singles one out
     doubt : why the start is not known to lie on the branch's first piece, before secondary critical points; "" where
@@ -68,6 +70,9 @@ def branches(path, states: Sequence[State], point: CriticalPoint, amplitude: flo
     them; those of higher ones are sought from many directions, and some may be missed. Starts lie on the first pieces
     of the branches, before their own critical points; where that cannot be made sure of, `Branch.doubt` says why.
 
+    At a corner, where pairs open or close together, branches are all other tangents with which contacts are consistent
+    (see `corner_branches`); starts lie close to it.
+
     Parameters
     ----------
     path : Path or Tracer that the states belong to; it stays at its present state
@@ -82,6 +87,8 @@ def branches(path, states: Sequence[State], point: CriticalPoint, amplitude: flo
     ValueError
         For a limit point, if the amplitude is not positive, or if the states around the point are not given.
     NoBranch
+        If none converges, or those of a corner are not known: with friction, on several processes, with pairs that are
+        not condensed, or where more than 14 change together.
     """
     require("branches", amplitude=(amplitude, Positive))
     tracer = tracer_of(path)
@@ -91,11 +98,31 @@ def branches(path, states: Sequence[State], point: CriticalPoint, amplitude: flo
     before, after = step_of("branches", states, point, len(tracer.x.array))
     present = tracer.state
     try:
+        if point.name == "corner":
+            return _of_corner(tracer, before, after, point)
         state_at(tracer, before, after, point)
         reduction = Reduction(tracer, point.multiplicity, after)
         return _found(reduction, FirstPiece(reduction, point, (before, after)), amplitude)
     finally:
         tracer.back_to(present)
+
+
+def _of_corner(tracer, before: State, after: State, point: CriticalPoint) -> list[Branch]:
+    """Branches of a corner but the path's own."""
+    try:
+        corner = corner_of(tracer, before, after, point)
+    except (Unsettled, Jump, Missed) as reason:
+        raise NoBranch(f"the corner at load {point.load:.6g}: {reason or 'the state ahead of it does not converge'}"
+                       ) from None
+    found, own = [], corner.changed(after)
+    for way in corner.ways():
+        start, doubt = (None, "") if np.array_equal(way.changes, own) else corner.start(way)
+        if start is not None:
+            sizes = [largest_displacement(tracer.discretisation, vector)
+                     for vector in (way.response, tracer.system.create_vector(start.increment))]
+            mode = way.sense * way.response.array / sizes[0]
+            found.append(Branch(start, way.changes / np.linalg.norm(way.changes), mode, sizes[1], doubt=doubt))
+    return found
 
 
 def _found(reduction: Reduction, piece: FirstPiece, amplitude: float) -> list[Branch]:
