@@ -172,3 +172,20 @@ def test_stiff_rods_on_springs(end, expected):
     points = found(scene, 20.0, fx.LoadControl(step=0.6, target=end))
     assert [(what, number) for what, _, number in points] == [(f"flutter {name}", 1) for name in expected]
     assert [load for _, load, _ in points] == pytest.approx(exact[:len(expected)], rel=1e-3)
+
+
+@pytest.mark.parametrize("bed", [0.0, 100.0])
+def test_squares_that_meet_are_one_point_however_stiff_the_rest_is(bed):
+    """Beck's column is slender and shear-rigid: its stiffest squares are orders of magnitude above those that meet.
+
+    Rounding parts and joins these several times within 1e-7 of the load, which were so many points. A foundation adds
+    the same to both squares and leaves the load as it is (Smith and Herrmann 1972).
+    """
+    depth = 0.005
+    mesh = fx.read(lambda: fx.meshes.frame({"base": (0.0, 0.0), "tip": (1.0, 0.0)}, {"column": ("base", "tip", 24)}), 2)
+    beam = fx.Beam(mesh, fx.Rectangle(1.0, depth), fx.Elastic(12 / depth**3, density=1 / depth), shear_rigidity=1e3)
+    scene = fx.Scene([beam], [fx.clamp(mesh, "base")], [fx.FollowerForce(mesh, "tip", (-1.0, 0.0))],
+                     fx.Monitor(mesh, "tip", "y"), joints=[fx.Foundation(beam, (0.0, bed))] if bed else [])
+    ((what, load, number),) = found(scene, 30.0, fx.LoadControl(0.5, target=40.0))
+    assert (what, number) == ("flutter begins", 1)
+    assert load == pytest.approx(20.051, rel=1e-4)

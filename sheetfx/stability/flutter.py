@@ -13,7 +13,7 @@ of each point say the same.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import inf
 
@@ -30,6 +30,7 @@ from .vibration import is_complex, mass_matrix
 COUNT = 12  # squares of frequencies, those nearest to zero, that are followed beside those that flutter already
 KNOWN = 1 - 1e-6  # of the largest square that is found, size up to which all are known
 EXACT = 1e-8  # relative error of the load at which frequencies meet
+ROUNDED = 1e-5  # of the load, distance of points between which rounding parts squares that have met, or joins them
 JUST_MET = 0.01  # imaginary part over the size, at most, of a pair that has begun there
 NEAR = 0.01  # of a piece of path, distance from where a pair seems to begin of the states that are looked at
 SAMPLES, BESIDE = 17, 0.05  # places that are looked at between two states, the outermost a part of the way beyond
@@ -82,7 +83,7 @@ class Flutter:
         after = self._at(segment, segment.after.length, COUNT + 2 * _pairs(before.squares, before.reach))
         self._last = segment.after, after
         try:
-            return self._points(segment, 0.0, segment.after.length, (before, after))
+            return _told_apart(self._points(segment, 0.0, segment.after.length, (before, after)))
         except Missed:
             if segment.guarded:
                 raise Jump("the states about a flutter do not converge") from None
@@ -129,6 +130,28 @@ class Flutter:
         spectra = [ends[0], *(self._at(segment, s, len(ends[1].squares)) for s in cuts[1:-1]), ends[1]]
         return [point for piece, both in zip(pairwise(cuts), pairwise(spectra), strict=True)
                 for point in self._points(segment, *piece, both, right - left)]
+
+
+def _told_apart(points: Sequence[CriticalPoint]) -> list[CriticalPoint]:
+    """Points of a step in their order, those that follow each other as closely as rounding tells as one.
+
+    Squares that meet depend on rounding by its root: their pair begins and ends several times within a stretch of load
+    that grows with the stiffest part over the softest. What counts is how many pairs there are behind it.
+    """
+    together: list[list[CriticalPoint]] = []
+    for point in points:
+        if together and abs(point.load - together[-1][-1].load) <= ROUNDED * abs(point.load):
+            together[-1].append(point)
+        else:
+            together.append([point])
+    found = []
+    for group in together:
+        change = sum(p.multiplicity if p.name == "begins" else -p.multiplicity for p in group)
+        if change:
+            name = "begins" if change > 0 else "ends"
+            first = next(p for p in group if p.name == name)
+            found.append(replace(first, multiplicity=abs(change)))
+    return found
 
 
 def _met(segment: Segment, left: float, right: float, ends: tuple[_Spectrum, _Spectrum]) -> list[CriticalPoint]:
