@@ -58,7 +58,7 @@ class Tracer(Measuring):
         except SingularTangent:
             raise ValueError("the unloaded structure can move freely (its tangent is singular): "
                              + advice_on_supports(discretisation.scene)) from None
-        self._mark_factored()
+        self._mark_factored(moved=False)
         self._choose_first_length()
         self.state = replace(self.state, next_length=self.first)
 
@@ -143,8 +143,7 @@ class Tracer(Measuring):
         """
         before, self.stepper.load_increment, self._most = self.total_factorisations, load_increment, iterations
         self._count.start_from(self.state, self.x)
-        found = self._converged(self.state, iterations, factorisations=before)
-        self.state = replace(found, next_length=0.0)
+        self.state = replace(self._converged(self.state, iterations, factorisations=before), next_length=0.0)
         self._mark_factored()
         return self.state
 
@@ -184,7 +183,7 @@ class Tracer(Measuring):
         self.state = replace(begun, step=before.step + 1, deflection=before.deflection, next_length=self.first)
         if not self.system.conservative:
             self.state = replace(self.state, unstable_modes=before.unstable_modes)
-        self._mark_factored()
+        self._mark_factored(moved=False)
         return self.state
 
     def _choose_first_length(self) -> None:
@@ -220,11 +219,12 @@ class Tracer(Measuring):
         factored, count = self._factored
         if factored is not state.response or count != self.total_factorisations:
             self._respond()
-            self._mark_factored()
+            self._mark_factored(moved=False)
 
-    def _mark_factored(self) -> None:
-        """Remember that the last factor is that of the current state, which gave its response."""
-        self._factored = self.state.response, self.total_factorisations
+    def _mark_factored(self, moved: bool = True) -> None:
+        """Remember that the last factor is that of the current state, unless axes of nodes have turned since then."""
+        if not (moved and self.system.unknowns.charted):
+            self._factored = self.state.response, self.total_factorisations
 
     def spectrum(self, count: int, tolerance: float = 1e-12) -> tuple[list[float], list[PETSc.Vec]]:
         """Eigenvalues of the last factored tangent nearest to zero in the scaled inner product, and modes."""

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import ufl
 from dolfinx.common import IndexMap
 from dolfinx.fem import FunctionSpace
+from mpi4py import MPI
 from ufl.algorithms.formsplitter import FormSplitter
 
 from ..mesh.numbers import constants_on, lift_numbers
-from .nodal_field import AdditiveField
+from .nodal_field import AdditiveField, QuaternionField
 from .number import NumberField
 
 
@@ -61,6 +63,12 @@ class Unknowns:
         self._trials = self._pieces(ufl.TrialFunctions(mixed))
         self._arguments = ufl.TestFunctions(mixed)
         self._symbols = [f.symbol for b in self.spatial for f in b.fields]
+
+    @cached_property
+    def charted(self) -> bool:
+        """Whether any nodes turn their axes from one converged state to the next, as supports hold one rotation."""
+        charted = any(f.charted.any() for f in self.fields if isinstance(f, QuaternionField))
+        return bool(self.blocks[0].index_map.comm.allreduce(charted, op=MPI.LOR))
 
     def _pieces(self, arguments) -> list:
         return [
