@@ -29,7 +29,7 @@ class CriticalPoint:
         bifurcation, "comparison solid" where points have yielded (Hill 1958: the tangent is that of loading), "corner"
         where something begins or ceases to touch or to slip, and eigenvalues jump past zero; "begins" or "ends" of
         flutter; the name of an event; "" where the tangent is not symmetric or there is contact, and the energy has no
-        variations
+        variations, and where these vanish up to the fourth, so that the load of the branch only rounds
     slope, curvature : Koiter's a and b of a simple bifurcation, factor = critical factor (1 + a xi + b xi^2), where the
         load factor is that of forces or of a prescribed motion, and xi is the mode's largest displacement, its largest
         component being positive; None: not known

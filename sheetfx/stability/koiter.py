@@ -23,7 +23,9 @@ from .modes import scaled
 
 STEP = 1e-4  # of differences of the Hessian, in the scaled norm of increments
 LONGEST, HALVINGS = 0.1, 14  # of differences of the gradient
+GROWN = 100  # times the least change from one difference to the next, a change that rounding makes
 AGREED = 1e-7  # relative change of the quartic coefficient, from which it is good enough
+UNTOLD = 0.5  # relative change of the quartic coefficient, from which its sign is that of rounding
 RESOLVED = 1e-6  # amplitude, in the scaled norm, for a load changed by one per cent; less beside a limit point
 NEGLIGIBLE = 1e-2  # share of the slope in the load's change, where that is one per cent, of a symmetric bifurcation
 
@@ -71,7 +73,7 @@ class Expansion:
     ----------
     mode : null vector, of unit length in the scaled inner product, its largest displacement being positive
     size : largest displacement of the mode
-    cubic, stiffness, quartic : A, B and C
+    cubic, stiffness, quartic : A, B and C; a quartic coefficient that rounding makes is zero
     """
 
     mode: PETSc.Vec
@@ -94,7 +96,7 @@ def expansion(tracer, mode: PETSc.Vec, neighbours: Sequence[State]) -> Expansion
     mode = size * unit
     energy, solve = Energy(tracer), _Complement(tracer, mode)
     (third,) = energy.third([mode], mode)
-    cubic = mode.dot(third)
+    cubic = _cubic(energy, mode)
     slope = solve(tracer.load_vector())
     stiffness, bend = (mode.dot(change) for change in energy.third([mode, slope], slope, 1.0))
     quartic = 24 * _quartic(energy, mode, solve(-0.5 * third))
@@ -122,6 +124,8 @@ def postbuckling(tracer, state: State, modes: Sequence[PETSc.Vec], point: Critic
     reach = (0.01 * max(abs(state.factor), abs(neighbours[1].load_increment)) / max(abs(second), 1e-300)) ** 0.5
     if abs(first) > NEGLIGIBLE * abs(second) * reach:
         return replace(point, name="asymmetric", slope=first / state.factor)
+    if not e.quartic:
+        return replace(point, slope=0.0)
     point = replace(point, name="stable symmetric" if e.quartic > 0 else "unstable symmetric", slope=0.0)
     return replace(point, curvature=second / state.factor) if reach > RESOLVED * e.size else point
 
@@ -149,11 +153,35 @@ class _Complement:
         return solution - solution.dot(self._weighted) * self._mode
 
 
+def _cubic(energy: Energy, mode: PETSc.Vec) -> float:
+    """Coefficient A of s^3 / 6 in the energy along s mode.
+
+    The even part of its derivative is r + A s^2 / 2 + d s^4, where r is what the state lacks of balance. Three
+    neighbours of a sequence of halved s give A; the one counts that differs least from the one before. Differences of
+    the Hessian, which are taken over a shorter way, would make a symmetric bifurcation asymmetric by the rounding of
+    stiff parts.
+    """
+    even: list[float] = []
+    found: list[float] = []
+    changes: list[float] = []
+    for n in range(HALVINGS):
+        length = LONGEST / 2**n
+        even.append((energy.gradient(length * mode) + energy.gradient(-length * mode)).dot(mode) / 2)
+        if n >= 2:
+            found.append((17 * even[-2] - even[-3] - 16 * even[-1]) / (18 * length**2))
+        if n >= 3:
+            changes.append(abs(found[-1] - found[-2]))
+            if changes[-1] > GROWN * min(changes):
+                break
+    return found[1 + int(np.argmin(changes))]
+
+
 def _quartic(energy: Energy, mode: PETSc.Vec, bend: PETSc.Vec) -> float:
     """Coefficient of s^4 in the energy along s mode + s^2 bend.
 
     The odd part of its derivative is c s + 4 quartic s^3 + d s^5; three neighbours of a sequence of halved s give the
     quartic. Long ones suffer from higher terms and short ones from rounding: those count that agree best, or well.
+    It is zero where none agree, as at a bifurcation whose branch keeps its load.
     """
     lengths = [LONGEST / 2**n for n in range(HALVINGS)]
     odd, found, changes = [], [], [np.inf]
@@ -164,10 +192,10 @@ def _quartic(energy: Energy, mode: PETSc.Vec, bend: PETSc.Vec) -> float:
             found.append(np.linalg.solve(np.column_stack((s, s**3, s**5)) / s[0] ** np.array([1, 3, 5]),
                                          odd[-3:])[1] / s[0] ** 3 / 4)
         if n >= 3:
-            changes.append(abs((found[-1] - found[-2]) / found[-1]))
+            changes.append(abs(found[-1] - found[-2]) / abs(found[-1]) if found[-1] else np.inf)
         if changes[-1] < AGREED:
             break
-    return float(found[int(np.argmin(changes))])
+    return float(found[int(np.argmin(changes))]) if min(changes) < UNTOLD else 0.0
 
 
 def _slope(energy: Energy, mode: PETSc.Vec, bend: PETSc.Vec, length: float) -> float:
