@@ -209,14 +209,15 @@ class GapAtPoints:
         gap = fields.gap_of(values, self._place, self._arm)
         slope = ufl.diff(gap, z)
         bend = ufl.diff(slope, z)
-        table = ufl.as_vector([*(slope[i] for i in range(m)), *(bend[i, j] for i in range(m) for j in range(m))])
+        table = ufl.as_vector([*(slope[i] for i in range(m)), *(bend[i, j] for i in range(m) for j in range(m)),
+                               self._z[0]])  # without which derivatives that are constants, as of planes, have no mesh
         self._expression = compiled_expression(table, np.array([[0.5]]), with_constants)
 
     def __call__(self, z: np.ndarray, places: np.ndarray, arms: np.ndarray) -> tuple[np.ndarray, ...]:
         """Gradient, shape (n, m), and Hessian, shape (n, m, m), of the gap."""
         count, m = len(z), self._size
         places, arms = (table.reshape(count, table.shape[-1]) for table in (places, arms))
-        table = np.zeros((count, m + m * m))
+        table = np.zeros((count, m + m * m + 1))
         for start in range(0, count, CHUNK):
             part = slice(start, min(start + CHUNK, count))
             for function, values in ((self._z, z), (self._place, places), (self._arm, arms)):
@@ -224,4 +225,4 @@ class GapAtPoints:
                 given = values[np.minimum(np.arange(start, start + CHUNK), count - 1)]
                 function.x.array.reshape(given.shape)[rows] = given
             table[part] = self._expression.eval(self._mesh, self._cells).reshape(CHUNK, -1)[: part.stop - start]
-        return table[:, :m], table[:, m:].reshape(count, m, m)
+        return table[:, :m], table[:, m:-1].reshape(count, m, m)
