@@ -16,6 +16,7 @@ import numpy as np
 
 import sheetfx as fx
 from sheetfx import meshes
+from sheetfx.continuation.state import CriticalPoint
 from sheetfx.scenes import dome
 
 END = 14.0  # deflection of the apex, mm
@@ -53,12 +54,26 @@ def perfect(friction: float) -> None:
     for hold in ("load", "displacement"):
         fall_and_go_on(record, hold)
     for point in record.critical_points:
-        if point.kind == "bifurcation" and point.multiplicity == 1 and not point.spread and not friction:
+        if point.kind == "bifurcation" and not friction and (point.name == "corner" or not point.spread):
             try:
-                for branch in record.branches(point):
-                    go_on(case, f"branch at {point.load / 1e3:.2f} kN {branch.doubt}", branch.start)
+                follow_branches(record, point)
             except ArithmeticError as failure:
                 print(f"branches at {point.load / 1e3:.2f} kN: {failure}", flush=True)
+
+
+def follow_branches(record: fx.Record, point: CriticalPoint) -> None:
+    """Branches of a simple bifurcation, and one of each kind of a corner: pairs that change, modes and rate alike."""
+    if point.name != "corner" and point.multiplicity > 1:
+        return
+    kinds: dict[tuple[int, int, str], list[fx.Branch]] = {}
+    for branch in record.branches(point):
+        start, changing = branch.start, int(np.count_nonzero(branch.direction))
+        kind = (changing, start.unstable_modes or 0, f"{start.load_rate:.2g}")
+        kinds.setdefault(kind, []).append(branch)
+    for (changing, modes, _), alike in sorted(kinds.items()):
+        title = f"{point.title} at {point.load / 1e3:.2f} kN, {changing} change, {modes} modes, {len(alike)} alike"
+        for branch in alike[:1] if point.name == "corner" else alike:
+            go_on(record.case, f"{title} {branch.doubt}", branch.start)
 
 
 def fall_and_go_on(record: fx.Record, hold: str) -> None:
