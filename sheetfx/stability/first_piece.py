@@ -3,7 +3,8 @@
 States between the bifurcation and the start must have one number of unstable modes and a load that runs one way, both
 as the type of the bifurcation asks, and lie on one smooth curve. A branch of a simple bifurcation has the stability
 that the path has on the other side of the critical load (exchange of stability: Crandall and Rabinowitz 1973), so that
-halves of a stable symmetric one are stable, whatever the load does (Koiter 1945).
+halves of a stable symmetric one are stable, whatever the load does (Koiter 1945). Where branches are a family, the
+modes that lead from one to another are neutral.
 """
 
 from __future__ import annotations
@@ -58,19 +59,19 @@ class FirstPiece:
 
     def doubt(self, direction: np.ndarray, amplitude: float, family: bool) -> str:
         """Why a start is not known to lie on the first piece; "" where it does."""
-        free = not family and len(direction) > 1
+        free, neutral = not family and len(direction) > 1, family * (len(direction) - 1)
         start = self.state(direction, amplitude)
         try:
             rungs = {part: self.state(direction, part * amplitude, free) for part in RUNGS[:-1]} | {1.0: start}
         except NoSolution:
             return "the branch cannot be followed from the start back to the bifurcation"
-        return (self._disagreement(list(rungs.values())) or self._mistaken(start)
-                or self._unexplained(direction, amplitude, free, rungs))
+        return (self._disagreement(list(rungs.values()), neutral) or self._mistaken(start)
+                or self._unexplained(direction, amplitude, free, neutral, rungs))
 
-    def _disagreement(self, states: Sequence[State]) -> str:
-        """What changes between states of a branch."""
+    def _disagreement(self, states: Sequence[State], neutral: int) -> str:
+        """What changes between states of a branch, but the signs of neutral modes, which are those of rounding."""
         counts, start = [_stability(state) for state in states], states[-1]
-        if len(set(counts)) > 1:
+        if max(counts) - min(counts) > neutral and (start.unstable_modes is not None or not neutral):
             return (f"the number of unstable modes changes on the way to the start ({', '.join(map(str, counts))}): "
                     "a critical point of the branch lies before it")
         if any(self._rise(state) * state.load_rate < 0 or self._rise(state) * self._rise(start) < 0
@@ -108,7 +109,8 @@ class FirstPiece:
         change = state.factor - self._bifurcation.factor
         return change if abs(change) > NOISE * self._reduction.size else 0.0
 
-    def _unexplained(self, direction: np.ndarray, amplitude: float, free: bool, rungs: dict[float, State]) -> str:
+    def _unexplained(self, direction: np.ndarray, amplitude: float, free: bool, neutral: int,
+                     rungs: dict[float, State]) -> str:
         """Why the pieces between states are not known to be smooth; their middles are looked at where need be."""
         if not self._reduction.system.smooth or not any(map(self._rise, rungs.values())):
             return ""
@@ -126,7 +128,7 @@ class FirstPiece:
                 segment.states[middle] = self.state(direction, middle * amplitude, free)
             except NoSolution:
                 return "the branch cannot be followed from the start back to the bifurcation"
-            if doubt := self._disagreement([segment.states[s] for s in sorted(segment.states)]):
+            if doubt := self._disagreement([segment.states[s] for s in sorted(segment.states)], neutral):
                 return doubt
             pieces += [(left, middle), (middle, right)]
         return ""
