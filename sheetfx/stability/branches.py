@@ -156,7 +156,7 @@ def _found(reduction: Reduction, piece: FirstPiece, amplitude: float) -> list[Br
 def _branch(reduction: Reduction, piece: FirstPiece, direction: np.ndarray, amplitude: float, family: bool) -> Branch:
     mode = reduction.combined(reduction.modes, direction)
     size = largest_displacement(reduction.tracer.discretisation, mode)
-    start, doubt = piece.state(direction, amplitude), piece.doubt(direction, amplitude, family)
+    start, doubt = piece.state(direction, amplitude, family), piece.doubt(direction, amplitude, family)
     return Branch(start, direction, mode.array / size, amplitude * size, family, doubt)
 
 

@@ -4,7 +4,7 @@ States between the bifurcation and the start must have one number of unstable mo
 as the type of the bifurcation asks, and lie on one smooth curve. A branch of a simple bifurcation has the stability
 that the path has on the other side of the critical load (exchange of stability: Crandall and Rabinowitz 1973), so that
 halves of a stable symmetric one are stable, whatever the load does (Koiter 1945). Where branches are a family, the
-modes that lead from one to another are neutral.
+modes that lead from one to another are neutral: their signs and their shares in tangents are those of rounding.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from scipy.linalg import null_space
 
 from ..continuation.explained import explained
 from ..continuation.segment import Segment
@@ -41,11 +42,12 @@ class FirstPiece:
         counted = self._bifurcation.unstable_modes
         self._others = None if counted is None else counted - reduction.negative
 
-    def state(self, direction: np.ndarray, amplitude: float, free: bool = False) -> State:
+    def state(self, direction: np.ndarray, amplitude: float, family: bool, free: bool = False) -> State:
         """The state of a branch at an amplitude in a direction.
 
         Parameters
         ----------
+        family : whether there are branches in all directions; the tangent is then the one that keeps its direction
         free : whether the direction is that of another amplitude of the branch, which may turn
 
         Raises
@@ -54,19 +56,34 @@ class FirstPiece:
         """
         key = direction.tobytes(), amplitude
         if key not in self._states:
-            self._states[key] = self._reduction.state(self._reduction.solve(direction, amplitude, free))
+            state = self._reduction.state(self._reduction.solve(direction, amplitude, free))
+            self._states[key] = self._keeping(direction, state) if family else state
         return self._states[key]
+
+    def _keeping(self, direction: np.ndarray, state: State) -> State:
+        """A state with the tangent that has no share of modes across a direction, and leads on from the bifurcation."""
+        reduction, tracer = self._reduction, self._reduction.tracer
+        response = reduction.system.create_vector(state.response)
+        for across in null_space(direction[None, :]).T:
+            share = response.dot(reduction.combined(reduction.weighted, across))
+            response.axpy(-share, reduction.combined(reduction.modes, across))
+        tangent = 1.0, response.array.copy()
+        rate = np.copysign(1.0, tracer.inner(state.direction, tangent)) / tracer.distance(*tangent)
+        return replace(state, response=tangent[1], load_rate=float(rate))
 
     def doubt(self, direction: np.ndarray, amplitude: float, family: bool) -> str:
         """Why a start is not known to lie on the first piece; "" where it does."""
-        free, neutral = not family and len(direction) > 1, family * (len(direction) - 1)
-        start = self.state(direction, amplitude)
+        start = self.state(direction, amplitude, family)
         try:
-            rungs = {part: self.state(direction, part * amplitude, free) for part in RUNGS[:-1]} | {1.0: start}
+            rungs = {part: self._turned(direction, part * amplitude, family) for part in RUNGS[:-1]} | {1.0: start}
         except NoSolution:
             return "the branch cannot be followed from the start back to the bifurcation"
-        return (self._disagreement(list(rungs.values()), neutral) or self._mistaken(start)
-                or self._unexplained(direction, amplitude, free, neutral, rungs))
+        return (self._disagreement(list(rungs.values()), family * (len(direction) - 1)) or self._mistaken(start)
+                or self._unexplained(direction, amplitude, family, rungs))
+
+    def _turned(self, direction: np.ndarray, amplitude: float, family: bool) -> State:
+        """The state at another amplitude of a branch, where that of several modes may have turned."""
+        return self.state(direction, amplitude, family, free=not family and len(direction) > 1)
 
     def _disagreement(self, states: Sequence[State], neutral: int) -> str:
         """What changes between states of a branch, but the signs of neutral modes, which are those of rounding."""
@@ -109,8 +126,7 @@ class FirstPiece:
         change = state.factor - self._bifurcation.factor
         return change if abs(change) > NOISE * self._reduction.size else 0.0
 
-    def _unexplained(self, direction: np.ndarray, amplitude: float, free: bool, neutral: int,
-                     rungs: dict[float, State]) -> str:
+    def _unexplained(self, direction: np.ndarray, amplitude: float, family: bool, rungs: dict[float, State]) -> str:
         """Why the pieces between states are not known to be smooth; their middles are looked at where need be."""
         if not self._reduction.system.smooth or not any(map(self._rise, rungs.values())):
             return ""
@@ -125,10 +141,11 @@ class FirstPiece:
                 return "the tangents of the branch do not explain its load on the way to the start"
             middle = (left + right) / 2
             try:
-                segment.states[middle] = self.state(direction, middle * amplitude, free)
+                segment.states[middle] = self._turned(direction, middle * amplitude, family)
             except NoSolution:
                 return "the branch cannot be followed from the start back to the bifurcation"
-            if doubt := self._disagreement([segment.states[s] for s in sorted(segment.states)], neutral):
+            if doubt := self._disagreement([segment.states[s] for s in sorted(segment.states)],
+                                           family * (len(direction) - 1)):
                 return doubt
             pieces += [(left, middle), (middle, right)]
         return ""
