@@ -1,6 +1,7 @@
 """Koiter's laws of imperfection sensitivity against traced paths of imperfect structures."""
 
 from math import pi, radians
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from sheetfx.continuation.control import ArcLength
 from sheetfx.continuation.state import CriticalPoint
 from sheetfx.mesh.imperfection import imperfect
 from sheetfx.path import Until
+from sheetfx.stability import koiter
 from sheetfx.stability.sensitivity import imperfection_sensitivity, limit_of_imperfect
 
 HALF, DEPTH = radians(7.338), 4.7625
@@ -84,6 +86,20 @@ def test_rounding_of_stiff_parts_makes_no_bifurcation_asymmetric(step):
     point, *_ = trace(Case(scene, fx.LoadControl(step, target=30.0))).critical_points
     assert point.title == "bifurcation point (stable symmetric)"
     assert point.curvature == pytest.approx(3.03e-6, rel=1e-2)
+
+
+@pytest.mark.parametrize(("cubic", "name"), [(-1.45e6, ""), (-1.45e9, "asymmetric")])
+def test_a_slope_that_no_amplitude_shows_makes_no_bifurcation_asymmetric(monkeypatch, cubic, name):
+    """Beside another bifurcation, a twenty-thousandth of the load away, no two ways agree on a quartic coefficient.
+
+    The figures are of a coupled dome whose mesh splits a double bifurcation: the slope of the first row would change
+    the load by a hundred-thousandth over a size of the structure, and was called asymmetric.
+    """
+    found = koiter.Expansion(None, size=1684.0, cubic=cubic, stiffness=-3.94e4, quartic=0.0)
+    monkeypatch.setattr(koiter, "expansion", lambda *_: found)
+    state = SimpleNamespace(factor=1.94e6, load_increment=1e5)
+    point = koiter.postbuckling(None, state, [None], CriticalPoint("bifurcation", 1.94e6, 40.3, 7), [state, state])
+    assert point.name == name
 
 
 class Whirl(fx.Load):

@@ -27,7 +27,7 @@ GROWN = 100  # times the least change from one difference to the next, a change 
 AGREED = 1e-7  # relative change of the quartic coefficient, from which it is good enough
 UNTOLD = 0.5  # relative change of the quartic coefficient, from which its sign is that of rounding
 RESOLVED = 1e-6  # amplitude, in the scaled norm, for a load changed by one per cent; less beside a limit point
-NEGLIGIBLE = 1e-2  # share of the slope in the load's change, where that is one per cent, of a symmetric bifurcation
+NEGLIGIBLE = 1e-2  # share of the slope in a load changed by one per cent, of a symmetric bifurcation
 
 
 class Energy:
@@ -121,8 +121,9 @@ def postbuckling(tracer, state: State, modes: Sequence[PETSc.Vec], point: Critic
     if not e.stiffness:
         return point
     first, second = -e.cubic / (2 * e.stiffness) / e.size, -e.quartic / (6 * e.stiffness) / e.size**2
-    reach = (0.01 * max(abs(state.factor), abs(neighbours[1].load_increment)) / max(abs(second), 1e-300)) ** 0.5
-    if abs(first) > NEGLIGIBLE * abs(second) * reach:
+    change = 0.01 * max(abs(state.factor), abs(neighbours[1].load_increment))
+    reach = min((change / max(abs(second), 1e-300)) ** 0.5, e.size)
+    if abs(first) * reach > NEGLIGIBLE * change:
         return replace(point, name="asymmetric", slope=first / state.factor)
     if not e.quartic:
         return replace(point, slope=0.0)
