@@ -33,10 +33,11 @@ from .widening import ARGUMENT, CellExpression, builder_for
 
 # Python may have been built with -g, and passes it on: debugging information is a third of the time of compilation.
 # Kernels are long straight lines: more than -O1 makes the compiler slower, not them; fused products a quarter faster.
-FUSED = "avx2", "fma"  # what a processor must have for them
+INSTRUCTIONS = ("avx2", "fma"), ("avx512f",)  # what a processor must have for them, and for eight cells at once
 OPTIONS = {"timeout": 600, "cffi_extra_compile_args": ["-O1", "-g0", "-ffp-contract=fast", ARGUMENT]}
-if all(get_host_cpu_features().get(name) for name in FUSED):
-    OPTIONS["cffi_extra_compile_args"] += [f"-m{name}" for name in FUSED]
+for names in INSTRUCTIONS:
+    if all(get_host_cpu_features().get(name) for name in names):
+        OPTIONS["cffi_extra_compile_args"] += [f"-m{name}" for name in names]
 ANNOUNCED, RECIPES = "compiling", "recipes"  # folders in the cache: files of processes that compile, and of kernels
 _looked_after: set[Path] = set()  # caches, by this process
 

@@ -34,7 +34,12 @@ ARGUMENT = f"-DSHEETFX_WIDENING=0x{sha256(Path(__file__).read_bytes()).hexdigest
 
 BEFORE = """
 #include <string.h>
-enum { LANES = 4, VALUES = %(values)d, COORDINATES = %(coordinates)d, ENTRIES = %(entries)d };
+#ifdef __AVX512F__
+#define LANES 8
+#else
+#define LANES 4
+#endif
+enum { VALUES = %(values)d, COORDINATES = %(coordinates)d, ENTRIES = %(entries)d };
 typedef double cells __attribute__((vector_size(8 * LANES)));
 
 #define AT_ONCE static inline __attribute__((always_inline)) cells

@@ -131,10 +131,11 @@ class AssumedWork:
 
     def extrapolate_stress(self, chunk: slice) -> None:
         strains, slopes = self._sample(chunk)
-        resultants, moduli = self._law(chunk, strains)
-        change = self._assumed(chunk, [s.change(chunk, slope, self._increments)
-                                       for s, slope in zip(self._samplings, slopes, strict=True)])
-        self._held[chunk] = resultants + (moduli @ change[..., None])[..., 0]
+        self._held[chunk], moduli = self._law(chunk, strains)
+        if any(self._increments[number].x.array.any() for number in self.numbers):
+            change = self._assumed(chunk, [s.change(chunk, slope, self._increments)
+                                           for s, slope in zip(self._samplings, slopes, strict=True)])
+            self._held[chunk] += (moduli @ change[..., None])[..., 0]
 
     def add_matrices(self, chunk: slice, matrices: dict):
         """Add element matrices (cells, pairs of components, n, m) by numbers of fields; return held forces."""

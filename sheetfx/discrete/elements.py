@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import combinations_with_replacement
+from itertools import combinations_with_replacement, pairwise
 
 import numba
 import numpy as np
@@ -27,7 +27,7 @@ from .densities import PointwiseWork, component_pairs
 from .layout import Layout
 from .nodal_field import AdditiveField
 
-FEWEST, MOST = 64, 256  # cells that are evaluated together
+FEWEST, MOST = 64, 512  # cells that are evaluated together, about
 CACHED = 2**18  # entries of their matrices that a processor's cache holds
 
 
@@ -96,8 +96,9 @@ class ElementWork(Contribution):
     def _chunks(self):
         count = len(self.internal.cells)
         values = sum(nodes.shape[1] * raw for nodes, raw in zip(self._nodes, self._raw, strict=True))
-        size = int(np.clip(CACHED // values**2, FEWEST, MOST))
-        return [slice(start, min(start + size, count)) for start in range(0, count, size)]
+        size = np.clip(CACHED / values**2, FEWEST, MOST)
+        ends = np.linspace(0, count, max(round(count / size), 1) + 1).astype(int).tolist()
+        return [slice(start, end) for start, end in pairwise(ends)]
 
     def pattern(self, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
         rows, columns = [], []
