@@ -258,14 +258,13 @@ class PathStep:
         where Newton's iteration creeps, as past a limit point close to a bifurcation, it is the same too, and far
         larger than rounding can be.
         """
-        step = self._last_step(x)
-        if step > 1e-4 or self._residual.norm() > ROUNDED * self.system.largest_force():
-            return False
+        step, last = self._last_step(x), self.history[-4:]
         if step <= TINY:
-            return residual < 1e-2 and residual > 0.1 * self.history[-2]
-        last = self.history[-4:]
-        steady = len(last) == 4 and max(last) < 2 * min(last)
-        return self.system.smooth and residual < 1e-3 and steady
+            stays = residual < 1e-2 and residual > 0.1 * self.history[-2]
+        else:
+            steady = len(last) == 4 and max(last) < 2 * min(last)
+            stays = step <= 1e-4 and self.system.smooth and residual < 1e-3 and steady
+        return stays and self._residual.norm() <= ROUNDED * self.system.largest_force()
 
     def _is_lost(self) -> bool:
         """Whether what began with a guess leads away from it, or Newton's steps have long led nowhere."""

@@ -58,7 +58,7 @@ def around_corner(tracer, before: State, wanted: float, failed: float, trail: Tr
         for sign in (forwards, -forwards):
             tracer.back_to(before)
             after = tracer.attempt_along(solution, sign, length)
-            if (after is not None and _leads_on(tracer, before, after) and not (trail and trail.holds(after))
+            if (after is not None and _leads_on(tracer, before, after, earlier) and not (trail and trail.holds(after))
                     and not (flows and _unloads(tracer, before, after))):
                 return after
     tracer.back_to(before)
@@ -133,11 +133,17 @@ def _ahead(tracer, before: State, distance: float, sticks: bool) -> tuple[PETSc.
     return solution, float(np.sign(tracer.inner((0.0, solution.array), (0.0, x)))) or 1.0
 
 
-def _leads_on(tracer, before: State, after: State) -> bool:
+def _leads_on(tracer, before: State, after: State, earlier: State | None) -> bool:
     """Whether a step does not go back along the one before: where it turns back sharply other modes are unstable."""
     one, other = before.direction, after.direction
-    return (after.unstable_modes != before.unstable_modes
+    return (after.unstable_modes != _unstable_behind(before, after.length, earlier)
             or tracer.inner(one, other) > -BACK * tracer.distance(*one) * tracer.distance(*other))
+
+
+def _unstable_behind(before: State, distance: float, earlier: State | None) -> int | None:
+    """Number of unstable modes at a distance back along the path, which may have passed its corner by a hair."""
+    passed = any(before.length - point.length < distance for point in before.critical)
+    return earlier.unstable_modes if passed and earlier is not None else before.unstable_modes
 
 
 def _unloads(tracer, before: State, after: State) -> bool:
