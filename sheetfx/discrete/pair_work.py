@@ -27,8 +27,10 @@ SLOW = 0.1  # part of the penetration that an augmentation leaves, above which t
 class PairWork(PointWork):
     """Virtual work of pressures and tractions between pairs of points.
 
-    Where pressures are augmented the stiffness grows within a step as long as augmentations take little of the
-    penetration away, so that their number hardly depends on the stiffness that is given.
+    Where pressures are augmented the stiffness grows as long as augmentations take little of the penetration away, and
+    each step begins with the one that the last step ended with. What is given is then only where a path begins: with
+    pairs far softer than the structure all steps would lead through states in which nothing seems to touch, and which
+    may not be there.
 
     Parameters
     ----------
@@ -43,8 +45,9 @@ class PairWork(PointWork):
 
     called, detours = "contact", (1e2, 1e1)
     _without = 1  # directions along which no slip is counted: that out of the first part's face
-    _least = 0  # how often the stiffness grows within a step at least
-    _stiffened, _deepest = 0, inf
+    _least = 0  # how often the stiffness grows within a step at least; each begins with the given one if it does
+    _begun = _stiffened = 0  # how often it has grown by the last accepted state, and by now
+    _deepest = inf  # penetration at the last augmentation of the step
     _slack = 0.0  # part of the bound of friction by which tractions may be off where they slip
     _slipping: np.ndarray | None = None  # tractions of pairs that slipped at the last iterate, zero at others
 
@@ -196,7 +199,7 @@ class PairWork(PointWork):
     def commit(self) -> None:
         self._slipping = None
         self.settle(self.pairs.augmented)
-        self._stiffen(0)
+        self._begin_with(0 if self._least else self._stiffened)
         if self.pairs.augmented:
             pressure = self._history[:, 0]
             pressure[:] = np.where(pressure > 0, pressure + self._table[:, 0] * self.place(), 0.0)
@@ -210,17 +213,21 @@ class PairWork(PointWork):
         kept = {self._name: self._committed.copy()}
         if self._partners:
             kept[f"{self._name} partners"] = self._partners_committed.copy()
+        if self.pairs.augmented:
+            kept[f"{self._name} stiffness"] = np.array([float(self._begun)])
         return kept
 
     def restore(self, snapshot: dict[str, np.ndarray]) -> None:
         self._committed = snapshot[self._name].copy()
         if self._partners:
             self._partners_committed = snapshot[f"{self._name} partners"].copy()
+        if self.pairs.augmented:
+            self._begun = int(snapshot[f"{self._name} stiffness"][0])
         self.rewind()
 
     def rewind(self) -> None:
         self._slipping = None
-        self._stiffen(0)
+        self._begin_with(self._begun)
         self._put_history(self._committed.copy())
         if self._partners:
             self._partners.restore(self._partners_committed)
@@ -274,6 +281,11 @@ class PairWork(PointWork):
             self._stiffen(self._stiffened + 1)
         self._deepest = deepest
         return False
+
+    def _begin_with(self, times: int) -> None:
+        """Let the next step begin with the stiffness after so many augmentations with a higher one."""
+        self._begun, self._deepest = times, inf
+        self._stiffen(times)
 
     def _stiffen(self, times: int) -> None:
         """Give the law the stiffness after so many augmentations with a higher one."""
