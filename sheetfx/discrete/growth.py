@@ -34,6 +34,11 @@ class Growth:
         return STIFFER**self.times
 
     @property
+    def approaches(self) -> tuple[float, ...]:
+        """How many times softer pairs are through which a step is approached that fails otherwise, as past a corner."""
+        return (STIFFER, 1.0) if self.begun else (1.0,)
+
+    @property
     def suffices(self) -> bool:
         """Whether it has grown as often as it does within a step at least."""
         return self.times >= self._least
