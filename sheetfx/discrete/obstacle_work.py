@@ -78,7 +78,8 @@ class ObstacleWork(PairWork):
                              f"it travels along {tuple(self.contact.obstacle.travel)}; turn its travel, or take more "
                              "samples")
         if self.pairs.augmented:
-            self._stiffen(self._least)
+            self._growth.times = self._least
+            self.regularise(1.0)
 
     def _mark(self) -> None:
         """Take the present places, seen from the obstacle, for those that slips are counted from."""

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import inf
 
 import numpy as np
 
 from .. import forms
 from .contact import OPEN, SLIP
 from .contribution import Contribution
+from .growth import Growth
 from .layout import Layout
 from .pairs import Pairs, PairState
 from .partners import Partners, turned
@@ -20,15 +20,10 @@ from .unknowns import Unknowns
 SPARE = 0.4  # of all pairs, those with the smallest gaps that the pattern of the tangent has beside those that act
 STICKING = 1e3  # coefficient of friction with which pairs stick
 BEYOND = 1e-7  # of the bound, by which tractions that slip are kept beyond it, so that they slip on in the next tangent
-STIFFER, MOST = 10.0, 8  # stiffness from one augmentation to the next, and how often it grows at most
-SLOW = 0.1  # part of the penetration that an augmentation leaves, above which the next one is stiffer
 
 
 class PairWork(PointWork):
     """Virtual work of pressures and tractions between pairs of points.
-
-    Where pressures are augmented the stiffness grows within a step as long as augmentations take little of the
-    penetration away, so that their number hardly depends on the stiffness that is given.
 
     Parameters
     ----------
@@ -43,8 +38,7 @@ class PairWork(PointWork):
 
     called, detours = "contact", (1e2, 1e1)
     _without = 1  # directions along which no slip is counted: that out of the first part's face
-    _least = 0  # how often the stiffness grows within a step at least
-    _stiffened, _deepest = 0, inf
+    _least = 0  # how often the stiffness grows within a step at least, see `Growth`
     _slack = 0.0  # part of the bound of friction by which tractions may be off where they slip
     _slipping: np.ndarray | None = None  # tractions of pairs that slipped at the last iterate, zero at others
 
@@ -59,12 +53,17 @@ class PairWork(PointWork):
         self._slips, self._history = n if pairs.rubs else 0, np.zeros((pairs.count, 1 + 2 * n))
         points = self._law_of([unknowns.fields[t.field].components for t in traces])
         super().__init__(unknowns, traces, points, smooth=False, conservative=not self._slips)
+        self._growth = Growth(self._least)
         self.sticks = contact.law is forms.contact.mohr_coulomb
         self._committed = self._history.copy()
         self._partners_committed = self._partners.history() if self._partners else None
         self._pattern_nodes = self._seen = None
         self._table = pairs.table()
         self._law.weigh(pairs.weights * self._here)
+
+    @property
+    def approaches(self) -> Sequence[float]:  # type: ignore[override]
+        return self._growth.approaches
 
     def _begin(self) -> None:
         """Bring the partners to where they are opposite before anything moves."""
@@ -196,7 +195,8 @@ class PairWork(PointWork):
     def commit(self) -> None:
         self._slipping = None
         self.settle(self.pairs.augmented)
-        self._stiffen(0)
+        self._growth.commit()
+        self.regularise(1.0)
         if self.pairs.augmented:
             pressure = self._history[:, 0]
             pressure[:] = np.where(pressure > 0, pressure + self._table[:, 0] * self.place(), 0.0)
@@ -210,17 +210,22 @@ class PairWork(PointWork):
         kept = {self._name: self._committed.copy()}
         if self._partners:
             kept[f"{self._name} partners"] = self._partners_committed.copy()
+        if self.pairs.augmented:
+            kept[f"{self._name} stiffness"] = np.array([self._growth.begun])
         return kept
 
     def restore(self, snapshot: dict[str, np.ndarray]) -> None:
         self._committed = snapshot[self._name].copy()
         if self._partners:
             self._partners_committed = snapshot[f"{self._name} partners"].copy()
+        if self.pairs.augmented:
+            self._growth.restore(int(snapshot[f"{self._name} stiffness"][0]))
         self.rewind()
 
     def rewind(self) -> None:
         self._slipping = None
-        self._stiffen(0)
+        self._growth.rewind()
+        self.regularise(1.0)
         self._put_history(self._committed.copy())
         if self._partners:
             self._partners.restore(self._partners_committed)
@@ -230,7 +235,7 @@ class PairWork(PointWork):
     def regularise(self, times: float) -> None:
         """Make all pairs softer: where parts touch along a line without a gap, all pairs close or open at once."""
         self._table = self.pairs.table()
-        self._table[:, :2] *= STIFFER ** self._stiffened / times
+        self._table[:, :2] *= self._growth.factor / times
         self._law.give(self._data_of_history + 1, self._table)
 
     def hold(self) -> bool:
@@ -267,18 +272,12 @@ class PairWork(PointWork):
         strains, resultants = self._now()
         gap, pressed = strains[:, 0], resultants[:, 0] < 0
         deepest = max(-gap.min(initial=0.0), gap[pressed].max(initial=0.0))
-        if deepest <= self.pairs.tolerance and self._stiffened >= self._least:
+        if deepest <= self.pairs.tolerance and self._growth.suffices:
             return True
         self._put_history(self._updated(True, slips=False))
-        if self._stiffened < self._least or (self._stiffened < MOST and deepest > SLOW * self._deepest):
-            self._stiffen(self._stiffened + 1)
-        self._deepest = deepest
-        return False
-
-    def _stiffen(self, times: int) -> None:
-        """Give the law the stiffness after so many augmentations with a higher one."""
-        self._stiffened = times
+        self._growth.go_on(deepest)
         self.regularise(1.0)
+        return False
 
     def energy(self) -> float | None:
         return None if self._slips else self.taken(None)

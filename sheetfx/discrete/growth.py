@@ -1,0 +1,68 @@
+"""Growth of the stiffness with which pressures of contact are augmented."""
+
+from __future__ import annotations
+
+from math import inf
+
+STIFFER, MOST = 10.0, 8  # stiffness from one augmentation to the next, and how often it grows at most
+SLOW = 0.1  # part of the penetration that an augmentation leaves, above which the next one is stiffer
+
+
+class Growth:
+    """How often a stiffness has grown, which does so as long as augmentations take little of the penetration away.
+
+    Each step begins with the one that the last step ended with. What is given is then only where a path begins: with
+    pairs far softer than the structure all steps would lead through states in which nothing seems to touch, and which
+    may not be there.
+
+    Parameters
+    ----------
+    least : how often it grows within a step at least; each step then begins with the one that is given
+
+    Attributes
+    ----------
+    times : how often it has grown by now
+    begun : how often it had by the last accepted state
+    """
+
+    def __init__(self, least: int):
+        self._least, self.times, self.begun, self._deepest = least, 0, 0, inf
+
+    @property
+    def factor(self) -> float:
+        """The stiffness over the one that is given."""
+        return STIFFER**self.times
+
+    @property
+    def approaches(self) -> tuple[float, ...]:
+        """How many times softer pairs are through which a step is approached that fails otherwise, as past a corner."""
+        return (STIFFER, 1.0) if self.begun else (1.0,)
+
+    @property
+    def suffices(self) -> bool:
+        """Whether it has grown as often as it does within a step at least."""
+        return self.times >= self._least
+
+    def go_on(self, deepest: float) -> None:
+        """Grow for the next augmentation if need be.
+
+        Parameters
+        ----------
+        deepest : penetration that the last one has left
+        """
+        if not self.suffices or (self.times < MOST and deepest > SLOW * self._deepest):
+            self.times += 1
+        self._deepest = deepest
+
+    def commit(self) -> None:
+        """Let the next step begin with what this one has ended with."""
+        self.restore(0 if self._least else self.times)
+
+    def rewind(self) -> None:
+        """Forget what a step has changed."""
+        self.restore(self.begun)
+
+    def restore(self, begun: int) -> None:
+        """Return to an accepted state by which it had grown so often."""
+        self.times = self.begun = begun
+        self._deepest = inf
