@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import inf
 
 STIFFER, MOST = 10.0, 8  # stiffness from one augmentation to the next, and how often it grows at most
-SLOW = 0.1  # part of the penetration that an augmentation leaves, above which the next one is stiffer
+SLOW = 0.01  # part of the penetration that an augmentation leaves, above which the next one is stiffer
 
 
 class Growth:
