@@ -1,7 +1,7 @@
 """What gap, friction, stiffness and number of pairs do to the dome with contact: `python3 demos/studies/factors.py`.
 
 The four factor studies of the thesis (section 5.3.3) and its pressures augmented, on the dome with welds of 200 mm and
-both faces, two runs at a time. Prints the loads at given deflections and draws a panel for each study. Takes some ten
+both faces, two runs at a time. Prints the loads at given deflections and draws a panel for each study. Takes four
 minutes on two cores.
 """
 
@@ -107,7 +107,7 @@ def draw(found: list[tuple[Study, float, Outcome]]) -> Figure:
         axes.grid(color="#dddddd", linewidth=0.6)
         axes.spines[["top", "right"]].set_visible(False)
         for number, (_, value, outcome) in enumerate(entry for entry in found if entry[0] == study):
-            grey = 0.8 - 0.8 * number / (len(study.values) - 1)
+            grey = 0.8 * (1 - number / (len(study.values) - 1))
             axes.plot(*smooth(outcome.path)[0].T, color=str(grey), label=f"{value:g}")
         axes.legend(frameon=False, fontsize=8)
     panels[-1, -1].set_axis_off()

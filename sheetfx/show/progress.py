@@ -85,7 +85,9 @@ class Progress:
         table.add_row("energy balance", _balance(summary["energy"]))
         table.add_row("steps, iterations", f"{summary['steps']}, {summary['iterations']}")
         table.add_row("unknowns", str(summary["unknowns"]))
-        table.add_row("CPU seconds", f"{summary['timings']['total']:.2f}")
+        spent = summary["timings"]
+        table.add_row("CPU seconds", f"{spent['total']:.2f}, of the path {spent['path']:.2f}, of pictures and files "
+                                     f"{spent['output']:.2f}")
         table.add_row("results in", str(self.folder))
         self.console.print(table)
 
