@@ -97,7 +97,7 @@ class ElementWork(Contribution):
         count = len(self.internal.cells)
         values = sum(nodes.shape[1] * raw for nodes, raw in zip(self._nodes, self._raw, strict=True))
         size = np.clip(CACHED / values**2, FEWEST, MOST)
-        ends = np.linspace(0, count, max(round(count / size), 1) + 1).astype(int).tolist()
+        ends = np.linspace(0, count, max(round(count / size), min(count, 1)) + 1).astype(int).tolist()
         return [slice(start, end) for start, end in pairwise(ends)]
 
     def pattern(self, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
