@@ -17,14 +17,15 @@ from .evaluate import told
 
 
 class Progress:
-    """One line that follows the path on a terminal; a line for every tenth step elsewhere.
+    """One line that follows the path on a terminal; a line for every tenth step elsewhere, and on several processes.
 
     Only process 0 prints.
     """
 
     def __init__(self, name: str, folder: Path):
         self.name, self.folder = name, folder
-        self.console = Console(quiet=MPI.COMM_WORLD.rank > 0, highlight=False)
+        comm = MPI.COMM_WORLD  # mpirun gives its processes terminals, whatever it writes to itself
+        self.console = Console(quiet=comm.rank > 0, highlight=False, force_terminal=False if comm.size > 1 else None)
         self._live = Live(Text(f"{name}: compiling forms, meshing"), console=self.console, transient=True)
         self._until, self._stages, self._load, self._deflection = None, [], "load", "deflection"
         self._start = time.perf_counter()
