@@ -67,7 +67,6 @@ class DirectSolver:
             if self.symmetric and not self._has_zeros_on_diagonal:
                 pc.getFactorMatrix().setMumpsIcntl(8, 1)  # scaled by its roots, which sweeps over all rows only refine
             if pc.getType() == PETSc.PC.Type.LU:
-                pc.getFactorMatrix().setMumpsIcntl(8, 4)  # by the largest entries of rows and columns, once over
                 pc.getFactorMatrix().setMumpsIcntl(33, 1)  # the determinant, in place of the inertia
         self.factorisations += 1
         pc.setReusePreconditioner(False)
