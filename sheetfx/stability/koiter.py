@@ -122,7 +122,7 @@ def postbuckling(tracer, state: State, modes: Sequence[PETSc.Vec], point: Critic
         return point
     first, second = -e.cubic / (2 * e.stiffness) / e.size, -e.quartic / (6 * e.stiffness) / e.size**2
     change = 0.01 * max(abs(state.factor), abs(neighbours[1].load_increment))
-    reach = min((change / max(abs(second), 1e-300)) ** 0.5, e.size)
+    reach = min((change / max(abs(second), 1e-300)) ** 0.5, e.size)  # of the curvature, in the size of the structure
     if abs(first) * reach > NEGLIGIBLE * change:
         return replace(point, name="asymmetric", slope=first / state.factor)
     if not e.quartic:
