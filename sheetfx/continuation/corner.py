@@ -142,7 +142,8 @@ def _leads_on(tracer, before: State, after: State, earlier: State | None) -> boo
 
 def _unstable_behind(before: State, distance: float, earlier: State | None) -> int | None:
     """Number of unstable modes at a distance back along the path, which may have passed its corner by a hair."""
-    passed = any(before.length - point.length < distance for point in before.critical)
+    passed = any(point.step == before.step and point.kind != "event" and before.length - point.length < distance
+                 for point in before.critical)
     return earlier.unstable_modes if passed and earlier is not None else before.unstable_modes
 
 

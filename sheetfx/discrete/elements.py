@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import combinations_with_replacement, pairwise
 
 import numba
@@ -93,7 +93,8 @@ class ElementWork(Contribution):
             values = np.zeros((len(nodes), self._fields[a].width, self._fields[b].width))
             self.couplings.append(Coupling(self.numbers[a], self.numbers[b], nodes, pairs, mirrored, values))
 
-    def _chunks(self):
+    @cached_property
+    def _chunks(self) -> list[slice]:
         count = len(self.internal.cells)
         values = sum(nodes.shape[1] * raw for nodes, raw in zip(self._nodes, self._raw, strict=True))
         size = np.clip(CACHED / values**2, FEWEST, MOST)
@@ -111,7 +112,7 @@ class ElementWork(Contribution):
         return np.concatenate(rows), np.concatenate(columns)
 
     def residual(self, forces: Forces) -> None:
-        for chunk in self._chunks():
+        for chunk in self._chunks:
             for term in self._terms:
                 for number, vectors in term.vectors(chunk):
                     _add_rows(forces.on(number), self._nodes[self.numbers.index(number)][chunk], vectors)
@@ -132,7 +133,7 @@ class ElementWork(Contribution):
                              "stored; ask for forces instead")
         for term in self._terms:
             term.compile_energy()
-        return sum(term.energy(chunk) for chunk in self._chunks() for term in self._terms)
+        return sum(term.energy(chunk) for chunk in self._chunks for term in self._terms)
 
     @property
     def remembers(self) -> bool:
@@ -142,7 +143,7 @@ class ElementWork(Contribution):
     def resultants(self) -> np.ndarray:
         """Present resultants of a law with history at the points of integration, (cells, points, resultants)."""
         ((term, _),) = self._memories
-        return np.concatenate([term.resultants(chunk) for chunk in self._chunks()])
+        return np.concatenate([term.resultants(chunk) for chunk in self._chunks])
 
     @property
     def points(self) -> np.ndarray:
@@ -167,7 +168,7 @@ class ElementWork(Contribution):
     def commit(self) -> None:
         self._accepted = {}
         for term, _ in self._memories:
-            for chunk in self._chunks():
+            for chunk in self._chunks:
                 term.commit(chunk)
 
     @property
@@ -194,7 +195,7 @@ class ElementWork(Contribution):
             memory.restore(snapshot[f"{self._name} {n}"])
 
     def extrapolate_stress(self) -> None:
-        for chunk in self._chunks():
+        for chunk in self._chunks:
             for term in self._terms:
                 term.extrapolate_stress(chunk)
 
@@ -203,7 +204,7 @@ class ElementWork(Contribution):
             coupling.values[:] = 0
         bases = {n: f.variations() for n, f in zip(self.numbers, self._fields, strict=True)}
         nodes = dict(zip(self.numbers, self._nodes, strict=True))
-        for chunk in self._chunks():
+        for chunk in self._chunks:
             matrices: dict[tuple[int, int], np.ndarray] = {}
             for term in self._terms:
                 for number, vectors in term.add_matrices(chunk, matrices):
