@@ -2,8 +2,8 @@
 
 FFCx writes a kernel as a straight line of arithmetic for one cell, of which a compiler finds nothing that could be done
 together. Here each number of that line becomes a vector with one entry for each of several cells, by the vector types
-that GCC and Clang have, so that a processor does them all in the time of one. What is not arithmetic alone, such as
-conditions, stays as FFCx has written it.
+that GCC and Clang have, so that a processor does them all in the time of one. Conditions choose bit by bit from what is
+computed for all cells, as in FFCx's kernels for each. Kernels with other functions stay as FFCx writes them.
 """
 
 from __future__ import annotations
@@ -26,9 +26,14 @@ from .compat import geometry_nodes
 KERNEL = re.compile(r"^void (tabulate_tensor_expression_\w+)\(double\* restrict A,.*?\)\n(?={)", re.M | re.S)
 POSITIONS = re.compile(r"^static int original_coefficient_positions_\w+\[\d+\] = {([^}]*)};", re.M)
 NUMBER = re.compile(r"^( *)double (\w+) = (.*);$", re.M)
-# What is not arithmetic of numbers in a cell: conditions, other functions than roots and powers, arrays, facets.
-OTHER = re.compile(r"\?|\b(?!for\b|sqrt\b|pow\b)[A-Za-z_]\w* ?\(|\bpow\((?!\w+, -?[\d.]+\))|"
-                   r"(?<!static const )\bdouble\b|\bentity_local_index\[|\bquadrature_permutation\[")
+CONDITION = re.compile(r"^( *)bool (\w+) = (\S+ (?:[<>]=?|[!=]=) \S+|\w+ (?:&&|\|\|) \w+|!\w+);$", re.M)
+CHOICE = re.compile(r"^(\w+) \? (\S+) : (\S+)$")
+LOGIC = {"&&": "&", "||": "|", "!": "~"}  # of one cell, and of several
+FUNCTIONS = {"sqrt": "root", "pow": "power", "fabs": "absolute", "fmax": "larger", "fmin": "smaller"}
+# What is not arithmetic of numbers in a cell and choices: other conditions and functions, arrays, facets.
+OTHER = re.compile(r"\?|\bbool\b|\b(?!for\b|choice\b|mask\b|sqrt\b|pow\b|fabs\b|fmax\b|fmin\b)[A-Za-z_]\w* ?\(|"
+                   r"\bpow\((?!\w+, -?[\d.]+\))|(?<!static const )\bdouble\b|\bentity_local_index\[|"
+                   r"\bquadrature_permutation\[")
 # One of the compiler's arguments, by which kernels on disk that an earlier state of this file has made are told apart.
 ARGUMENT = f"-DSHEETFX_WIDENING=0x{sha256(Path(__file__).read_bytes()).hexdigest()[:12]}"
 
@@ -41,6 +46,7 @@ BEFORE = """
 #endif
 enum { VALUES = %(values)d, COORDINATES = %(coordinates)d, ENTRIES = %(entries)d };
 typedef double cells __attribute__((vector_size(8 * LANES)));
+typedef int64_t masks __attribute__((vector_size(8 * LANES)));
 
 #define AT_ONCE static inline __attribute__((always_inline)) cells
 
@@ -58,6 +64,17 @@ AT_ONCE powers(cells x, double exponent)
   return x;
 }
 
+AT_ONCE chosen(masks from, cells x, cells y)
+{
+  return (cells)((from & (masks)x) | (~from & (masks)y));
+}
+
+#define all(x) _Generic((x), cells: (x), default: (cells){0} + (x))
+#define mask(x) _Generic((x), masks: (x), default: (masks){0} - (x))
+#define choice(from, x, y) chosen(from, all(x), all(y))
+#define absolute(x) choice(mask((x) < 0), -(x), x)
+#define larger(x, y) choice(mask((x) > (y)), x, y)
+#define smaller(x, y) choice(mask((x) < (y)), x, y)
 #define root(x) _Generic((x), cells: roots, default: sqrt)(x)
 #define power(x, exponent) _Generic((x), cells: powers, default: pow)(x, exponent)
 
@@ -129,14 +146,14 @@ def _widened(source: str, expression, points: int) -> str:
     if kernel is None or mesh is None:
         return source
     end = _end_of_block(source, kernel.end())
-    body = NUMBER.sub(_as_cells, source[kernel.end(): end])
+    body = CONDITION.sub(_as_masks, NUMBER.sub(_as_cells, source[kernel.end(): end]))
     if OTHER.search(body):
         return source
     used = _used(source, extract_coefficients(expression))
     corners, entries = mesh.ufl_coordinate_element(), points * int(np.prod(expression.ufl_shape))
     sizes = {"values": sum(c.ufl_function_space().ufl_element().dim for c in used), "entries": entries,
              "coordinates": 3 * corners.dim // corners.block_size, "name": kernel[1]}
-    body = re.sub(r"\bpow\(", "power(", re.sub(r"\bsqrt\(", "root(", body))
+    body = re.sub(rf"\b({'|'.join(FUNCTIONS)})\(", lambda found: f"{FUNCTIONS[found[1]]}(", body)
     return source[:kernel.start()] + BEFORE % sizes + body + AFTER % sizes + source[end:]
 
 
@@ -153,7 +170,15 @@ def _end_of_block(source: str, start: int) -> int:
 def _as_cells(number: re.Match) -> str:
     """A declaration of a number as one of a vector; numbers that are the same in all cells stay so."""
     indent, name, value = number.groups()
+    value = CHOICE.sub(r"choice(\1, \2, \3)", value)
     return f"{indent}cells {name} = {{0}};" if value == "0.0" else f"{indent}__auto_type {name} = {value};"
+
+
+def _as_masks(condition: re.Match) -> str:
+    """A declaration of a condition as one of a vector with all bits of a cell set where it holds there."""
+    indent, name, value = condition.groups()
+    value = re.sub(r"&&|\|\||!(?!=)", lambda found: LOGIC[found[0]], value)
+    return f"{indent}masks {name} = mask({value});"
 
 
 def _used(source: str, coefficients: list) -> list:

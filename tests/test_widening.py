@@ -46,10 +46,32 @@ def test_several_cells_at_once(cell, count, monkeypatch):
         assert found.ravel() == pytest.approx(usual.ravel(), rel=1e-13, abs=1e-13)
 
 
+CHOICES = {
+    "of two fields": lambda f, g, k: ufl.conditional(ufl.gt(f[0], 0), f[0], g),
+    "of numbers": lambda f, g, k: ufl.conditional(ufl.le(f[0], g), 1, ufl.conditional(ufl.eq(g, 2.0), -1.0, k[0])),
+    "by numbers": lambda f, g, k: ufl.conditional(ufl.lt(k[0], 2.0), f[0], 2.0) * g,
+    "of what is not a number elsewhere": lambda f, g, k: ufl.conditional(ufl.ge(f[0], 0), ufl.sqrt(f[0]), g),
+    "by several": lambda f, g, k: ufl.conditional(ufl.And(ufl.Not(ufl.gt(f[0], 0)), ufl.Or(
+        ufl.lt(g, 0), ufl.ne(f[1], k[0]))), f[1], g),
+    "sign, size": lambda f, g, k: ufl.sign(f[0]) * abs(g),
+    "larger, smaller": lambda f, g, k: ufl.max_value(f[0], g) * ufl.min_value(f[1], k[1]) + ufl.max_value(k[0], 2.0)}
+
+
+@pytest.mark.parametrize("name", CHOICES)
+def test_choices(name, monkeypatch):
+    """Cells beside each other choose differently."""
+    mesh, f, g, k = fields(CellType.triangle)
+    expression, cells = CHOICES[name](f, g, k), np.arange(29, dtype=np.int32)
+    compiled, usual = compiled_expression(expression, POINTS), fem.Expression(expression, POINTS).eval(mesh, cells)
+    assert compiled.several
+    monkeypatch.delattr(fem.Expression, "eval")
+    assert compiled.eval(mesh, cells).ravel() == pytest.approx(usual.ravel(), rel=1e-13, abs=1e-13)
+
+
 @pytest.mark.parametrize("expression", [
-    lambda f, g, k: ufl.conditional(ufl.gt(f[0], 0), f[0], g), lambda f, g, k: ufl.sin(f[0]),
-    lambda f, g, k: (2 + ufl.sqrt(f[0] ** 2 + 1)) ** (1 + g ** 2)], ids=["condition", "sine", "power"])
-def test_what_is_not_arithmetic_alone_stays(expression):
+    lambda f, g, k: ufl.sin(f[0]), lambda f, g, k: ufl.conditional(ufl.gt(f[0], 0), ufl.cos(g), g),
+    lambda f, g, k: (2 + ufl.sqrt(f[0] ** 2 + 1)) ** (1 + g ** 2)], ids=["sine", "cosine by choice", "power"])
+def test_other_functions_stay(expression):
     mesh, f, g, k = fields(CellType.triangle)
     compiled, cells = compiled_expression(expression(f, g, k), POINTS), np.arange(7, dtype=np.int32)
     assert not compiled.several
