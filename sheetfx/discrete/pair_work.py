@@ -17,7 +17,7 @@ from .point_law import PointLaw
 from .points import PointWork, Trace
 from .unknowns import Unknowns
 
-SPARE = 0.4  # of all pairs, those with the smallest gaps that the pattern of the tangent has beside those that act
+SPARE = 0.2  # of all pairs, those with the smallest gaps that the pattern of the tangent has beside those that act
 STICKING = 1e3  # coefficient of friction with which pairs stick
 BEYOND = 1e-7  # of the bound, by which tractions that slip are kept beyond it, so that they slip on in the next tangent
 
@@ -139,7 +139,8 @@ class PairWork(PointWork):
     def pattern(self, layout: Layout):
         acting, gap = self._acting()
         near = np.argsort(np.where(acting, -np.inf, gap), kind="stable")
-        self._stiff = np.sort(near[:acting.sum() + int(SPARE * len(near)) + 1])
+        alike = np.unique(self._numbers(layout), axis=0, return_inverse=True)[1].ravel()
+        self._stiff = np.flatnonzero(np.isin(alike, alike[near[:acting.sum() + int(SPARE * len(near)) + 1]]))
         self._pattern_nodes = [t.nodes for t in self._traces]
         return super().pattern(layout)
 

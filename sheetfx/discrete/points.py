@@ -53,7 +53,8 @@ class Trace:
         weights = element.tabulate(0, np.ascontiguousarray(reference))[0, :, :, 0]
         weights = np.where(np.abs(weights) > NOTHING, weights, 0.0)
         nodes = space.dofmap.list[cells].astype(np.int64)
-        order = np.argsort(-np.abs(weights), axis=1, kind="stable")[:, : (weights != 0).sum(axis=1).max(initial=0)]
+        most = (weights != 0).sum(axis=1).max(initial=0)
+        order = np.sort(np.argsort(-np.abs(weights), axis=1, kind="stable")[:, :most], axis=1)
         return cls(field, np.take_along_axis(nodes, order, axis=1), np.take_along_axis(weights, order, axis=1))
 
 
