@@ -55,5 +55,6 @@ class Condensation(Elimination):
     def _units(self, rows: np.ndarray) -> csc_matrix:
         return self._motions[rows].T.tocsc()
 
-    def _motion(self, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
-        return self._motions[rows] @ columns
+    def _motion(self, rows: np.ndarray, responses: np.ndarray) -> np.ndarray:
+        motions = self._motions[rows]
+        return np.array([motions @ response for response in responses]).reshape(len(responses), len(rows)).T

@@ -73,7 +73,7 @@ class Elimination:
         self._unit, self._normal, self._exact = unit, normal, exact
         self._linearise()
         self._rows, self._loads = np.empty(0, dtype=np.int64), np.empty(0)
-        self._columns, self._flexibility = np.empty((len(self._base), 0)), np.empty((0, 0))
+        self._responses, self._flexibility = np.empty((0, len(self._base))), np.empty((0, 0))
         forces = self._solve()
         system.configure(x, factor)
         if forces is None and self._many and self.can_do_without:
@@ -158,7 +158,7 @@ class Elimination:
         return None
 
     def _moved(self, forces: np.ndarray) -> np.ndarray:
-        return self._base - self._columns[:, :len(forces)] @ forces
+        return self._base - forces @ self._responses[:len(forces)]
 
     def _remainder(self, step: np.ndarray) -> np.ndarray | None:
         """Forces of the contacts after a step beyond those that are linear in it, at the rows where there are any.
@@ -176,10 +176,11 @@ class Elimination:
 
     def _add(self, new: np.ndarray) -> None:
         """Have the responses to unit forces at further rows, and the motions at rows by all of them."""
-        columns, loads = self._responses(self._units(new))
-        self._flexibility = np.hstack([self._flexibility, self._motion(self._rows, columns)])
-        self._columns, self._loads = np.hstack([self._columns, columns]), np.append(self._loads, loads)
-        self._flexibility = np.vstack([self._flexibility, self._motion(new, self._columns)])
+        responses, loads = self._respond(self._units(new))
+        self._flexibility = np.hstack([self._flexibility, self._motion(self._rows, responses)])
+        self._responses = np.vstack([self._responses, responses]) if len(self._rows) else responses
+        self._loads = np.append(self._loads, loads)
+        self._flexibility = np.vstack([self._flexibility, self._motion(new, self._responses)])
         self._rows = np.concatenate([self._rows, new])
 
     def _beyond(self, step: np.ndarray) -> np.ndarray:
@@ -199,15 +200,15 @@ class Elimination:
         """Unit forces at rows, as columns."""
         return csc_matrix((np.ones(len(rows)), (rows, np.arange(len(rows)))), shape=(len(self._base), len(rows)))
 
-    def _motion(self, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
-        """Motions at some rows in some responses."""
-        return columns[rows]
+    def _motion(self, rows: np.ndarray, responses: np.ndarray) -> np.ndarray:
+        """Motions at some rows in some responses, as columns."""
+        return responses[:, rows].T
 
-    def _responses(self, units: csc_matrix) -> tuple[np.ndarray, np.ndarray]:
-        """Responses to forces that keep to the control's equation, and the changes of load in them."""
-        columns, (along, of_load) = self._linear.responses(units), self._normal
+    def _respond(self, units: csc_matrix) -> tuple[np.ndarray, np.ndarray]:
+        """Responses to forces that keep to the control's equation, as rows, and the changes of load in them."""
+        responses, (along, of_load) = self._linear.responses(units), self._normal
         if along is None:
-            return columns, np.zeros(units.shape[1])
-        loads = -(along.array @ columns) / (along.dot(self._unit) + of_load)
-        columns += np.outer(self._unit.array, loads)
-        return columns, loads
+            return responses, np.zeros(units.shape[1])
+        loads = -(responses @ along.array) / (along.dot(self._unit) + of_load)
+        responses += np.outer(loads, self._unit.array)
+        return responses, loads

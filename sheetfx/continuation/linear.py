@@ -105,11 +105,11 @@ class DirectSolver:
                 self.solve(right, solution)
             return
         found = self.responses(np.column_stack([right.array_r for right in rights]))
-        for solution, column in zip(solutions, found.T, strict=True):
-            solution.array[:] = column
+        for solution, row in zip(solutions, found, strict=True):
+            solution.array[:] = row
 
     def responses(self, rights: np.ndarray | csc_matrix) -> np.ndarray:
-        """Solutions for the columns of an array, as columns, on one process.
+        """Solutions for the columns of an array, as rows, on one process.
 
         Of a sparse one MUMPS leaves out what of its forward substitution stays zero.
         """
@@ -124,7 +124,7 @@ class DirectSolver:
             right = PETSc.Mat().createDense(rights.shape, array=columns, comm=comm)
         found = np.empty(rights.shape, order="F")
         pc.getFactorMatrix().matSolve(right, PETSc.Mat().createDense(rights.shape, array=found, comm=comm))
-        return np.ascontiguousarray(found)
+        return found.T
 
     def solve_transposed(self, right: PETSc.Vec, solution: PETSc.Vec) -> None:
         self.ksp.getPC().applyTranspose(right, solution)

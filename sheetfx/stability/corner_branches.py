@@ -75,8 +75,8 @@ class Corner:
         self._chosen = self._about_to_change(gaps, motions @ state.response * np.sign(state.load_rate))
         self._closed, self._motions = gaps[self._chosen] <= 0, motions[self._chosen]
         self._stiffness = self._stiffnesses(gaps)[self._chosen] * np.where(self._closed, 1, -1)
-        self._columns = tracer.stepper.linear.responses(self._motions.T.tocsc())
-        self._flexibility = np.asarray(self._motions @ self._columns)
+        self._responses = tracer.stepper.linear.responses(self._motions.T.tocsc())
+        self._flexibility = np.asarray(self._motions @ self._responses.T)
 
     def _gaps(self) -> np.ndarray:
         return np.concatenate([c.place() for c in self._pairs])
@@ -119,7 +119,7 @@ class Corner:
                     rates = sense * along + self._flexibility @ forces
                     if np.array_equal(rates > 0, self._closed == changes):
                         yield Way(changes, self._tracer.system.create_vector(
-                            self._load.array + sense * (self._columns @ forces)), sense)
+                            self._load.array + sense * (forces @ self._responses)), sense)
 
     def changed(self, state: State) -> np.ndarray:
         """For each pair that may open or close whether it has, up to a state; the tracer ends there."""
