@@ -17,15 +17,18 @@ from scipy.sparse import block_diag, csc_matrix, csr_matrix, vstack
 from .elimination import Elimination
 
 NOTHING = 0.1  # of the error that is allowed, forces that are none
+SOFTENED = [10.0**n for n in range(6, -1, -1)]  # times softer than they are, pairs through which forces are approached
 
 
 class Condensation(Elimination):
     """Corrects the steps of a Newton iteration so that the laws of all pairs hold in the linearised structure.
 
-    Its rows are gaps and slips of pairs, in the place of unknowns.
+    Its rows are gaps and slips of pairs, in the place of unknowns. Where parts lie on each other along their length,
+    stiff pairs open and close by turns. Soft ones share the load, and as they become stiffer those open that do not
+    carry any of it.
     """
 
-    most, exact, can_do_without = 600, 1e-3, True
+    most, exact, can_do_without, softened = 600, 1e-3, True, SOFTENED
 
     def _linearise(self) -> None:
         """Take forces and stiffness as they are, with what is held for this iteration, and the laws without it."""

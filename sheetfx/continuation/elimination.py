@@ -41,9 +41,11 @@ class Elimination:
     most : rows that are eliminated
     can_do_without : whether a step goes on as it is where there are more rows, as those after it may have fewer
     exact : largest error of contact forces over the load, from which one correction more is enough
+    softened : multiples of the regularisation through which forces are approached that are not found otherwise
     """
 
     most, exact, can_do_without = 300, 1e-5, False
+    softened: Sequence[float] = ()
     _found = 0
 
     def __init__(self, system: System, linear: DirectSolver, regularise, multiples: Sequence[float]):
@@ -108,6 +110,8 @@ class Elimination:
         sequences = [self._multiples]
         if size < NEAR and len(self._multiples) > 1:
             sequences.insert(0, [1.0])
+        if self.softened:
+            sequences.append(self.softened)
         for multiples in sequences:
             forces = np.zeros(len(self._rows))
             for times in multiples:
