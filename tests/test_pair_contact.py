@@ -361,16 +361,17 @@ def leaf_spring(friction, load, enforcement="penalty"):
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])
-def test_graded_leaves_on_fine_meshes(friction):
+@pytest.mark.parametrize("cells, most", [(24, 20), pytest.param(60, 200, marks=pytest.mark.slow)])
+def test_graded_leaves_on_fine_meshes(cells, most, friction):
     """Three leaves touch along their length, without a gap; the upper one, which is loaded, is the longest.
 
     They press each other at tips alone (the last pairs are a quarter of a per cent beside these), and friction bends
-    them by its arm, half a per cent. Stiff pairs used to open and close by turns, so that no step converged; it takes
-    seven factorisations.
+    them by its arm, half a per cent. Stiff pairs used to open and close by turns, so that no step converged; 24 cells
+    take seven factorisations. 60 have more pairs than a step may have, unless it is a first one that fails.
     """
     length, depth, width, load, modulus = 1000.0, 8.0, 50.0, 10.0, 2e5
     lengths = [length, 0.8 * length, 0.6 * length]
-    meshes = [line(24 + n, (0.0, -n * depth), (reach, -n * depth)) for n, reach in enumerate(lengths)]
+    meshes = [line(cells + n, (0.0, -n * depth), (reach, -n * depth)) for n, reach in enumerate(lengths)]
     leaves = [fx.Beam(m, fx.Rectangle(width, depth), fx.Elastic(modulus, 0.0)) for m in meshes]
     touch = [fx.PairContact(lower, "bar", (upper, None), reach=2 * depth, friction=friction, toward=(0.0, 1.0))
              for upper, lower in zip(meshes, meshes[1:], strict=False)]
@@ -379,7 +380,7 @@ def test_graded_leaves_on_fine_meshes(friction):
     record = fx.trace(fx.Case(scene, until=fx.Until(load=load)))
     tip = _tip_of_leaves(lengths, load, friction * depth / 2) / (modulus * width * depth**3 / 12)
     assert record.states[-1].deflection == pytest.approx(tip, rel=2e-3)
-    assert record.path.tracer.total_factorisations < 20
+    assert record.path.tracer.total_factorisations < most
 
 
 def _tip_of_leaves(lengths, load, arm):

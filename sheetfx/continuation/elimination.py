@@ -42,10 +42,12 @@ class Elimination:
     can_do_without : whether a step goes on as it is where there are more rows, as those after it may have fewer
     exact : largest error of contact forces over the load, from which one correction more is enough
     softened : multiples of the regularisation through which forces are approached that are not found otherwise
+    bounded : whether there may be no more rows than `most`; not where a first step fails, which nothing has prepared
     """
 
     most, exact, can_do_without = 300, 1e-5, False
     softened: Sequence[float] = ()
+    bounded = True
     _found = 0
 
     def __init__(self, system: System, linear: DirectSolver, regularise, multiples: Sequence[float]):
@@ -171,7 +173,7 @@ class Elimination:
         """
         beyond = self._beyond(step)
         new = np.setdiff1d(np.flatnonzero(beyond), self._rows)
-        self._many = len(self._rows) + len(new) > self.most
+        self._many = self.bounded and len(self._rows) + len(new) > self.most
         if self._many:
             return None
         if len(new):
