@@ -28,10 +28,10 @@ POSITIONS = re.compile(r"^static int original_coefficient_positions_\w+\[\d+\] =
 NUMBER = re.compile(r"^( *)double (\w+) = (.*);$", re.M)
 CONDITION = re.compile(r"^( *)bool (\w+) = (\S+ (?:[<>]=?|[!=]=) \S+|\w+ (?:&&|\|\|) \w+|!\w+);$", re.M)
 CHOICE = re.compile(r"^(\w+) \? (\S+) : (\S+)$")
-LOGIC = {"&&": "&", "||": "|", "!": "~"}  # of one cell, and of several
+LOGIC = {"&&": "&", "||": "|", "!": "~"}  # of one cell, and of several; so are the functions
 FUNCTIONS = {"sqrt": "root", "pow": "power", "fabs": "absolute", "fmax": "larger", "fmin": "smaller"}
 # What is not arithmetic of numbers in a cell and choices: other conditions and functions, arrays, facets.
-OTHER = re.compile(r"\?|\bbool\b|\b(?!for\b|choice\b|mask\b|sqrt\b|pow\b|fabs\b|fmax\b|fmin\b)[A-Za-z_]\w* ?\(|"
+OTHER = re.compile(rf"\?|\bbool\b|\b(?!(?:for|choice|mask|{'|'.join(FUNCTIONS)})\b)[A-Za-z_]\w* ?\(|"
                    r"\bpow\((?!\w+, -?[\d.]+\))|(?<!static const )\bdouble\b|\bentity_local_index\[|"
                    r"\bquadrature_permutation\[")
 # One of the compiler's arguments, by which kernels on disk that an earlier state of this file has made are told apart.

@@ -137,6 +137,7 @@ class PairWork(PointWork):
         """Pressures have no linear change to be extrapolated by."""
 
     def pattern(self, layout: Layout):
+        """Entries of pairs that act or may do so next, and of those that share theirs, on the same unknowns."""
         acting, gap = self._acting()
         near = np.argsort(np.where(acting, -np.inf, gap), kind="stable")
         alike = np.unique(self._numbers(layout), axis=0, return_inverse=True)[1].ravel()
