@@ -42,12 +42,13 @@ class Elimination:
     can_do_without : whether a step goes on as it is where there are more rows, as those after it may have fewer
     exact : largest error of contact forces over the load, from which one correction more is enough
     softened : multiples of the regularisation through which forces are approached that are not found otherwise
+    stable : whether the structure is where a step begins; else there are several solutions, and softer ones lead astray
     bounded : whether there may be no more rows than `most`; not where a first step fails, which nothing has prepared
     """
 
     most, exact, can_do_without = 300, 1e-5, False
     softened: Sequence[float] = ()
-    bounded = True
+    stable = bounded = True
     _found = 0
 
     def __init__(self, system: System, linear: DirectSolver, regularise, multiples: Sequence[float]):
@@ -112,7 +113,7 @@ class Elimination:
         sequences = [self._multiples]
         if size < NEAR and len(self._multiples) > 1:
             sequences.insert(0, [1.0])
-        if self.softened:
+        if self.softened and self.stable:
             sequences.append(self.softened)
         for multiples in sequences:
             forces = np.zeros(len(self._rows))

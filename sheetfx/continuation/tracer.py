@@ -111,6 +111,7 @@ class Tracer(Measuring):
             self._most, self.failure, self.stepper.patient = 0, "", again and not start.length and len(multiples) > 1
             self.stepper.elimination = self._elimination if eliminates else None
             if eliminates:
+                self._elimination.stable = not start.unstable_modes
                 self._elimination.bounded = not again or bool(start.length)
                 self.factorise_at(start)
             if guess is None:
