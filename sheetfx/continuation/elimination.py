@@ -41,14 +41,15 @@ class Elimination:
     most : rows that are eliminated
     can_do_without : whether a step goes on as it is where there are more rows, as those after it may have fewer
     exact : largest error of contact forces over the load, from which one correction more is enough
-    softened : multiples of the regularisation through which forces are approached that are not found otherwise
-    stable : whether the structure is where a step begins; else there are several solutions, and softer ones lead astray
+    softened : multiples of the regularisation through which forces are approached that a first step does not find
+        otherwise; later there may be several solutions, of which soft ones lead to another
+    begins : whether the step is a first one
     bounded : whether there may be no more rows than `most`; not where a first step fails, which nothing has prepared
     """
 
     most, exact, can_do_without = 300, 1e-5, False
     softened: Sequence[float] = ()
-    stable = bounded = True
+    begins = bounded = True
     _found = 0
 
     def __init__(self, system: System, linear: DirectSolver, regularise, multiples: Sequence[float]):
@@ -113,7 +114,7 @@ class Elimination:
         sequences = [self._multiples]
         if size < NEAR and len(self._multiples) > 1:
             sequences.insert(0, [1.0])
-        if self.softened and self.stable:
+        if self.softened and self.begins:
             sequences.append(self.softened)
         for multiples in sequences:
             forces = np.zeros(len(self._rows))

@@ -111,8 +111,8 @@ class Tracer(Measuring):
             self._most, self.failure, self.stepper.patient = 0, "", again and not start.length and len(multiples) > 1
             self.stepper.elimination = self._elimination if eliminates else None
             if eliminates:
-                self._elimination.stable = not start.unstable_modes
-                self._elimination.bounded = not again or bool(start.length)
+                self._elimination.begins = not start.length
+                self._elimination.bounded = not (again and self._elimination.begins)
                 self.factorise_at(start)
             if guess is None:
                 load_increment = control.predict(length, sign or control.direction(start), tangent)
