@@ -187,8 +187,8 @@ def test_sparse_forces_have_the_responses_of_dense_ones(package, symmetric):
     ksp.getPC().setFactorSolverType(package)
     solver.factorise()
     rights = sparse_array(40, 6, density=0.1, rng=2, format="csc")
-    wanted = np.linalg.solve(full, rights.toarray())
-    assert solver.responses(rights).T == pytest.approx(wanted, abs=1e-10)
+    wanted = np.linalg.solve(full, rights.toarray()).T
+    assert solver.responses(rights) == pytest.approx(wanted, abs=1e-10)
     assert solver.responses(rights.toarray()) == pytest.approx(wanted, abs=1e-10)
 
 
