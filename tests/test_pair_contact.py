@@ -367,7 +367,7 @@ def test_graded_leaves_on_fine_meshes(cells, most, friction):
 
     They press each other at tips alone (the last pairs are a quarter of a per cent beside these), and friction bends
     them by its arm, half a per cent. Stiff pairs used to open and close by turns, so that no step converged; 24 cells
-    take seven factorisations. 60 have more pairs than a step may have, unless it is a first one that fails.
+    take seven factorisations. 60 have more pairs than a step may have that is no first one.
     """
     length, depth, width, load, modulus = 1000.0, 8.0, 50.0, 10.0, 2e5
     lengths = [length, 0.8 * length, 0.6 * length]

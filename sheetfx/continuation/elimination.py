@@ -43,13 +43,12 @@ class Elimination:
     exact : largest error of contact forces over the load, from which one correction more is enough
     softened : multiples of the regularisation through which forces are approached that a first step does not find
         otherwise; later there may be several solutions, of which soft ones lead to another
-    begins : whether the step is a first one
-    bounded : whether there may be no more rows than `most`; not where a first step fails, which nothing has prepared
+    begins : whether the step is a first one, which may have as many rows as it takes
     """
 
     most, exact, can_do_without = 300, 1e-5, False
     softened: Sequence[float] = ()
-    begins = bounded = True
+    begins = True
     _found = 0
 
     def __init__(self, system: System, linear: DirectSolver, regularise, multiples: Sequence[float]):
@@ -175,7 +174,7 @@ class Elimination:
         """
         beyond = self._beyond(step)
         new = np.setdiff1d(np.flatnonzero(beyond), self._rows)
-        self._many = self.bounded and len(self._rows) + len(new) > self.most
+        self._many = not self.begins and len(self._rows) + len(new) > self.most
         if self._many:
             return None
         if len(new):

@@ -112,13 +112,9 @@ class Tracer(Measuring):
             self.stepper.elimination = self._elimination if eliminates else None
             if eliminates:
                 self._elimination.begins = not start.length
-                self._elimination.bounded = not (again and self._elimination.begins)
                 self.factorise_at(start)
-            if guess is None:
-                load_increment = control.predict(length, sign or control.direction(start), tangent)
-                self.stepper.begin(control, tangent, length, load_increment)
-            else:
-                self.stepper.begin(control, tangent, length, *guess)
+            first = guess or (control.predict(length, sign or control.direction(start), tangent),)
+            self.stepper.begin(control, tangent, length, *first)
             if self.enforcement.solve(self.correct, multiples):
                 try:
                     factored = self.stepper.behind <= NEAR * self.tangent.inner(self.x, self.x) ** 0.5
