@@ -361,13 +361,13 @@ def leaf_spring(friction, load, enforcement="penalty"):
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])
-@pytest.mark.parametrize("cells, most", [(24, 20), pytest.param(60, 200, marks=pytest.mark.slow)])
-def test_graded_leaves_on_fine_meshes(cells, most, friction):
+@pytest.mark.parametrize("cells", [24, pytest.param(60, marks=pytest.mark.slow)])
+def test_graded_leaves_on_fine_meshes(cells, friction):
     """Three leaves touch along their length, without a gap; the upper one, which is loaded, is the longest.
 
     They press each other at tips alone (the last pairs are a quarter of a per cent beside these), and friction bends
-    them by its arm, half a per cent. Stiff pairs used to open and close by turns, so that no step converged; 24 cells
-    take seven factorisations. 60 have more pairs than a step may have that is no first one.
+    them by its arm, half a per cent. Stiff pairs used to open and close by turns, so that no step converged; it takes
+    seven factorisations. 60 cells have more pairs than a step may have that is no first one.
     """
     length, depth, width, load, modulus = 1000.0, 8.0, 50.0, 10.0, 2e5
     lengths = [length, 0.8 * length, 0.6 * length]
@@ -380,7 +380,7 @@ def test_graded_leaves_on_fine_meshes(cells, most, friction):
     record = fx.trace(fx.Case(scene, until=fx.Until(load=load)))
     tip = _tip_of_leaves(lengths, load, friction * depth / 2) / (modulus * width * depth**3 / 12)
     assert record.states[-1].deflection == pytest.approx(tip, rel=2e-3)
-    assert record.path.tracer.total_factorisations < most
+    assert record.path.tracer.total_factorisations < 20
 
 
 def _tip_of_leaves(lengths, load, arm):

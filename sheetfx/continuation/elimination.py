@@ -43,12 +43,12 @@ class Elimination:
     exact : largest error of contact forces over the load, from which one correction more is enough
     softened : multiples of the regularisation through which forces are approached that a first step does not find
         otherwise; later there may be several solutions, of which soft ones lead to another
-    begins : whether the step is a first one, which may have as many rows as it takes
+    begins : whether the step is a first one, which may have as many rows as it takes where softer forces lead to it
     """
 
     most, exact, can_do_without = 300, 1e-5, False
     softened: Sequence[float] = ()
-    begins = True
+    begins = False
     _found = 0
 
     def __init__(self, system: System, linear: DirectSolver, regularise, multiples: Sequence[float]):
@@ -102,6 +102,10 @@ class Elimination:
         self._system.residual_of(self._system.steep, self._out)
         return self._out.array.copy()
 
+    @property
+    def _is_patient(self) -> bool:
+        return self.begins and len(self.softened) > 0
+
     def _solve(self) -> np.ndarray | None:
         """Forces at the rows; None: not found."""
         remainder = self._remainder(self._base)
@@ -113,7 +117,7 @@ class Elimination:
         sequences = [self._multiples]
         if size < NEAR and len(self._multiples) > 1:
             sequences.insert(0, [1.0])
-        if self.softened and self.begins:
+        if self._is_patient:
             sequences.append(self.softened)
         for multiples in sequences:
             forces = np.zeros(len(self._rows))
@@ -174,7 +178,7 @@ class Elimination:
         """
         beyond = self._beyond(step)
         new = np.setdiff1d(np.flatnonzero(beyond), self._rows)
-        self._many = not self.begins and len(self._rows) + len(new) > self.most
+        self._many = not self._is_patient and len(self._rows) + len(new) > self.most
         if self._many:
             return None
         if len(new):
