@@ -33,11 +33,21 @@ from .widening import ARGUMENT, CellExpression, builder_for
 
 # Python may have been built with -g, and passes it on: debugging information is a third of the time of compilation.
 # Kernels are long straight lines: more than -O1 makes the compiler slower, not them; fused products a quarter faster.
+# Vectors of cells go from no library to another, so that it does not matter how processors pass them.
 INSTRUCTIONS = ("avx2", "fma"), ("avx512f",)  # what a processor must have for them, and for eight cells at once
-OPTIONS = {"timeout": 600, "cffi_extra_compile_args": ["-O1", "-g0", "-ffp-contract=fast", ARGUMENT]}
-for names in INSTRUCTIONS:
-    if all(get_host_cpu_features().get(name) for name in names):
-        OPTIONS["cffi_extra_compile_args"] += [f"-m{name}" for name in names]
+
+
+def _instructions() -> list[str]:
+    """The compiler's arguments for instructions that the processor has; none where a platform does not tell."""
+    try:
+        features = get_host_cpu_features()
+    except RuntimeError:
+        return []
+    return [f"-m{name}" for names in INSTRUCTIONS if all(features.get(name) for name in names) for name in names]
+
+
+OPTIONS = {"timeout": 600,
+           "cffi_extra_compile_args": ["-O1", "-g0", "-ffp-contract=fast", "-Wno-psabi", ARGUMENT, *_instructions()]}
 ANNOUNCED, RECIPES = "compiling", "recipes"  # folders in the cache: files of processes that compile, and of kernels
 _looked_after: set[Path] = set()  # caches, by this process
 

@@ -3,27 +3,34 @@
 FFCx writes a kernel as a straight line of arithmetic for one cell, of which a compiler finds nothing that could be done
 together. Here each number of that line becomes a vector with one entry for each of several cells, by the vector types
 that GCC and Clang have, so that a processor does them all in the time of one. Conditions choose bit by bit from what is
-computed for all cells, as in FFCx's kernels for each. Kernels with other functions stay as FFCx writes them.
+computed for all cells, as in FFCx's kernels for each. Kernels with other functions stay as FFCx writes them, and so do
+those that a compiler refuses.
 """
 
 from __future__ import annotations
 
+import os
 import re
-from collections.abc import Callable, Sequence
+import sys
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from ctypes import CDLL, c_int, c_void_p
 from hashlib import sha256
 from pathlib import Path
+from tempfile import TemporaryFile
+from typing import IO
 
-import cffi
 import numpy as np
 import ufl
+from cffi import FFI, VerificationError
 from dolfinx import fem
 from dolfinx.mesh import Mesh
 from ufl.algorithms.analysis import extract_coefficients, extract_constants
 
 from .compat import geometry_nodes
 
-KERNEL = re.compile(r"^void (tabulate_tensor_expression_\w+)\(double\* restrict A,.*?\)\n(?={)", re.M | re.S)
+KERNEL = re.compile(r"^void tabulate_tensor_expression_\w+\(double\* restrict A,.*?\)\n(?={)", re.M | re.S)
 POSITIONS = re.compile(r"^static int original_coefficient_positions_\w+\[\d+\] = {([^}]*)};", re.M)
 NUMBER = re.compile(r"^( *)double (\w+) = (.*);$", re.M)
 CONDITION = re.compile(r"^( *)bool (\w+) = (\S+ (?:[<>]=?|[!=]=) \S+|\w+ (?:&&|\|\|) \w+|!\w+);$", re.M)
@@ -114,30 +121,80 @@ void tabulate_cells(double* restrict A, const double* const* values, const int32
   }
 }
 
-void %(name)s(double* restrict A, const double* restrict values, const double* restrict c,
-              const double* restrict x, const int* restrict entity, const uint8_t* restrict permutation)
-{
-  cells w[VALUES + 1], coordinates[COORDINATES], results[ENTRIES];
+%(head)s{
+  cells all_w[VALUES + 1], coordinates[COORDINATES], results[ENTRIES];
   for (int i = 0; i < VALUES; ++i)
-    w[i] = (cells){0} + values[i];
+    all_w[i] = (cells){0} + w[i];
   for (int i = 0; i < COORDINATES; ++i)
-    coordinates[i] = (cells){0} + x[i];
+    coordinates[i] = (cells){0} + coordinate_dofs[i];
   memset(results, 0, sizeof(results));
-  of_cells(results, w, c, coordinates);
+  of_cells(results, all_w, c, coordinates);
   for (int i = 0; i < ENTRIES; ++i)
     A[i] += results[i][0];
 }
 """
 
 
-def builder_for(expression, points: np.ndarray) -> type[cffi.FFI]:
-    """What makes a library of the kernel of an expression at so many points, as `cffi.FFI` does, but widened."""
+def builder_for(expression, points: np.ndarray) -> Callable[[], Builder]:
+    """What stands in for `cffi.FFI` where FFCx makes a library of the kernel of an expression at so many points."""
+    return lambda: Builder(lambda source: _widened(source, expression, len(points)))
 
-    class Builder(cffi.FFI):
-        def set_source(self, module_name, source, *arguments, **options):
-            super().set_source(module_name, _widened(source, expression, len(points)), *arguments, **options)
 
-    return Builder
+class Builder:
+    """A library of FFCx's source, rewritten; of the source as it is where the compiler refuses what is rewritten.
+
+    It has those methods of `cffi.FFI` that FFCx calls, in their order.
+    """
+
+    def __init__(self, rewritten: Callable[[str], str]):
+        self._rewritten = rewritten
+
+    def set_source(self, name: str, source: str, **options):
+        self._name, self._source, self._options = name, source, options
+
+    def cdef(self, declarations: str):
+        self._declarations = declarations
+
+    def compile(self, **options) -> str:
+        """Compile the library; a warning has the first error where the compiler refuses what is rewritten."""
+        rewritten = self._rewritten(self._source)
+        if rewritten == self._source:
+            return self._compiled(self._source, options)
+        with TemporaryFile("w+") as heard:
+            try:
+                with _errors_to(heard):
+                    file = self._compiled(rewritten, options)
+                refusal = ""
+            except VerificationError as error:
+                file, refusal = self._compiled(self._source, options), str(error)
+            heard.seek(0)
+            said = heard.read()
+        if refusal:
+            reason = re.search(r"error: (.*)", said)
+            warnings.warn(f"a kernel does one cell at a time, since the compiler refuses several: "
+                          f"{reason[1] if reason else refusal}", RuntimeWarning, stacklevel=2)
+        elif said:
+            print(said, end="", file=sys.stderr)
+        return file
+
+    def _compiled(self, source: str, options: dict) -> str:
+        builder = FFI()
+        builder.set_source(self._name, source, **self._options)
+        builder.cdef(self._declarations)
+        return builder.compile(**options)
+
+
+@contextmanager
+def _errors_to(file: IO) -> Iterator[None]:
+    """Lead what this process and those that it starts print as errors to a file."""
+    sys.stderr.flush()
+    usual = os.dup(2)
+    os.dup2(file.fileno(), 2)
+    try:
+        yield
+    finally:
+        os.dup2(usual, 2)
+        os.close(usual)
 
 
 def _widened(source: str, expression, points: int) -> str:
@@ -152,7 +209,7 @@ def _widened(source: str, expression, points: int) -> str:
     used = _used(source, extract_coefficients(expression))
     corners, entries = mesh.ufl_coordinate_element(), points * int(np.prod(expression.ufl_shape))
     sizes = {"values": sum(c.ufl_function_space().ufl_element().dim for c in used), "entries": entries,
-             "coordinates": 3 * corners.dim // corners.block_size, "name": kernel[1]}
+             "coordinates": 3 * corners.dim // corners.block_size, "head": kernel[0]}
     body = re.sub(rf"\b({'|'.join(FUNCTIONS)})\(", lambda found: f"{FUNCTIONS[found[1]]}(", body)
     return source[:kernel.start()] + BEFORE % sizes + body + AFTER % sizes + source[end:]
 

@@ -1,5 +1,11 @@
 """Kernels that do several cells at once have the values of those that FFCx writes."""
 
+import re
+import subprocess
+import warnings
+
+import cffi
+import ffcx.codegeneration
 import numpy as np
 import pytest
 import ufl
@@ -7,6 +13,7 @@ from dolfinx import fem
 from dolfinx.mesh import CellType, create_unit_square
 from mpi4py import MPI
 
+from sheetfx import jit, widening
 from sheetfx.compat import interpolation_points
 from sheetfx.jit import compiled_expression
 
@@ -86,3 +93,90 @@ def test_interpolation_goes_cell_by_cell():
     for function, compile_it in zip(found, (compiled_expression, fem.Expression), strict=True):
         function.interpolate(compile_it(f[0] / (1 + g**2), points))
     assert found[0].x.array == pytest.approx(found[1].x.array, rel=1e-13)
+
+
+HEAD = re.compile(r"^void tabulate_tensor_expression_\w+\((.*?)\)\n", re.M | re.S)
+
+
+@pytest.fixture
+def cache(tmp_path, monkeypatch):
+    monkeypatch.setitem(jit.OPTIONS, "cache_dir", tmp_path)
+    monkeypatch.setattr(jit, "_recipes", {})
+
+
+@pytest.fixture
+def sources(cache):
+    """What FFCx writes of an expression, and what is made of such a text."""
+    seen = []
+
+    def see(builder, **options):
+        seen.append(builder)
+        raise NotImplementedError
+
+    with pytest.MonkeyPatch.context() as patch, pytest.raises(NotImplementedError):
+        patch.setattr(widening.Builder, "compile", see)
+        compiled_expression(straight(*fields(CellType.triangle)[1:]), POINTS)
+    return seen[0]._source, seen[0]._rewritten
+
+
+@pytest.mark.parametrize("more", ["", ", void* something_else", ", int a,\n  const double* restrict b"])
+def test_signature_is_that_of_ffcx(sources, more):
+    """Whatever parameters a version of FFCx has."""
+    source, widened = sources
+    (usual,) = HEAD.findall(source)
+    changed = source.replace(f"{usual})", f"{usual}{more})")
+    assert HEAD.findall(widened(changed)) == [usual + more]
+    assert widened(changed) != changed
+
+
+@pytest.mark.parametrize("instructions", [True, False], ids=["this processor", "any processor"])
+def test_compiler_has_nothing_to_say(sources, tmp_path, instructions):
+    """And takes a parameter less for an error."""
+    source, widened = sources
+    (usual,) = HEAD.findall(source)
+    wanted = [a for a in jit.OPTIONS["cffi_extra_compile_args"] if instructions or not a.startswith("-m")]
+    words = ["-std=c17", "-Wall", "-Werror", *wanted, "-c", "-I", ffcx.codegeneration.get_include_path(), "kernel.c"]
+    said = []
+    for text in widened(source), widened(source).replace(f"{usual})", f"{usual.rpartition(',')[0]})"):
+        (tmp_path / "kernel.c").write_text(text)
+        said.append(subprocess.run(["cc", *words], cwd=tmp_path, capture_output=True, text=True).stderr)
+    assert said[0] == "" and "incompatible pointer type" in said[1]
+
+
+def test_kernel_that_the_compiler_refuses_stays(cache, monkeypatch, capfd):
+    mesh, f, g, k = fields(CellType.triangle)
+    cells = np.arange(7, dtype=np.int32)
+    monkeypatch.setattr(widening, "AFTER", "\n#error not with this compiler\n")
+    with pytest.warns(RuntimeWarning, match="one cell at a time, the compiler refuses several: .*not with this"):
+        compiled = compiled_expression(straight(f, g, k), POINTS)
+    assert not compiled.several and capfd.readouterr().err == ""
+    usual = fem.Expression(straight(f, g, k), POINTS).eval(mesh, cells)
+    assert compiled.eval(mesh, cells).ravel() == pytest.approx(usual.ravel(), rel=1e-13, abs=1e-13)
+
+
+def test_warnings_of_the_compiler_are_passed_on(cache, monkeypatch, capfd):
+    """And are none for what is written here."""
+    mesh, f, g, k = fields(CellType.triangle)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert compiled_expression(straight(f, g, k), POINTS).several and capfd.readouterr().err == ""
+        monkeypatch.setattr(widening, "AFTER", "\n#warning take care\n" + widening.AFTER)
+        assert compiled_expression(2 * straight(f, g, k), POINTS).several
+    assert "take care" in capfd.readouterr().err
+
+
+def test_no_compiler_is_the_error_of_both(cache, monkeypatch):
+    mesh, f, g, k = fields(CellType.triangle)
+    monkeypatch.setitem(jit.OPTIONS, "cffi_extra_compile_args", ["-no-such-option"])
+    with pytest.raises(cffi.VerificationError):
+        compiled_expression(straight(f, g, k), POINTS)
+
+
+def test_processor_that_does_not_tell_has_no_instructions(monkeypatch):
+    def unknown():
+        raise RuntimeError("no features here")
+
+    monkeypatch.setattr(jit, "get_host_cpu_features", unknown)
+    assert jit._instructions() == []
+    monkeypatch.setattr(jit, "get_host_cpu_features", lambda: {"avx2": True, "fma": True, "avx512f": False})
+    assert jit._instructions() == ["-mavx2", "-mfma"]
