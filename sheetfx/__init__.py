@@ -11,6 +11,8 @@ try:
 except ModuleNotFoundError:  # DOLFINx from another source
     pass
 
+__version__ = "0.1.0"
+
 _ROOMS = {
     "mesh.lines": "Stretch",
     "mesh.reader": "NamedMesh read",

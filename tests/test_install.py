@@ -1,17 +1,20 @@
-"""What an installation needs is declared, and what the system lacks is said."""
+"""What an installation needs is declared, what the system lacks is said, and distributions are whole."""
 
 import ast
+import importlib.util
 import os
 import re
 import shutil
 import subprocess
 import sys
+import tarfile
 import tomllib
 import zipfile
 from pathlib import Path
 
 import pytest
 
+import sheetfx
 from sheetfx import compat
 
 TREE = Path(__file__).parents[1]
@@ -19,6 +22,7 @@ PROJECT = tomllib.loads((TREE / "pyproject.toml").read_text())["project"]
 IN_WHEEL = {"dolfinx", "dolfinx_solver", "petsc4py", "slepc4py"}  # all come with one package
 PACKAGES = {"basix": "fenics-basix", "ufl": "fenics-ufl", "mpl_toolkits": "matplotlib",
             "myst_parser": "myst-parser"} | dict.fromkeys(IN_WHEEL, "dolfinx-solver-real")
+INTO_TREE = re.compile(r"\]\((?!https?://|#)")  # a link of Markdown
 CONDA = {"dolfinx-solver-real": {"fenics-dolfinx", "petsc4py", "slepc4py"}, "gmsh": {"python-gmsh"},
          "matplotlib": {"matplotlib-base"}}
 
@@ -81,14 +85,49 @@ def test_a_system_without_the_libraries_of_gmsh_is_refused(tmp_path):
     assert result.returncode and "libGLU.so.1" in result.stderr and "apt-get install libgl1 libglu1" in result.stderr
 
 
+def test_one_version():
+    """Of the package, whose build reads it there, and of the citation."""
+    assert PROJECT["dynamic"] == ["readme", "version"]
+    (cited,) = re.findall(r"^version: (.*)$", (TREE / ".github" / "CITATION.cff").read_text(), re.M)
+    assert sheetfx.__version__ == cited
+
+
+def test_long_description_has_no_way_into_the_tree():
+    spec = importlib.util.spec_from_file_location("packing", TREE / ".ci" / "packing.py")
+    packing = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(packing)
+    text = packing.description((TREE / "README.md").read_text())
+    assert "![" not in text and not INTO_TREE.findall(text) and "minute, timed); or" in text
+    wanted = {"![a](b.png)\n\n*c*": "*c*", "[`a`](b) [c](https://d) ![e](f)": "`a` [c](https://d) ", "[c](#d)": "[c](#d)",
+              "`x[0](1)`\n```py\nx[0](1)\n```\n[a](b)": "`x[0](1)`\n```py\nx[0](1)\n```\na"}
+    assert {one: packing.description(one) for one in wanted} == wanted
+
+
 @pytest.mark.slow
-def test_wheel_holds_all_that_a_run_needs(tmp_path):
-    """Scenes, meshes with their tables, and nothing else."""
-    tree = shutil.copytree(TREE, tmp_path / "tree", symlinks=True, ignore=shutil.ignore_patterns(".*", "results"))
+def test_distributions_hold_all_that_a_run_needs(tmp_path):
+    """Scenes, meshes with their tables, and nothing else; the wheel is made of the source distribution."""
+    tree = tmp_path / "tree"
+    tree.mkdir()
+    for name in (".ci", "meshes", "sheetfx"):
+        shutil.copytree(TREE / name, tree / name, symlinks=True)
+    for name in ("LICENSE", "README.md", "pyproject.toml"):
+        shutil.copy(TREE / name, tree)
+    build = "import sys; sys.path.insert(0, '.ci'); import packing; packing.build_sdist('..')"
+    subprocess.run([sys.executable, "-c", build], check=True, capture_output=True, cwd=tree)
+    (sources,) = tmp_path.glob("sheetfx-*.tar.gz")
+    with tarfile.open(sources) as archive:
+        names = {name.partition("/")[2] for name in archive.getnames()}
+    assert {".ci/packing.py", "LICENSE", "README.md", "pyproject.toml", "sheetfx/py.typed"} <= names
+    made = {"", "PKG-INFO", "setup.cfg", "sheetfx", "sheetfx.egg-info"}
+    assert {name.partition("/")[0] for name in names} == made | {".ci", "LICENSE", "README.md", "pyproject.toml"}
     subprocess.run([sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "-w", str(tmp_path),
-                    str(tree)], check=True, capture_output=True)
+                    str(sources)], check=True, capture_output=True)
     (wheel,) = tmp_path.glob("*.whl")
-    names = {name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name}
-    source = {str(file.relative_to(TREE)) for file in (TREE / "sheetfx").rglob("*.py")}
+    with zipfile.ZipFile(wheel) as archive:
+        names = {name for name in archive.namelist() if ".dist-info/" not in name}
+        (metadata,) = (archive.read(name).decode() for name in archive.namelist() if name.endswith("/METADATA"))
+    source = {str(file.relative_to(TREE)) for file in (TREE / "sheetfx").rglob("*.py")} | {"sheetfx/py.typed"}
     source |= {f"sheetfx/{file.relative_to(TREE)}" for file in (TREE / "meshes").rglob("*.*") if file.suffix != ".pyc"}
     assert names == source
+    assert f"Version: {sheetfx.__version__}" in metadata and "Author: sheetfx developers" in metadata
+    assert not INTO_TREE.findall(metadata)

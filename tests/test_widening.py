@@ -5,11 +5,11 @@ import subprocess
 import warnings
 
 import cffi
-import ffcx.codegeneration
 import numpy as np
 import pytest
 import ufl
 from dolfinx import fem
+from dolfinx.jit import ffcx
 from dolfinx.mesh import CellType, create_unit_square
 from mpi4py import MPI
 
@@ -147,7 +147,7 @@ def test_kernel_that_the_compiler_refuses_stays(cache, monkeypatch, capfd):
     mesh, f, g, k = fields(CellType.triangle)
     cells = np.arange(7, dtype=np.int32)
     monkeypatch.setattr(widening, "AFTER", "\n#error not with this compiler\n")
-    with pytest.warns(RuntimeWarning, match="one cell at a time, the compiler refuses several: .*not with this"):
+    with pytest.warns(RuntimeWarning, match="one cell at a time, since the compiler refuses several: .*not with"):
         compiled = compiled_expression(straight(f, g, k), POINTS)
     assert not compiled.several and capfd.readouterr().err == ""
     usual = fem.Expression(straight(f, g, k), POINTS).eval(mesh, cells)
