@@ -98,7 +98,8 @@ def test_long_description_has_no_way_into_the_tree():
     spec.loader.exec_module(packing)
     text = packing.description((TREE / "README.md").read_text())
     assert "![" not in text and not INTO_TREE.findall(text) and "minute, timed); or" in text
-    wanted = {"![a](b.png)\n\n*c*": "*c*", "[`a`](b) [c](https://d) ![e](f)": "`a` [c](https://d) ", "[c](#d)": "[c](#d)",
+    wanted = {"![a](b.png)\n\n*c*": "*c*", "[c](#d)": "[c](#d)",
+              "[`a`](b) [c](https://d) ![e](f)": "`a` [c](https://d) ",
               "`x[0](1)`\n```py\nx[0](1)\n```\n[a](b)": "`x[0](1)`\n```py\nx[0](1)\n```\na"}
     assert {one: packing.description(one) for one in wanted} == wanted
 
