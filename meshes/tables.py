@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import csv
 import json
+import re
+from codecs import BOM_UTF16_BE, BOM_UTF16_LE
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -78,6 +80,9 @@ def read_table(file: str | Path, coordinates: str = "ideal") -> Table:
         panel, 1, 2, 3
         set, corners, 2, 3
 
+    Semicolons, tabulators or spaces may stand for the commas, and then commas for decimal points. The text is in UTF-8
+    or UTF-16, with or without a byte order mark, or else in Latin-1.
+
     Parameters
     ----------
     coordinates : which of several named places of nodes
@@ -89,12 +94,12 @@ def read_table(file: str | Path, coordinates: str = "ideal") -> Table:
     """
     file = Path(file)
     readers: dict[str, Callable[[str, str], Table]] = {".json": _from_json, ".csv": lambda text, _: _from_csv(text)}
-    if file.suffix not in readers:
+    if file.suffix.lower() not in readers:
         raise ValueError(f"table {str(file)!r}: the name ends in {file.suffix!r}; give a file .json or .csv")
     if not file.is_file():
         raise ValueError(f"table {str(file)!r}: there is no such file in {file.parent.resolve()}; give another path")
     try:
-        return readers[file.suffix](file.read_text(encoding="utf-8"), coordinates)
+        return readers[file.suffix.lower()](_text(file.read_bytes()), coordinates)
     except (ValueError, TypeError) as error:
         raise ValueError(f"table {str(file)!r}: {error}") from error
 
@@ -137,22 +142,50 @@ def _from_json(text: str, coordinates: str) -> Table:
                  dict(zip(sets, _names(sets.values()), strict=True)))
 
 
+def _text(content: bytes) -> str:
+    """Text of a file as editors and spreadsheets save it."""
+    if content.startswith((BOM_UTF16_LE, BOM_UTF16_BE)):
+        return content.decode("utf-16")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return content.decode("latin-1")
+
+
 def _from_csv(text: str) -> Table:
     rows: dict[str, list[list[str]]] = {"node": [], "bar": [], "panel": [], "set": []}
-    for number, row in enumerate(csv.reader(text.splitlines()), 1):
-        fields = [f.strip() for f in row]
+    places: dict[str, list[float]] = {}
+    for number, line in enumerate(text.splitlines(), 1):
+        kind, separator = _begin(line, rows)
+        spaced = separator == " "
+        signs = re.sub(" +", " ", line.strip()) if spaced else line.strip(" ")
+        fields = [f.strip() for f in next(csv.reader([signs], delimiter=separator, skipinitialspace=not spaced), [])]
         while fields and not fields[-1]:
             fields.pop()
-        if not fields or fields[0].startswith("#"):
+        if not fields or fields[0].startswith(("#", "sep=")):
             continue
-        kind, *values = fields
+        _, *values = fields
         if kind not in rows or not values:
-            raise ValueError(f"line {number} is {','.join(row)!r}; begin it with {', '.join(rows)} or #, and name "
-                             "nodes")
+            raise ValueError(f"line {number} is {line!r}; begin it with {', '.join(rows)} or #, and name nodes")
+        if kind == "node":
+            places[values[0]] = [_number(x, separator, number) for x in values[1:]]
         rows[kind].append(values)
     _refuse_twice(name for name, *_ in rows["node"])
-    nodes = {name: [float(x) for x in place] for name, *place in rows["node"]}
-    return Table(nodes, rows["bar"], rows["panel"], {name: members for name, *members in rows["set"]})
+    return Table(places, rows["bar"], rows["panel"], {name: members for name, *members in rows["set"]})
+
+
+def _begin(line: str, kinds: Iterable[str]) -> tuple[str, str]:
+    """Kind of thing that a line is about, and what separates its fields: the first sign after the kind."""
+    found = re.match(rf'\s*"?({"|".join(kinds)})"?\s*?( *[,;\t]| )', line, re.IGNORECASE)
+    return ("", ",") if found is None else (found[1].lower(), found[2].strip(" ") or " ")
+
+
+def _number(text: str, separator: str, line: int) -> float:
+    """A coordinate, with a decimal comma where commas do not separate."""
+    try:
+        return float(text if separator == "," else text.replace(",", "."))
+    except ValueError as error:
+        raise ValueError(f"line {line}: the coordinate {text!r} is no number; write it like 1000.5") from error
 
 
 def _names(rows) -> list[tuple[str, ...]]:

@@ -91,9 +91,15 @@ def gmsh_mesh(comm, kind, cells, x, partitioner):
     cells, x : nodes of each cell, and places of nodes; those of process 0 are distributed
     partitioner : None: DOLFINx's own
     """
-    domain = _gmshio.ufl_mesh(kind, x.shape[1], x.dtype)
+    domain, cells = _gmshio.ufl_mesh(kind, x.shape[1], x.dtype), gmsh_cells(kind, cells)[1]
+    return dolfinx.mesh.create_mesh(comm, cells=cells, x=x, e=domain, partitioner=partitioner, **_JUNCTIONS)
+
+
+def gmsh_cells(kind, cells):
+    """Basix element of the geometry of cells of gmsh, by its number of their kind, and their nodes in its order."""
+    domain = _gmshio.ufl_mesh(kind, 3, np.float64)
     order = _gmshio.cell_perm_array(dolfinx.mesh.to_type(str(domain.ufl_cell())), cells.shape[1])
-    return dolfinx.mesh.create_mesh(comm, cells=cells[:, order], x=x, e=domain, partitioner=partitioner, **_JUNCTIONS)
+    return domain.ufl_coordinate_element().basix_element, cells[:, order]
 
 
 def geometry_degree(mesh):

@@ -293,6 +293,36 @@ def test_tables_are_read_from_json_and_csv(tmp_path):
     assert meshes.dome(json, "measured").nodes["2"] == [1, 0, 0.2]
 
 
+COMMAS = """# a tür
+node, 1, 0, 0, 0
+node, tür, 1000.5, 0, 0
+
+bar, 1, tür
+set, ends, 1, tür
+"""
+AS_SAVED = {
+    "byte order mark": (COMMAS, "utf-8-sig"), "Latin-1": (COMMAS, "latin-1"), "UTF-16": (COMMAS, "utf-16"),
+    "CRLF": (COMMAS.replace("\n", "\r\n"), "utf-8"), "trailing commas": (COMMAS.replace("\n", ",,,\n"), "utf-8"),
+    "spaces around": (COMMAS.replace(",", "  , ").replace("node", "  node"), "utf-8"),
+    "semicolons": (COMMAS.replace(", ", ";").replace(".", ","), "utf-8"),
+    "semicolons and points": ("sep=;\n" + COMMAS.replace(",", " ;"), "utf-8"),
+    "tabulators": (COMMAS.replace(", ", "\t").replace(".", ","), "latin-1"),
+    "columns": (COMMAS.replace(", ", "   "), "utf-8"), "capitals": (COMMAS.replace("node", "Node"), "utf-8"),
+    "quoted": (COMMAS.replace("tür", '"tür"').replace("bar", '"bar"').replace("1000.5", '"1000.5"'), "utf-8"),
+    "quoted, with semicolons": (COMMAS.replace(", ", '";"').replace("\n", '"\n').replace("node", '"node').replace(
+        "bar", '"bar').replace("set", '"set').replace("#", '"#').replace('\n"\n', "\n\n"), "utf-8"),
+}
+
+
+@pytest.mark.parametrize("how", AS_SAVED)
+def test_tables_are_read_as_spreadsheets_save_them(tmp_path, how):
+    text, encoding = AS_SAVED[how]
+    (tmp_path / "t.CSV").write_bytes(text.encode(encoding))
+    table = meshes.read_table(tmp_path / "t.CSV")
+    assert table.nodes == {"1": [0, 0, 0], "tür": [1000.5, 0, 0]}
+    assert table.bars == [["1", "tür"]] and table.sets == {"ends": ["1", "tür"]}
+
+
 def test_panels_without_support_are_named():
     """Pieces of two meshes, joined where their nodes meet or by named points."""
     whole, apart = mixed(TENT), mixed(PANEL_ON_TWO_BARS, separate=True)
@@ -351,7 +381,9 @@ def test_wrong_tables_are_refused(changes, message):
 @pytest.mark.parametrize("name, text, message", [
     ("t.csv", "node, a, 0, 0, 0\nrod, a, b\n", "t.csv': line 2 is 'rod, a, b'; begin it with node, bar"),
     ("t.csv", "node, a, 0, 0, 0\nnode, a, 1, 0, 0\n", "node a stands twice"),
-    ("t.csv", "node, a, 0, 0, zero\n", "t.csv': could not convert string to float: 'zero'"),
+    ("t.csv", "node, a, 0, 0, zero\n", "t.csv': line 1: the coordinate 'zero' is no number; write"),
+    ("t.csv", "node; a; 0; 0; 1.000,5\n", "t.csv': line 1: the coordinate '1.000,5' is no number; write it like"),
+    ("t.csv", "node: a: 0: 0: 0\n", "t.csv': line 1 is 'node: a: 0: 0: 0'; begin it with node, bar"),
     ("t.csv", "bar, a, b\n", "bar a-b: there is no node 'a'"),
     ("t.json", "{]", "t.json': Expecting property name"),
     ("t.json", "[1, 2]", "no nodes; give an object with nodes, bars and panels"),
@@ -455,11 +487,11 @@ def box():
     (box, {}, "the group 'solid' is one of volumes; only curves and surfaces"),
     (sheet, {"order": 4}, "order is 4; it must be one of 1, 2, 3"),
     (sheet, {"place": lambda x: x / 0}, "place gives no finite coordinates for"),
-    (sheet, {"place": lambda x: x * (1, 0, 1)}, "a cell of the group 'left' at .* has no area; mesh it anew"),
+    (sheet, {"place": lambda x: x * (1, 0, 1)}, "4 cells of the group 'left' have no area, the first at .*; correct"),
     (lambda: meshes.frame({"a": (0, 0), "b": (1, 0)}, {"bar": ("a", "b", 2)}), {"place": np.zeros_like},
-     "a cell of the group 'bar' at .* has no length"),
+     "2 cells of the group 'bar' have no length"),
     (sheet, {"place": lambda x: x + np.outer(x[:, 0], (0, 0, 1)), "dimension": 2},
-     "the structure has places out of the x-y plane; read it in 3 dimensions"),
+     "the structure has places out of the x-y plane, by up to 2; read it in 3 dimensions, or in its plane with place="),
 ])
 @pytest.mark.filterwarnings("ignore:divide by zero", "ignore:invalid value")
 def test_wrong_models_are_refused(source, settings, message):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from dolfinx import fem
@@ -15,20 +15,71 @@ from .nodal_field import AdditiveField, QuaternionField
 from .partly_fixed import PartlyFixed, directions_of_edges
 from .sharing import Sharing, share_marks
 
+SAME = 1e-8  # squared sine of the angle between directions that count as one
+SURELY_NEW = 0.3  # squared sine of an axis of space to those before: of the three at least one has a third
+
 
 def turn_nodes(kinematics: Kinematics, supports: Sequence[Support]) -> None:
-    """Give the nodes of supports with axes of their own these axes; where several meet, those of the first."""
-    for field in kinematics.block.fields:
-        turned = np.zeros(len(field.dofs) // field.width, dtype=bool)
-        for support in supports:
-            if support.axes is None:
-                continue
-            if field.axes is None:
-                field.axes = np.tile(np.eye(3), (len(turned), 1, 1))
+    """Give the nodes of supports with axes of their own axes that hold what all supports there hold.
+
+    These are the axes of the first such support. Where they leave a direction oblique that another support holds, the
+    first axes are an orthonormal basis of all directions that are held there, as at an oblique corner of two edges.
+    """
+    for number, field in enumerate(kinematics.block.fields):
+        holding = [s for s in supports if _components(kinematics, s)[number]]
+        if all(s.axes is None for s in holding):
+            continue
+        axes = np.tile(np.eye(3), (len(field.dofs) // field.width, 1, 1))
+        turned = np.zeros(len(axes), dtype=bool)
+        for support in holding:
+            if support.axes is not None:
+                nodes = _nodes(field, support)
+                nodes = nodes[~turned[nodes]]
+                axes[nodes], turned[nodes] = _directions(field, support, nodes), True
+        inside = _inside(kinematics, supports, number, axes)
+        oblique = np.flatnonzero((inside * (1 - inside) > SAME).any(axis=1))
+        held: dict[int, list[np.ndarray]] = {node: [] for node in oblique}
+        for nodes, directions in _held_along(kinematics, holding, number):
+            for node, columns in zip(nodes, directions, strict=True):
+                if node in held:
+                    held[node] += [*columns.T]
+        for node, directions in held.items():
+            axes[node] = _basis(directions)
+        field.axes = axes
+
+
+def _held_along(kinematics: Kinematics, supports: Sequence[Support],
+                number: int) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Nodes of each support and the directions, as columns, along which it holds a field of the kinematics."""
+    field = kinematics.block.fields[number]
+    for support in supports:
+        if components := _components(kinematics, support)[number]:
             nodes = _nodes(field, support)
-            nodes = nodes[~turned[nodes]]
-            field.axes[nodes] = _directions(field, support, nodes)
-            turned[nodes] = True
+            yield nodes, _directions(field, support, nodes)[:, :, components]
+
+
+def _inside(kinematics: Kinematics, supports: Sequence[Support], number: int, axes: np.ndarray) -> np.ndarray:
+    """Squared cosines between axes of the nodes and the span of all that supports hold there, shape (nodes, 3)."""
+    sums = np.zeros_like(axes)
+    for nodes, directions in _held_along(kinematics, supports, number):
+        sums[nodes] += np.einsum("nik,njk->nij", directions, directions)
+    sizes, bases = np.linalg.eigh(sums)
+    within = np.where(sizes[:, None, :] > SAME / 2, bases, 0.0)  # two directions at an angle a: the lesser is a^2 / 2
+    return (np.einsum("nik,nij->nkj", within, axes)**2).sum(axis=1)
+
+
+def _basis(directions: Sequence[np.ndarray]) -> np.ndarray:
+    """Right-handed orthonormal basis, as columns: first of some directions, then across them.
+
+    By Gram and Schmidt, so that all processes that know a node choose the same.
+    """
+    basis: list[np.ndarray] = []
+    for candidate, least in [*((d, SAME) for d in directions), *((e, SURELY_NEW) for e in np.eye(3))]:
+        rest = candidate - sum((b * (b @ candidate) for b in basis), np.zeros(3))
+        if rest @ rest > least and len(basis) < 3:
+            basis.append(rest / np.linalg.norm(rest))
+    basis[2] *= np.sign(np.linalg.det(basis))
+    return np.column_stack(basis)
 
 
 def fixed_dofs(fields: Fields, sharings: Sequence[Sharing]) -> list[np.ndarray]:
@@ -39,6 +90,10 @@ def fixed_dofs(fields: Fields, sharings: Sequence[Sharing]) -> list[np.ndarray]:
     kinematics = {mesh: fields.kinematics(mesh) for mesh in fields.meshes}
     by_supports = {k.block: [fixed_by(k, s) for s in fields.scene.supports if s.mesh is mesh]
                    for mesh, k in kinematics.items()}
+    for mesh, k in kinematics.items():
+        if by_supports[k.block]:
+            supports = [s for s in fields.scene.supports if s.mesh is mesh]
+            _refuse_oblique(k, supports, np.concatenate(by_supports[k.block]))
     dofs = [np.unique(np.concatenate([np.empty(0, dtype=np.int64), *fields.fixed.get(block, []),
                                       *by_supports.get(block, [])])) for block in fields.blocks]
     dofs = share_marks(sharings, fields.blocks, dofs)
@@ -67,13 +122,7 @@ def _hold(turning: dict[QuaternionField, NamedMesh], fixed: dict[QuaternionField
 
 
 def fixed_by(kinematics: Kinematics, support: Support) -> np.ndarray:
-    """Local dofs of the nodal increments that a support fixes.
-
-    Raises
-    ------
-    ValueError
-        Where a node has the axes of another support, which do not fix the same.
-    """
+    """Local dofs of the nodal increments that a support holds, with others where its node has axes across its own."""
     dofs = [np.empty(0, dtype=np.int64)]
     for field, components in zip(kinematics.block.fields, _components(kinematics, support), strict=True):
         if not components:
@@ -82,16 +131,40 @@ def fixed_by(kinematics: Kinematics, support: Support) -> np.ndarray:
         if field.axes is None:
             dofs.append(table[nodes][:, components].ravel())
             continue
-        fixed, axes = _directions(field, support, nodes)[:, :, components], field.axes.copy()
-        if field.curved and field.partly_fixed is not None:
-            axes[field.partly_fixed.nodes] = field.partly_fixed.start
-        along = np.einsum("nki,nkj->nij", axes[nodes], fixed)
-        chosen = np.isclose((along**2).sum(axis=2), 1.0, atol=1e-8)
-        if not np.all(chosen.sum(axis=1) == len(components)):
-            raise ValueError(f"Support at {support.at!r}: its axes differ from those of another support there, and "
-                             "those do not fix the same; give both the same axes")
-        dofs.append(table[nodes][chosen])
+        along = np.einsum("nki,nkj->nij", _axes(field)[nodes], _directions(field, support, nodes)[:, :, components])
+        dofs.append(table[nodes][(along**2).sum(axis=2) > SAME])
     return np.unique(np.concatenate(dofs))
+
+
+def _axes(field: AdditiveField) -> np.ndarray:
+    """Axes of nodes in the reference configuration."""
+    axes = field.axes.copy()
+    if field.curved and field.partly_fixed is not None:
+        axes[field.partly_fixed.nodes] = field.partly_fixed.start
+    return axes
+
+
+def _refuse_oblique(kinematics: Kinematics, supports: Sequence[Support], fixed: np.ndarray) -> None:
+    """Refuse supports across the axes that their nodes share with another mesh: more would be fixed than they hold.
+
+    Parameters
+    ----------
+    fixed : local dofs of the kinematics that the supports fix
+
+    Raises
+    ------
+    ValueError
+        On all processes, where one has such a node.
+    """
+    comm, found = kinematics.block.space.mesh.comm, []
+    for number, field in enumerate(kinematics.block.fields):
+        if field.axes is not None:
+            inside = _inside(kinematics, supports, number, _axes(field))
+            wrong = (np.isin(field.dofs, fixed).reshape(-1, 3) & (inside < 1 - SAME)).any(axis=1)
+            found += [s.at for s in supports if _components(kinematics, s)[number] and wrong[_nodes(field, s)].any()]
+    if names := [name for rank in comm.allgather(found) for name in rank]:
+        raise ValueError(f"Support at {names[0]!r}: its axes differ from those of the mesh whose unknowns its nodes "
+                         "share; give both the same axes")
 
 
 def _turns(support: Support) -> bool:

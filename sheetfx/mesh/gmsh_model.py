@@ -11,6 +11,9 @@ import numpy as np
 from mpi4py import MPI
 from scipy.sparse import coo_array, triu
 
+from ..compat import gmsh_cells
+from .quality import bad_cells, refuse
+
 Source = Callable[[], None] | str | Path
 
 ORDERS = 1, 2, 3
@@ -18,8 +21,9 @@ INTERVALS, TRIANGLES, QUADRILATERALS = ("intervals", 2), ("triangles", 3), ("qua
 KINDS = {1: INTERVALS, 8: INTERVALS, 26: INTERVALS, 2: TRIANGLES, 9: TRIANGLES, 21: TRIANGLES, 3: QUADRILATERALS,
          10: QUADRILATERALS, 36: QUADRILATERALS}  # gmsh's numbers of complete cells; names and corners
 DIMENSIONS = {0: "points", 1: "curves", 2: "surfaces", 3: "volumes"}
+ONE_KIND = {1: "", 2: ": quadrilaterals by Mesh.RecombineAll = 1 and Mesh.RecombinationAlgorithm = 3 (or "
+            "Mesh.SubdivisionAlgorithm = 1), triangles by Mesh.RecombineAll = 0"}
 FILE = re.compile(rb"^\$(MeshFormat|NOD|PTS)", re.MULTILINE)  # of versions 2 to 4, and 1
-FLAT = 1e-12
 
 
 @dataclass
@@ -131,15 +135,19 @@ def _model(source: Source, what: str, order: int | None, place: Callable | None)
     try:
         gmsh.option.setNumber("General.Terminal", 0)
         _fill(gmsh, source, what, order)
+        if gmsh.model.getNumberOfPartitions():
+            gmsh.model.mesh.unpartition()
         curves, surfaces = (_cells(gmsh.model, dimension, what) for dimension in (1, 2))
         tables = [nodes.ravel() for cells in (curves, surfaces) for nodes in cells.nodes.values()]
+        if not tables:
+            raise ValueError(f"{what}: no named curve or surface has cells; mesh the model, and save it in version 4.1")
         points = {_name(gmsh.model, 0, tag): gmsh.model.mesh.getNodesForPhysicalGroup(0, tag)[0].astype(np.int64) - 1
                   for _, tag in gmsh.model.getPhysicalGroups(0)}
         x = _places(gmsh.model, np.unique(np.concatenate(tables)), what, place)
     finally:
         gmsh.finalize()
     model = Model(what, x, curves, surfaces, points)
-    _check_extents(model)
+    _check_cells(model, place is not None)
     _check_doubles(model)
     return model
 
@@ -179,7 +187,8 @@ def _check_groups(model, what: str) -> None:
     dimensions = {d for d, _ in groups}
     if not dimensions & {1, 2}:
         raise ValueError(f"{what}: no physical group of curves or surfaces; name those that belong to the structure "
-                         "(gmsh.model.addPhysicalGroup, or Physical Curve and Physical Surface in a .geo file)")
+                         "(gmsh.model.addPhysicalGroup, or Physical Curve and Physical Surface in a .geo file), and "
+                         "save without Mesh.SaveAll")
     if 3 in dimensions:
         volumes = next(_name(model, *group) for group in groups if group[0] == 3)
         raise ValueError(f"{what}: the group {volumes!r} is one of volumes; only curves and surfaces can be read")
@@ -207,7 +216,8 @@ def _cells(model, dimension: int, what: str) -> Cells:
         for entity in entities:
             kinds, _, tables = model.mesh.getElements(dimension, entity)
             if not len(kinds):
-                raise ValueError(f"{what}: a part of the group {name!r} has no cells; mesh it, or remove it")
+                raise ValueError(f"{what}: a part of the group {name!r} has no cells; mesh it, or remove it; save the "
+                                 "pieces of a partition as one file")
             for kind in kinds:
                 label, _, _, size, _, _ = model.mesh.getElementProperties(kind)
                 if kind not in KINDS:
@@ -216,7 +226,8 @@ def _cells(model, dimension: int, what: str) -> Cells:
                 first = first or (kind, name, label)
                 if kind != first[0]:
                     raise ValueError(f"{what}: mixed kinds of cells, {first[2]!r} in the group {first[1]!r} and "
-                                     f"{label!r} in {name!r}; mesh all {DIMENSIONS[dimension]} with one kind")
+                                     f"{label!r} in {name!r}; mesh all {DIMENSIONS[dimension]} with one kind"
+                                     + ONE_KIND[dimension])
             cells.nodes[entity] = tables[0].reshape(-1, size).astype(np.int64) - 1
             cells.kind = int(kinds[0])
     return cells
@@ -236,19 +247,19 @@ def _places(model, used: np.ndarray, what: str, place: Callable | None) -> np.nd
     return placed
 
 
-def _check_extents(model: Model) -> None:
-    """Refuse cells without extent."""
-    extent = np.linalg.norm(np.nanmax(model.x, axis=0) - np.nanmin(model.x, axis=0))
-    for dimension, cells in ((1, model.curves), (2, model.surfaces)):
-        for name, entities in cells.groups.items():
-            x = model.x[cells.corners(entities)]
-            if dimension == 1:
-                measures = np.linalg.norm(x[:, 1] - x[:, 0], axis=1)
-            else:  # diagonals of quadrilaterals, sides of triangles
-                measures = np.linalg.norm(np.cross(x[:, 2] - x[:, 0], x[:, -1] - x[:, 1]), axis=1)
-            if (small := measures <= FLAT * extent**dimension).any():
-                raise ValueError(f"{model.what}: a cell of the group {name!r} at {x[small][0].mean(axis=0)} has no "
-                                 f"{'length' if dimension == 1 else 'area'}; mesh it anew")
+def _check_cells(model: Model, placed: bool) -> None:
+    """Refuse cells without extent, concave ones and those that are folded over."""
+    extent = float(np.linalg.norm(np.nanmax(model.x, axis=0) - np.nanmin(model.x, axis=0)))
+    remedy = ("correct place, or mesh the group in other cells" if placed else
+              "mesh the group with another size of cells or algorithm (Mesh.Algorithm, Mesh.RecombinationAlgorithm)")
+    found = []
+    for cells in (model.curves, model.surfaces):
+        if cells.nodes:
+            element, nodes = gmsh_cells(cells.kind, cells.table())
+            source = cells.source()
+            groups = {name: np.flatnonzero(np.isin(source, on)) for name, on in cells.groups.items()}
+            found += bad_cells(element, model.x[nodes], groups, extent)
+    refuse(model.what, found, remedy)
 
 
 def _check_doubles(model: Model) -> None:

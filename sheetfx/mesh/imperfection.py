@@ -17,6 +17,7 @@ from .. import forms
 from ..checks import NOT_NEGATIVE, Count, Positive, checked
 from ..compat import geometry_nodes, moved_mesh
 from ..jit import compiled_expression
+from .quality import bad_cells, refuse
 from .reader import NamedMesh
 
 Shape = fem.Function | Callable[[np.ndarray], np.ndarray]
@@ -41,8 +42,8 @@ def imperfect(mesh: NamedMesh, displacement: Shape | Sequence[Shape],
     Raises
     ------
     ValueError
-        If there is not one amplitude for each displacement, a displacement has another shape or is on another mesh, or
-        there is no normal for deviations along it.
+        If there is not one amplitude for each displacement, a displacement has another shape or is on another mesh,
+        there is no normal for deviations along it, or a cell is folded over or has no extent.
     """
     old = mesh.domain.geometry
     shapes = displacement if isinstance(displacement, Sequence) else [displacement]
@@ -54,7 +55,9 @@ def imperfect(mesh: NamedMesh, displacement: Shape | Sequence[Shape],
     x = old.x[:, :old.dim].copy()
     for shape, factor in zip(shapes, np.broadcast_to(amplitudes, len(shapes)), strict=True):
         x += factor * _moved(mesh, shape)
-    return NamedMesh(moved_mesh(mesh.domain, x), mesh.cells, mesh.edges, mesh.points)
+    moved = NamedMesh(moved_mesh(mesh.domain, x), mesh.cells, mesh.edges, mesh.points)
+    _refuse_bad_cells(moved)
+    return moved
 
 
 @checked
@@ -118,6 +121,14 @@ def random_field(correlation_length: Positive, deviation: Positive = 1.0, seed: 
     vectors = generator.normal(scale=np.sqrt(2) / correlation_length, size=(3, waves))
     phases = generator.uniform(0, 2 * np.pi, waves)
     return lambda x: deviation * np.sqrt(2 / waves) * np.cos(x @ vectors + phases).sum(axis=1)
+
+
+def _refuse_bad_cells(mesh: NamedMesh) -> None:
+    """Refuse cells that have been moved out of shape, on all processes where one has them."""
+    element, x = mesh.domain.ufl_domain().ufl_coordinate_element().basix_element, mesh.domain.geometry.x
+    found = bad_cells(element, x[geometry_nodes(mesh.domain)], mesh.cells, mesh.size)
+    refuse("imperfect", [bad for rank in mesh.domain.comm.allgather(found) for bad in rank],
+           "make the amplitude smaller, or the cells smaller than the waves of the shape")
 
 
 def _moved(mesh: NamedMesh, shape: Shape) -> np.ndarray:

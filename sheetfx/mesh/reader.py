@@ -15,10 +15,11 @@ from mpi4py import MPI
 
 from ..checks import Choice, checked
 from ..compat import geometry_degree, geometry_nodes, gmsh_mesh
-from .gmsh_model import FLAT, Cells, Model, Source, read_model
+from .gmsh_model import Cells, Model, Source, read_model
 from .partition import keep_junctions_whole
 
 RULES = 8
+ROUNDING = 1e-6  # place out of a plane, over the size of the structure, by which drawings are off
 COMPONENTS = {2: ("x", "y", "rz"), 3: ("x", "y", "z", "rx", "ry", "rz")}  # of displacement and rotation, by dimension
 
 
@@ -220,8 +221,10 @@ def named_mesh(model: Model, cells: Cells, edges: Cells, dimension: int, comm: M
     partitioner : where there are several processes
     """
     nodes, x = cells.table(), model.x
-    if dimension == 2 and np.abs(x[nodes][..., 2]).max() > FLAT * np.abs(x[nodes]).max():
-        raise ValueError(f"{model.what}: the structure has places out of the x-y plane; read it in 3 dimensions")
+    used = x[np.unique(nodes)]
+    if dimension == 2 and (off := np.abs(used[:, 2]).max()) > ROUNDING * np.linalg.norm(np.ptp(used, axis=0)):
+        raise ValueError(f"{model.what}: the structure has places out of the x-y plane, by up to {off:.3g}; read it "
+                         "in 3 dimensions, or in its plane with place=lambda x: x * (1, 1, 0)")
     if comm.rank:
         nodes, x = nodes[:0], x[:0]
     domain = gmsh_mesh(comm, cells.kind, nodes, x[:, :dimension], partitioner if comm.size > 1 else None)

@@ -120,8 +120,9 @@ class Shell:
     group : physical group of the surfaces; None: all
     offset : distance of the mid-surface from the meshed surface, along its normal
     axis : direction of the first axis of strains, resultants and the section's stiffness: a vector (3,), or a function
-        of the place, a UFL vector, that gives one; each cell takes what it is along the cell's middle. The second axis
-        is 90 degrees further about the normal. None: the first edge of each cell, for sections without directions
+        of the place, a UFL vector, that gives one, in UFL or as three numbers; each cell takes what it is along the
+        cell's middle. The second axis is 90 degrees further about the normal. None: the first edge of each cell, for
+        sections without directions
     """
 
     mesh: NamedMesh
@@ -230,9 +231,14 @@ def first_axis(mesh: NamedMesh, axis: Sequence[float] | Callable) -> fem.Functio
         If it is along the normal of a cell, or no vector in space.
     """
     domain = mesh.domain
-    direction = axis(ufl.SpatialCoordinate(domain)) if callable(axis) else fem.Constant(domain, np.array(axis, float))
+    vector = axis(ufl.SpatialCoordinate(domain)) if callable(axis) else axis
+    try:
+        direction = ufl.as_vector(list(vector)) if isinstance(vector, (Sequence, np.ndarray)) else ufl.as_ufl(vector)
+    except ValueError as error:
+        raise ValueError(f"Shell: axis gives {vector!r}; give a vector with three components") from error
     if direction.ufl_shape != (3,):
         raise ValueError(f"Shell: axis has the shape {direction.ufl_shape}; give a vector with three components")
+    direction = direction + fem.Constant(domain, np.zeros(3))  # numbers alone are on no mesh
     projected = cellwise(domain, forms.shell.along_surface(direction, forms.shell.unit_normal(domain)), 0)
     values, given = projected.x.array.reshape(-1, 3), cellwise(domain, direction, 0).x.array.reshape(-1, 3)
     sizes, whole = (np.linalg.norm(v, axis=1, keepdims=True) for v in (values, given))

@@ -32,6 +32,8 @@ class Support:
       soft support, whose director is free to tilt.
 
     An edge counts as a point where it runs along a, within 30 degrees, and where edges of several directions meet.
+    What several supports hold at a node is held together, whatever their axes: at an oblique corner of two edges with
+    "z rx", each on its own axes, rx and ry.
 
     Attributes
     ----------

@@ -1,0 +1,125 @@
+"""Cells that no strain can be computed on: without length or area, concave, or folded over.
+
+A cell of a surface in space has no sign of its own. Its normals t1 x t2 are compared with their mean over the cell,
+where t1 and t2 are the derivatives of the place by the coordinates of the reference cell. The share
+
+    (t1 x t2) . m / (|t1| |t2|),    m: unit vector of the mean,
+
+is the scaled Jacobian of Knupp (2001, Algebraic mesh quality metrics) where the cell is flat: the sine of the angle at
+a corner, zero where two edges make a straight line, negative at a corner that points inwards. Of a curve the tangents
+at neighbouring places of a cell are compared.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import basix
+import numpy as np
+
+FLAT = 1e-12  # length or area of a cell, over the size of the mesh or its square, that is rounding
+STRAIGHT = 1e-9  # scaled Jacobian that is rounding of the coordinates, in cells far from the origin as well
+CHUNK = 20000  # cells at a time: places at which high orders are looked at take memory
+
+
+@dataclass(frozen=True)
+class Bad:
+    """Cells of a group that are bad.
+
+    Attributes
+    ----------
+    group : name
+    count : number of its bad cells
+    value : least scaled Jacobian among them; None: the worst has no extent
+    place : where that is
+    dimension : of the cells
+    """
+
+    group: str
+    count: int
+    value: float | None
+    place: np.ndarray
+    dimension: int
+
+    @property
+    def rank(self) -> float:
+        """The smaller the worse."""
+        return -np.inf if self.value is None else self.value
+
+
+def bad_cells(element, x: np.ndarray, groups: Mapping[str, np.ndarray], extent: float) -> list[Bad]:
+    """Bad cells of each group.
+
+    Parameters
+    ----------
+    element : basix element of the geometry
+    x : places of the nodes of each cell, shape (cells, nodes, 3)
+    groups : name -> numbers of cells
+    extent : size of the mesh
+    """
+    values, sizes, places = (np.concatenate(parts) for parts in zip(
+        *(_looked_at(element, x[i:i + CHUNK]) for i in range(0, max(len(x), 1), CHUNK)), strict=True))
+    dimension = len(basix.topology(element.cell_type)) - 1
+    none = sizes <= FLAT * extent**dimension
+    ranks = np.where(none, -np.inf, values)
+    found = []
+    for name, cells in groups.items():
+        bad = np.asarray(cells, dtype=np.int64)
+        bad = bad[ranks[bad] <= STRAIGHT]
+        if len(bad):
+            worst = bad[np.argmin(ranks[bad])]
+            found.append(Bad(name, len(bad), None if none[worst] else float(values[worst]), places[worst], dimension))
+    return found
+
+
+def refuse(what: str, found: Sequence[Bad], remedy: str) -> None:
+    """Refuse bad cells, by the worst of them.
+
+    Parameters
+    ----------
+    what : has them, for messages
+
+    Raises
+    ------
+    ValueError
+        If there are any.
+    """
+    if not found:
+        return
+    worst = min(found, key=lambda bad: bad.rank)
+    count, one = (total := sum(bad.count for bad in found if bad.group == worst.group)), total == 1
+    cells = f"{count} {'cell' if one else 'cells'} of the group {worst.group!r}"
+    place = tuple(float(f"{c:.6g}") for c in worst.place + 0.0)
+    if worst.value is None:
+        extent = "length" if worst.dimension == 1 else "area"
+        raise ValueError(f"{what}: {cells} {'has' if one else 'have'} no {extent}, {'' if one else 'the first '}at "
+                         f"{place}; {remedy}")
+    kind = "folded back" if worst.dimension == 1 else "concave or folded over"
+    raise ValueError(f"{what}: {cells} {'is' if one else 'are'} {kind}, {'' if one else 'the worst '}at {place}, where "
+                     f"the scaled Jacobian is {worst.value:.2g} and that of a square is 1; {remedy}")
+
+
+def _looked_at(element, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Least scaled Jacobian of each cell, its length or area, and the place of that Jacobian."""
+    degree = element.degree
+    points = basix.create_lattice(element.cell_type, 1 if degree == 1 else 2 * degree, basix.LatticeType.equispaced,
+                                  True)
+    points = points[np.lexsort(points.T[::-1])]
+    table = element.tabulate(1, points)[..., 0]
+    tangents = np.einsum("dpn,cni->dcpi", table[1:], x)
+    lengths = np.linalg.norm(tangents, axis=3)
+    if len(tangents) == 1:
+        along, = tangents
+        shares = (along[:, 1:] * along[:, :-1]).sum(axis=2)
+        scale, sizes = lengths[0].max(axis=1, keepdims=True)**2, lengths[0].mean(axis=1)
+    else:
+        normals = np.cross(*tangents)
+        mean = normals.mean(axis=1)
+        sizes = np.linalg.norm(mean, axis=1)
+        shares = np.einsum("cpi,ci->cp", normals, mean / np.where(sizes, sizes, 1.0)[:, None])
+        scale = lengths.prod(axis=0)
+    shares = shares / np.where(scale > 0, scale, 1.0)
+    worst = shares.argmin(axis=1)
+    places = np.einsum("cn,cni->ci", table[0][worst], x)
+    return np.take_along_axis(shares, worst[:, None], axis=1)[:, 0], sizes, places
