@@ -135,8 +135,8 @@ def test_planes_of_symmetry_that_meet_at_a_corner():
 def test_hard_simple_support_of_a_skew_plate():
     """Morley's plate of 30 degrees: 0.417 q a^4 / 1000 D in the middle (0.424 with soft supports).
 
-    Both edges hold the director at the corners, as it must be: it is continuous. Slopes go as r^0.2 at the corner of 150
-    degrees, so that 8 cells that become smaller towards it are 4 % stiff, and as many equal ones 14 %.
+    Both edges hold the director at the corners, as it must be: it is continuous. Slopes go as r^0.2 at the corner of
+    150 degrees, so that 8 cells that become smaller towards it are 4 % stiff, and as many equal ones 14 %.
     """
     sine, cosine = np.sin(pi / 6), np.cos(pi / 6)
 

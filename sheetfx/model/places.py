@@ -14,8 +14,18 @@ Ends = tuple[NamedMesh, str | None]  # a mesh and what is named on it; None: all
 AlongLines = Callable[[Cells, Cells, Sequence[Sequence[Piece]], str], Meeting]  # parts, lines and title
 
 
-def require_group(part) -> None:
-    """Refuse a part on a group of cells that its mesh does not have."""
+def require_group(part, dimension: int = 1) -> None:
+    """Refuse a part on a mesh of cells of another dimension than its own, or on a group that its mesh does not have."""
+    mesh, title = part.mesh, type(part).__name__
+    names = ", ".join(map(repr, mesh.cells))
+    if mesh.domain.topology.dim > dimension:
+        raise ValueError(f"{title}: its mesh is one of surfaces ({names}); give a mesh of curves: "
+                         "read_mixed(..., bars=[...]).curves, where surfaces and curves are in one model")
+    if mesh.domain.topology.dim < dimension:
+        raise ValueError(f"{title}: its mesh is one of curves ({names}); give a mesh of surfaces, whose gmsh model has "
+                         "groups of surfaces")
+    if mesh.dimension < dimension + (dimension == 2):
+        raise ValueError(f"{title}: its mesh ({names}) is one in the plane; read it in 3 dimensions")
     if part.group is not None:
         part.mesh.require(f"{type(part).__name__}: group is {part.group!r}", part.group, "group of cells")
 

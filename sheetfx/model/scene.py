@@ -12,6 +12,7 @@ from ..checks import NONZERO, Count, Like, check, require_known_component
 from ..mesh.reader import COMPONENTS, NamedMesh
 from .beam import Bar, Beam
 from .contact import Contact
+from .held import supports_that_hold
 from .joints import Joint
 from .loads import Load, Moment, PrescribedDisplacement
 from .shell import Shell
@@ -107,6 +108,7 @@ class Scene:
                              "a support")
         self._check_meshes()
         self._check_prescribed()
+        self._check_monitor()
         for mesh in self.meshes:
             self._check_spaces([part for part in self.parts if part.mesh is mesh])
         self._tell_unjoined()
@@ -150,6 +152,15 @@ class Scene:
             if (load.distance, stage) != (other.distance, earlier) and load.mesh.meet(load.at, other.at):
                 raise ValueError(f"{what} is {other.distance:g} where that of {load.at!r}, with which it has points in "
                                  f"common, is {load.distance:g}; give both the same distance in one stage")
+
+    def _check_monitor(self) -> None:
+        """Refuse to monitor what supports hold."""
+        on, at, component = self.monitor.on, self.monitor.at, self.monitor.component
+        if not isinstance(on, NamedMesh) or at is None or component is None:
+            return
+        if held := supports_that_hold(self.supports, on, at, component):
+            raise ValueError(f"Monitor at {at!r}: its component {component} is held by the support at "
+                             f"{' and '.join(map(repr, held))}, so that it stays zero; monitor a component that moves")
 
     def _tell_unjoined(self) -> None:
         """Warn of meshes that neither joints nor an obstacle connect: they are solved side by side."""

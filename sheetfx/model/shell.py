@@ -137,7 +137,7 @@ class Shell:
 
     def __post_init__(self):
         check(self)
-        require_group(self)
+        require_group(self, 2)
         if self.material is None and isinstance(self.section, Plate):
             raise ValueError(f"Shell: material is None, but {self.section} needs one; give an Elastic, or the "
                              "stiffness by a GivenPlate")
