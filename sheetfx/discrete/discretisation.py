@@ -25,6 +25,7 @@ from .layer import LayerFields, LayerWork
 from .layout import Layout
 from .load_work import works_of_loads
 from .nodal import FixedIncrements
+from .partless import refuse_cells_without_part
 from .potential import look_for_potentials
 from .redundant import without_redundant
 from .sharing import sharings_of
@@ -62,6 +63,7 @@ class Discretisation:
         self.unknowns = fields.unknowns = Unknowns(fields.blocks)
         self._close_contacts()
         fixed = fixed_dofs(fields, self.sharings)
+        refuse_cells_without_part(fields, fixed, self.sharings)
         if mixed_points:
             self.unknowns.changes = [f.create_change() for f in self.unknowns.fields]
         with self.clock("compile"):

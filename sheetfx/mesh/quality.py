@@ -1,13 +1,14 @@
 """Cells that no strain can be computed on: without length or area, concave, or folded over.
 
-A cell of a surface in space has no sign of its own. Its normals t1 x t2 are compared with their mean over the cell,
-where t1 and t2 are the derivatives of the place by the coordinates of the reference cell. The share
+A cell of a surface in space has no sign of its own. Its normal t1 x t2, where t1 and t2 are the derivatives of the
+place by the coordinates of the reference cell, is compared with the unit normal n halfway to the cell's middle, and
+that with the middle's:
 
-    (t1 x t2) . m / (|t1| |t2|),    m: unit vector of the mean,
+    (t1 x t2) . n / (|t1| |t2|)
 
 is the scaled Jacobian of Knupp (2001, Algebraic mesh quality metrics) where the cell is flat: the sine of the angle at
 a corner, zero where two edges make a straight line, negative at a corner that points inwards. Of a curve the tangents
-at neighbouring places of a cell are compared.
+are compared.
 """
 
 from __future__ import annotations
@@ -102,24 +103,20 @@ def refuse(what: str, found: Sequence[Bad], remedy: str) -> None:
 
 def _looked_at(element, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Least scaled Jacobian of each cell, its length or area, and the place of that Jacobian."""
-    degree = element.degree
-    points = basix.create_lattice(element.cell_type, 1 if degree == 1 else 2 * degree, basix.LatticeType.equispaced,
-                                  True)
-    points = points[np.lexsort(points.T[::-1])]
-    table = element.tabulate(1, points)[..., 0]
+    degree, corners = element.degree, basix.geometry(element.cell_type)
+    lattice = basix.create_lattice(element.cell_type, 1 if degree == 1 else 2 * degree, basix.LatticeType.equispaced,
+                                   True)
+    centre, count = corners.mean(axis=0, keepdims=True), len(lattice)
+    table = element.tabulate(1, np.concatenate([lattice, (lattice + centre) / 2, centre]))[..., 0]
     tangents = np.einsum("dpn,cni->dcpi", table[1:], x)
     lengths = np.linalg.norm(tangents, axis=3)
-    if len(tangents) == 1:
-        along, = tangents
-        shares = (along[:, 1:] * along[:, :-1]).sum(axis=2)
-        scale, sizes = lengths[0].max(axis=1, keepdims=True)**2, lengths[0].mean(axis=1)
-    else:
-        normals = np.cross(*tangents)
-        mean = normals.mean(axis=1)
-        sizes = np.linalg.norm(mean, axis=1)
-        shares = np.einsum("cpi,ci->cp", normals, mean / np.where(sizes, sizes, 1.0)[:, None])
-        scale = lengths.prod(axis=0)
-    shares = shares / np.where(scale > 0, scale, 1.0)
+    normals, scale = (tangents[0], lengths[0]) if len(tangents) == 1 else (np.cross(*tangents), lengths.prod(axis=0))
+    sizes = np.linalg.norm(normals, axis=2)
+    units = normals / np.where(sizes > 0, sizes, 1.0)[..., None]
+    halfway, middle = units[:, count:-1], np.broadcast_to(units[:, -1:], units[:, count:-1].shape)
+    alike = (halfway * middle).sum(axis=2, keepdims=True) > 0
+    inwards = np.concatenate([np.where(alike, halfway, middle), middle], axis=1)
+    shares = (normals[:, :-1] * inwards).sum(axis=2) / np.where(scale > 0, scale, 1.0)[:, :-1]
     worst = shares.argmin(axis=1)
     places = np.einsum("cn,cni->ci", table[0][worst], x)
-    return np.take_along_axis(shares, worst[:, None], axis=1)[:, 0], sizes, places
+    return np.take_along_axis(shares, worst[:, None], axis=1)[:, 0], sizes.mean(axis=1), places
