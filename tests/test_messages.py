@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from math import inf, nan
 
+import numpy as np
 import pytest
 import ufl
 from helpers import hinged_column, shallow_arch
 
 import sheetfx as fx
 from sheetfx.continuation.linear import SingularTangent
+from sheetfx.model.shell import first_axis
 
 SECTION, MATERIAL = fx.Rectangle(0.1, 0.1), fx.Elastic(1e4)
 
@@ -50,6 +52,60 @@ def test_bar_of_two_cells():
 def test_wrong_values_are_named(make, words):
     with pytest.raises(ValueError, match=words):
         make(line())
+
+
+def square(dimension: int = 3):
+    return fx.read(lambda: fx.meshes.rectangle((1, 1)), dimension)
+
+
+@pytest.mark.parametrize(("make", "words"), [
+    (lambda: fx.Beam(square(), SECTION, MATERIAL),
+     r"Beam: its mesh is one of surfaces \('shell'\); give a mesh of curves: read_mixed\(..., bars="),
+    (lambda: fx.Bar(square(), SECTION, MATERIAL), "Bar: its mesh is one of surfaces"),
+    (lambda: fx.Shell(line(), fx.Plate(0.1), MATERIAL),
+     r"Shell: its mesh is one of curves \('line'\); give a mesh of surfaces"),
+    (lambda: fx.Shell(square(2), fx.Plate(0.1), MATERIAL), "Shell: .* is one in the plane; read it in 3 dimensions"),
+])
+def test_parts_on_cells_of_another_dimension(make, words):
+    with pytest.raises(ValueError, match=words):
+        make()
+
+
+@pytest.mark.parametrize(("supports", "component", "words"), [
+    ([("a", "x y z rx", None)], "y", "'a'"), ([("a", "x y z rx", None)], "rx", "'a'"),
+    ([("a", "x y z rx", None)], "ry", None), ([("b", "x y z", None)], "x", None),
+    ([("a", "x", ((0.6, 0.8, 0), (-0.8, 0.6, 0), (0, 0, 1)))], "x", None),
+    ([("a", "x y", ((0.6, 0.8, 0), (-0.8, 0.6, 0), (0, 0, 1)))], "x", "'a'"),
+    ([("a", "x", ((0.6, 0.8, 0), (-0.8, 0.6, 0), (0, 0, 1))), ("a", "x z", None)], "y", "'a'"),
+])
+def test_monitor_of_what_supports_hold(supports, component, words):
+    """Along the axes of space, along others, and by several together."""
+    mesh = line()
+    held = [fx.Support(mesh, at, fixed, axes) for at, fixed, axes in supports]
+
+    def scene():
+        return fx.Scene([fx.Beam(mesh, SECTION, MATERIAL)], held, [fx.PointForce(mesh, "b", (0, 0, 1.0))],
+                        fx.Monitor(mesh, "a", component))
+
+    if words is None:
+        scene()
+        return
+    with pytest.raises(ValueError, match=f"Monitor at 'a': its component {component} is held by the support at {words},"):
+        scene()
+
+
+@pytest.mark.parametrize("axis", [
+    lambda x: ufl.as_vector([2.0, 0.0, 0.0]), lambda x: (1.0, 0.0, 0.0), lambda x: [1, 0 * x[0], 0],
+    lambda x: np.array([1.0, 0.0, 0.0]), lambda x: ufl.as_vector([1.0 + x[1], 0.0, 0.0]), (3.0, 0.0, 0.0)])
+def test_axis_of_a_shell_may_be_given_in_many_ways(axis):
+    directions = first_axis(square(), axis).x.array
+    assert list(directions) == pytest.approx([1.0, 0.0, 0.0])
+
+
+@pytest.mark.parametrize("axis", [lambda x: 3.0, lambda x: (1.0, 0.0), lambda x: None, lambda x: ("x", 0, 0)])
+def test_axis_of_a_shell_that_is_no_vector(axis):
+    with pytest.raises(ValueError, match="Shell: axis .*; give a vector with three components"):
+        fx.Shell(square(), fx.Plate(0.1), MATERIAL, axis=axis)
 
 
 def test_refused_step_says_what_refuses_it():

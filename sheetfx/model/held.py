@@ -25,10 +25,10 @@ def supports_that_hold(supports: Sequence[Support], mesh: NamedMesh, at: str, co
         if support.axes is not None:
             axes = support.directions(compute_midpoints(mesh.domain, 0, there[:1].astype(np.int32)))[0]
         held = axes[[name in support.fixed.split() for name in group]]
-        if (np.abs(held @ wanted) > ALONG).any():
-            rows.append(held)
+        rows.append(held)
+        if ((held @ wanted)**2 > ALONG).any():
             found.append(support.at)
     _, sizes, span = np.linalg.svd(np.concatenate(rows), full_matrices=False)
     within = span[sizes**2 > ALONG] @ wanted
     names = mesh.domain.comm.allgather(found if within @ within > 1 - ALONG else [])
-    return max(names, key=len)
+    return list(dict.fromkeys(max(names, key=len)))
