@@ -90,7 +90,8 @@ def test_monitor_of_what_supports_hold(supports, component, words):
     if words is None:
         scene()
         return
-    with pytest.raises(ValueError, match=f"Monitor at 'a': its component {component} is held by the support at {words},"):
+    with pytest.raises(ValueError, match=f"Monitor at 'a': its component {component} is held by the support at {words},"
+                                         " so that it stays zero; monitor a component that moves"):
         scene()
 
 

@@ -110,6 +110,20 @@ def test_a_corner_of_two_supports_has_what_both_hold(slant):
     assert alone[3:] == pytest.approx([0, 0, 0], abs=1e-12)
 
 
+@pytest.mark.parametrize("turn", [(0, 0, 0.5), (0.3, 0.2, 0.5)])
+def test_a_motion_leaves_nodes_that_supports_hold_on_axes_of_their_own(turn):
+    """As it does nodes that are held along the axes of space; prescribed as well, they made the tangent singular."""
+    mesh = fx.read(lambda: fx.meshes.rectangle((2, 2)), 3)
+    shell = fx.Shell(mesh, fx.Plate(0.05), fx.Elastic(1e4, 0.3))
+    loads = []
+    for axes in (None, Rotation.from_rotvec(turn).as_matrix()):
+        supports = [fx.Support(mesh, "south", "x y z", axes), fx.clamp(mesh, "west")]
+        scene = fx.Scene([shell], supports, [fx.PrescribedDisplacement(mesh, "east", "x", 1e-3)],
+                         fx.Monitor(mesh, "north-east", "x"))
+        loads.append(trace(Case(scene, LoadControl(1.0, fixed=True))).states[-1].load)
+    assert loads[0] == pytest.approx(loads[1], rel=1e-9)
+
+
 def test_planes_of_symmetry_that_meet_at_a_corner():
     """A patch of a compressed cylinder between four planes, one along no axis of space: it stays a cylinder."""
     angle, radius = 0.35, 1.0

@@ -8,6 +8,7 @@ import numpy as np
 from dolfinx import fem
 
 from ..mesh.reader import COMPONENTS, NamedMesh
+from ..model.loads import PrescribedDisplacement
 from ..model.supports import Support
 from .fields import Fields
 from .kinematics import Kinematics
@@ -88,6 +89,7 @@ def fixed_dofs(fields: Fields, sharings: Sequence[Sharing]) -> list[np.ndarray]:
     Rotations of which one component is fixed then turn as `PartlyFixed` says.
     """
     kinematics = {mesh: fields.kinematics(mesh) for mesh in fields.meshes}
+    _leave_held_nodes(fields)
     by_supports = {k.block: [fixed_by(k, s) for s in fields.scene.supports if s.mesh is mesh]
                    for mesh, k in kinematics.items()}
     for mesh, k in kinematics.items():
@@ -102,6 +104,22 @@ def fixed_dofs(fields: Fields, sharings: Sequence[Sharing]) -> list[np.ndarray]:
     _hold(turning, {f: np.isin(f.dofs, fixed[kinematics[mesh].block]).reshape(-1, 3) for f, mesh in turning.items()},
           fields.scene.supports, sharings)
     return dofs
+
+
+def _leave_held_nodes(fields: Fields) -> None:
+    """Let no motion be prescribed at nodes where supports on axes of their own hold its component: nodes stay there."""
+    for load in fields.scene.all_loads:
+        if not isinstance(load, PrescribedDisplacement):
+            continue
+        mesh, supports = load.mesh, [s for s in fields.scene.supports if s.mesh is load.mesh]
+        if all(s.axes is None for s in supports):
+            continue
+        kinematics, own = fields.kinematics(mesh), fields.own_field(load, "reaction")
+        table = kinematics.u.function_space.dofmap.list
+        axes = np.tile(np.eye(3), (len(kinematics.u.x.array) // 3, 1, 1))
+        held = _inside(kinematics, supports, 0, axes)[:, COMPONENTS[3].index(load.component)] > 1 - SAME
+        block = next(b for b in fields.blocks if b.fields[0] is own)
+        fields.fixed[block].append(own.dofs[np.unique(own.value.function_space.dofmap.list[held[table]])])
 
 
 def _hold(turning: dict[QuaternionField, NamedMesh], fixed: dict[QuaternionField, np.ndarray],

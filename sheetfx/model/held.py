@@ -16,7 +16,8 @@ ALONG = 1e-8  # squared sine of a direction to the span of those held, below whi
 def supports_that_hold(supports: Sequence[Support], mesh: NamedMesh, at: str, component: str) -> list[str]:
     """Places of the supports that hold a component at a named point, on all processes; empty where it can move."""
     group = [name for name in COMPONENTS[mesh.dimension] if name.startswith("r") == component.startswith("r")]
-    wanted, found, rows = np.eye(len(group))[group.index(component)], [], [np.zeros((0, len(group)))]
+    wanted, rows = np.eye(len(group))[group.index(component)], [np.zeros((0, len(group)))]
+    found: list[str] = []
     vertices = mesh.vertices(at)
     for support in supports:
         if support.mesh is not mesh or not len(there := np.intersect1d(vertices, mesh.vertices(support.at))):
@@ -31,4 +32,4 @@ def supports_that_hold(supports: Sequence[Support], mesh: NamedMesh, at: str, co
     _, sizes, span = np.linalg.svd(np.concatenate(rows), full_matrices=False)
     within = span[sizes**2 > ALONG] @ wanted
     names = mesh.domain.comm.allgather(found if within @ within > 1 - ALONG else [])
-    return list(dict.fromkeys(max(names, key=len)))
+    return list(dict.fromkeys(name for rank in names for name in rank))
