@@ -19,7 +19,7 @@ def twofold(twice: bool, supports=lambda m: [fx.clamp(m, "start")], load=(0.3, 0
     beams = [fx.Beam(m, fx.Rectangle(0.1, 0.1), material) for m in meshes]
     joints = [fx.Compatible(meshes[1], meshes[0])] if twice else []
     return fx.Scene(beams, supports(meshes[-1]), [fx.PointForce(meshes[-1], "end", load)],
-                    fx.Monitor(meshes[-1], "end", "z"), joints=joints, **scene)
+                    fx.Monitor(meshes[-1], "middle", "z"), joints=joints, **scene)
 
 
 TURNED = [[0.8, 0.6, 0.0], [-0.6, 0.8, 0.0], [0.0, 0.0, 1.0]]
