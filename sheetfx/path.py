@@ -77,6 +77,8 @@ class Path:
         require("Path", control=(control, StepRule | None), until=(until, Until | None), events=(events, list[Event]))
         self.scene, self.until = scene, until or Until()
         self._controls = [*map(_preloading, scene.stages), control or ArcLength()]
+        for monitor in filter(None, (getattr(one, "monitor", None) for one in self._controls)):
+            scene.require_free(monitor)
         self._ending = self.until.ending
         self.events = [*events, *([self._ending] if self._ending else [])]
         self.discretisation = Discretisation(scene, mixed_points)

@@ -95,6 +95,14 @@ def test_monitor_of_what_supports_hold(supports, component, words):
         scene()
 
 
+def test_control_of_what_a_support_holds():
+    scene = hinged_column()
+    held = next(s for s in scene.supports if "y" in s.fixed.split())
+    control = fx.DisplacementControl(monitor=fx.Monitor(held.mesh, held.at, "y"))
+    with pytest.raises(ValueError, match=f"Monitor at '{held.at}': its component y is held by the support at "):
+        fx.Path(scene, control)
+
+
 @pytest.mark.parametrize("axis", [
     lambda x: ufl.as_vector([2.0, 0.0, 0.0]), lambda x: (1.0, 0.0, 0.0), lambda x: [1, 0 * x[0], 0],
     lambda x: np.array([1.0, 0.0, 0.0]), lambda x: ufl.as_vector([1.0 + x[1], 0.0, 0.0]), (3.0, 0.0, 0.0)])

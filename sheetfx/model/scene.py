@@ -108,7 +108,7 @@ class Scene:
                              "a support")
         self._check_meshes()
         self._check_prescribed()
-        self._check_monitor()
+        self.require_free(self.monitor)
         for mesh in self.meshes:
             self._check_spaces([part for part in self.parts if part.mesh is mesh])
         self._tell_unjoined()
@@ -153,9 +153,9 @@ class Scene:
                 raise ValueError(f"{what} is {other.distance:g} where that of {load.at!r}, with which it has points in "
                                  f"common, is {load.distance:g}; give both the same distance in one stage")
 
-    def _check_monitor(self) -> None:
+    def require_free(self, monitor: Monitor) -> None:
         """Refuse to monitor what supports hold."""
-        on, at, component = self.monitor.on, self.monitor.at, self.monitor.component
+        on, at, component = monitor.on, monitor.at, monitor.component
         if not isinstance(on, NamedMesh) or at is None or component is None:
             return
         if held := supports_that_hold(self.supports, on, at, component):
