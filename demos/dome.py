@@ -60,7 +60,7 @@ case = fx.Case(coupled, until=fx.Until(lambda state: bool(state.critical)),
                axes=("deflection of the apex (mm)", "load (N)"))
 record = fx.trace(case)
 point = record.critical_points[0]
-modes = record.modes(point)
+modes = record.critical_modes(point)
 in_bars, in_panels = record.energy_shares(modes)
 linear = min(b.load for b in record.buckling(record.states[0], count=2) if b.factor > 0)
 print(f"{point.title} at {point.load / 1e3:.1f} kN, {point.deflection:.2f} mm; {100 * in_panels:.0f} % of the mode's "

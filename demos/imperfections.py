@@ -53,8 +53,8 @@ def buckling_load(imperfection):
     for state in fx.Path(patch(imperfection), fx.ArcLength(0.002, largest=4.0), fx.Until(steps=60)):
         if state.critical:
             point = state.critical[0]
-            print(f"{imperfection:8.4f} t: {point.title} at {-point.load / side:.4f}")
-            return -point.load / side
+            print(f"{imperfection:8.4f} t: {point.title} at {point.load / side:.4f}")
+            return point.load / side
 
 
 def law(imperfection):

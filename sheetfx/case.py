@@ -18,6 +18,7 @@ from .continuation.state import State
 from .model.scene import Scene
 from .path import Path, PathFailure, Until
 from .record import Record
+from .show.standard import STANDARD
 
 if TYPE_CHECKING:
     from .stability.buckling import BucklingLoad
@@ -43,7 +44,7 @@ class Case:
     until : end of the path
     quantities : function (record) -> name and value of what the scene is known for
     pictures : functions (record, folder), each draws one picture; what it writes moves to the run's folder when it
-        is whole
+        is whole. By default curve, shapes, files for ParaView, and with `Until(steps=0)` buckling modes
     axes : names of deflection and load on plots
     mixed_points : large-step tangent
     buckling : function (path, state) -> buckling loads, for `Record.buckling`; with `Until(steps=0)` they are those
@@ -56,7 +57,7 @@ class Case:
     control: StepRule = field(default_factory=ArcLength)
     until: Until = field(default_factory=Until)
     quantities: Callable[[Record], dict[str, float]] = lambda record: {}
-    pictures: Sequence[Callable[[Record, Folder], None]] = ()
+    pictures: Sequence[Callable[[Record, Folder], None]] = STANDARD
     axes: tuple[str, str] = ("deflection (mm)", "load (N)")
     mixed_points: bool = True
     buckling: Callable[[Path, State], list] = _linear_buckling

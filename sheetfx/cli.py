@@ -22,11 +22,13 @@ from .scenes import load_case, of_script, scene_names
 from .studies.diagram_command import diagram_app
 from .studies.run import PLAIN, run_app
 from .studies.study_command import study_app
+from .studies.view_command import view
 
 app = typer.Typer(help="Stability of thin sheet-and-bar structures.", no_args_is_help=True, **PLAIN)
 app.add_typer(run_app, name="run")
 app.add_typer(diagram_app, name="diagram")
 app.add_typer(study_app, name="study")
+app.command()(view)
 
 
 def _listing(choices: Callable[[], str]) -> type[TyperCommand]:

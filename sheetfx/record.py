@@ -18,6 +18,13 @@ from .discrete.section_forces import SectionPoints, section_forces, section_poin
 from .mesh.reader import NamedMesh
 from .model.stresses import stresses
 from .path import Path
+from .show.animating import Animation
+from .show.curves import draw_path
+from .show.measure import Along, Measure
+from .show.modes import picture_of_modes
+from .show.pictures import picture_of_shapes
+from .show.saving import MOVING, File, on_process_0, picture, require_ending
+from .show.viewer import view_record
 from .stability.critical import state_at, step_of
 
 if TYPE_CHECKING:
@@ -71,7 +78,7 @@ class Record:
 
         return branches(self.path, self.states, point, amplitude)
 
-    def modes(self, point: CriticalPoint) -> list[np.ndarray]:
+    def critical_modes(self, point: CriticalPoint) -> list[np.ndarray]:
         """Null vectors at a bifurcation or limit point, see `stability.shares.critical_modes`."""
         from .stability.shares import critical_modes
 
@@ -110,6 +117,47 @@ class Record:
         from .stability.snap import snap
 
         return snap(self.path, state, hold, side, listener)
+
+    def curve(self, file: File | None = None) -> Any:
+        """The figure of load against deflection, as path.png of a run.
+
+        Parameters
+        ----------
+        file : .png, .svg or .pdf that it is saved in too
+
+        Returns
+        -------
+        a figure of matplotlib, on process 0; None elsewhere
+        """
+        def collected():
+            figure = draw_path(self)
+            return lambda: figure
+
+        return picture("curve", self, collected, file)
+
+    def shapes(self, file: File | None = None, along: Along = None) -> Any:
+        """The figure of deformed shapes at critical points and at the end, as shape.png of a run, see `curve`.
+
+        Parameters
+        ----------
+        along : direction "x", "y" or "z", or a vector, along which displacements colour all parts of surfaces and of
+            curves in space; None: their size
+        """
+        return picture("shapes", self, lambda: picture_of_shapes(self, Measure(along)), file)
+
+    def modes(self, file: File | None = None, along: Along = None) -> Any:
+        """The figure of the linear buckling modes about the last state, as modes.png of a run, see `shapes`."""
+        return picture("modes", self, lambda: picture_of_modes(self, Measure(along)), file)
+
+    def animate(self, file: File, along: Along = None) -> None:
+        """Write a .gif of the motion along the path, see `shapes`."""
+        require_ending("animate", file, MOVING)
+        moving = Animation.of(self, Measure(along))
+        on_process_0(self, lambda: moving.savefig(file))
+
+    def view(self, file: File | None = None, along: Along = None) -> Any:
+        """Open a view that can be turned, with a slider for the states, see `show.viewer.view_folder`."""
+        return view_record(self, along, file)
 
     def show(self, state: State) -> None:
         """Put all fields to those of a state, for evaluation and pictures."""

@@ -137,8 +137,8 @@ def test_modes_and_shares_of_energy():
                      joints=[fx.Compatible(meshes[1], meshes[0])])
     record = fx.trace(fx.Case(scene, fx.LoadControl(3.0, target=12.0)))
     (point,) = record.critical_points
-    modes = record.modes(point)
+    modes = record.critical_modes(point)
     assert len(modes) == 1
     assert record.energy_shares(modes) == pytest.approx([0.5, 0.5], rel=1e-6)
     with pytest.raises(ValueError, match="critical_modes: the states of steps .* are missing"):
-        fx.Record(record.case, record.path, record.states[:1]).modes(point)
+        fx.Record(record.case, record.path, record.states[:1]).critical_modes(point)

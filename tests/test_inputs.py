@@ -128,7 +128,7 @@ class Right:
 
 LEGITIMATE = [
     Right("a switch can be on", (True,), "*.rotations *.follower *.fixed *.moving *.facets *.mixed_points *.triangles "
-          "arch.no-punch *.full bend.plain-tangent bend.polar deep-arch.hinged *.elastic *.line-load *.animation "
+          "arch.no-punch *.full bend.plain-tangent bend.polar deep-arch.hinged *.elastic *.line-load "
           "roll-up.spatial"),
     Right("without friction, hardening, an offset or the like", (0,), "*.friction *.cohesion *.strength *.gap *.reach "
           "*.hardening *.kinematic *.poisson *.near *.layer *.distance *.overhang *.offset *.angle *.own *.panels "

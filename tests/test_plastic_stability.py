@@ -38,7 +38,7 @@ def test_koiters_coefficients_of_the_comparison_solid():
     """Those of the elastica, load / critical load = 1 + (pi w / L)^2 / 8, though it has yielded; 0.2 % compressed."""
     record = follow(column(HARDENING)[0], fx.LoadControl(step=0.1, target=1.2))
     (point,) = record.critical_points
-    (mode,) = record.modes(point)
+    (mode,) = record.critical_modes(point)
     beside = record.states[-2:]
     tracer = record.path.tracer
     state = state_at(tracer, *beside, point)

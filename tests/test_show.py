@@ -47,6 +47,7 @@ from sheetfx.show.course import curve_of, monitored
 from sheetfx.show.evaluate import ContactPoints, Curves, most_telling, travel, unit_of, with_unit
 from sheetfx.show.files import paraview
 from sheetfx.show.layout import Sheet
+from sheetfx.show.measure import OF_SIZE
 from sheetfx.show.surfaces import surfaces
 from sheetfx.show.views import Camera, fit_titles, view
 
@@ -281,7 +282,7 @@ def test_xvfb_that_accepts_no_connection_is_started_again(deaf, monkeypatch):
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.setattr(display, "_window", lambda: None)
     answers = iter([False, *deaf * [False], True])
-    monkeypatch.setattr(display, "_answers", lambda: next(answers))
+    monkeypatch.setattr(display, "answers", lambda: next(answers))
     if deaf < display.STARTS:
         with display.display():
             assert os.environ["DISPLAY"].startswith(":")
@@ -344,7 +345,7 @@ def test_shapes_of_surfaces(sheet, tmp_path):
 
 
 def test_views_fill_their_places_and_show_beams(sheet):
-    shown = view(sheet, "end")
+    shown = view(sheet, "end", OF_SIZE)
     assert shown.beams.shape[2] == 3
     camera = Camera([shown, shown])
     columns, rows = camera.fit(2)
@@ -395,8 +396,8 @@ def snapped_dome():
 def test_configurations_of_a_dome_stand_side_by_side(snapped_dome, tmp_path, monkeypatch):
     """One view for each, coloured by displacement, with the undeformed bars behind; nothing over one another."""
     drawn = []
-    monkeypatch.setattr(pictures, "draw_states", lambda record, views, file: drawn.extend(views))
-    pictures.shapes(snapped_dome, tmp_path)
+    monkeypatch.setattr(pictures, "draw_states", lambda record, views, measure: drawn.extend(views))
+    pictures.picture_of_shapes(snapped_dome)()
     states = pictures.states_to_draw(snapped_dome, pictures.MOST_VIEWS - 1)
     assert len(drawn) == len(states) > 2 and [v.title.split("\n")[0] for v in drawn][-1] == "end"
     for shown, (state, *_) in zip(drawn, states, strict=True):
@@ -407,14 +408,14 @@ def test_configurations_of_a_dome_stand_side_by_side(snapped_dome, tmp_path, mon
     assert_picture(tmp_path / "shape.png", (900, 1600))
 
 
-def test_modes_are_drawn_to_a_scale_that_is_told(snapped_dome, tmp_path, monkeypatch):
+def test_modes_are_drawn_to_a_scale_that_is_told(snapped_dome, monkeypatch):
     from sheetfx.show import modes
 
     point = snapped_dome.critical_points[0]
-    shape = modes.shape_of(snapped_dome, snapped_dome.modes(point)[0], "mode")
+    shape = modes.shape_of(snapped_dome, snapped_dome.critical_modes(point)[0], "mode", OF_SIZE)
     drawn = []
-    monkeypatch.setattr(modes, "draw_views", lambda views, file, manner: drawn.append((views, manner)))
-    modes.draw_shapes(snapped_dome, [shape], tmp_path / "modes.png")
+    monkeypatch.setattr(modes, "draw_views", lambda views, manner: drawn.append((views, manner)))
+    modes.draw_shapes(snapped_dome, [shape], OF_SIZE)
     (moved,), manner = drawn[0]
     size = float(np.linalg.norm(np.ptp(shape.beams_before.reshape(-1, 3), axis=0)))
     largest = np.linalg.norm(moved.beams - moved.beams_before, axis=2).max()

@@ -222,6 +222,8 @@ class ObstacleForce(Load):
 class PrescribedDisplacement(Load):
     """Prescribed displacement component of a named point, or of all of a named edge; its reaction is an unknown.
 
+    The reported load is the reaction along the motion: a structure that resists has a positive one either way.
+
     Nodes of the edge where a support fixes the component stay there. Edges that move alike may have corners in common.
     """
 
@@ -253,7 +255,9 @@ class PrescribedDisplacement(Load):
         return fields.vary(fields.own(self, "reaction") * error) * self.mesh.facet_measure(self.at)
 
     def total(self, fields) -> Callable[[], float]:
-        reaction = fields.own(self, "reaction") * self.mesh.facet_measure(self.at)
+        """The reaction along the motion, as PrescribedRotation has its moment."""
+        way = float(np.copysign(1.0, self.distance))
+        reaction = way * fields.own(self, "reaction") * self.mesh.facet_measure(self.at)
         form, comm = compiled_form(-reaction), self.mesh.domain.comm
         return lambda: comm.allreduce(fem.assemble_scalar(form))
 

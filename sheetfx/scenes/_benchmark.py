@@ -21,10 +21,9 @@ from ..model.supports import Support
 from ..path import Until
 from ..record import Record
 from ..show.course import curve_of, monitored
-from ..show.curves import legend_above, path_curve
+from ..show.curves import legend_above
 from ..show.evaluate import communicator, last_state_kept, unit_of
-from ..show.files import paraview
-from ..show.pictures import shapes
+from ..show.standard import STANDARD
 
 Cells = Annotated[int, AT_LEAST_1, Option(help="cells along each side of the modelled part")]
 Form = Annotated[str, Choice(tuple(FORMS)), Option(help=f"of the shell: {', '.join(FORMS)}")]
@@ -122,7 +121,7 @@ def benchmark(
     quantities : function (record) -> name and value; None: the readings at a load factor of 1
     """
     first = next(iter(readings.values()))
-    pictures = [path_curve, shapes, paraview] if steps else []
+    pictures = list(STANDARD)
     if published and steps:
         pictures.append(lambda record, folder: published_points(record, folder, readings, published))
     return Case(
@@ -182,11 +181,9 @@ def published_points(record: Record, folder: Folder, readings: dict[str, Reading
     curve, _ = curve_of(record, states, np.hstack((values, loads)), np.hstack((rates, load_rates)))
     if communicator(record).rank > 0:
         return
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+    from ..show.figure import Picture
 
-    figure = Figure(figsize=(8.0, 5.2), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = Picture(figsize=(8.0, 5.2), layout="constrained")
     axes = figure.add_subplot()
     table = np.array(published.rows)
     for i, reading in enumerate(readings):

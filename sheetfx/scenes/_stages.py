@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import inf
 from pathlib import Path as Folder
 
 import numpy as np
@@ -12,6 +11,7 @@ import numpy as np
 from ..continuation.state import State
 from ..mesh.reader import NamedMesh
 from ..record import Record
+from ..show.curves import curve_points
 from ..show.evaluate import last_state_kept
 from ..show.pictures import state_of
 
@@ -42,16 +42,19 @@ def touches(record: Record) -> list[Touch]:
 
 def stages(record: Record, folder: Folder, name: str = "stages.png") -> None:
     """Draw stages.png."""
-    draw_stages(record).savefig(Folder(folder) / name, dpi=150)
+    draw_stages(record).savefig(Folder(folder) / name)
 
 
 def draw_stages(record: Record, figure=None):
     """The matplotlib figure of `stages`; one may be given, such as that of a notebook's cell."""
-    figure = figure or _figure(11.0, 8.0)
+    if figure is None:
+        from ..show.figure import Picture
+
+        figure = Picture(figsize=(11.0, 8.0), dpi=150, layout="constrained")
     above, below = figure.subfigures(2, 1)
     left, right = above.subplots(1, 2)
     deflection, found = [s.deflection for s in record.states], touches(record)
-    left.plot(*_curve(record), color="#222222", label="load")
+    left.plot(*curve_points(record).T, color="#222222", label="load")
     left.plot(deflection, [t.force for t in found], color="#999999", label="contact force")
     right.plot(deflection, [t.slip for t in found], color="#222222")
     left.set(xlabel=record.case.axes[0], ylabel="force (N)")
@@ -67,56 +70,6 @@ def draw_stages(record: Record, figure=None):
     side.set(xlabel="x (mm)", ylabel="z (mm)")
     side.legend(frameon=False, fontsize=8, loc="lower left")
     return figure
-
-
-def _figure(width: float, height: float):
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(width, height), layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure
-
-
-def _curve(record: Record) -> tuple[list[float], list[float]]:
-    """Deflections and loads of all states, and of the events between them."""
-    events = [p for p in record.critical_points if p.kind == "event"]
-    places = [(s.step, inf, s.deflection, s.load) for s in record.states]
-    places += [(p.step, p.length, p.deflection, p.load) for p in events]
-    places.sort(key=lambda place: place[:2])
-    return [place[2] for place in places], [place[3] for place in places]
-
-
-def animation(record: Record, folder: Folder, name: str = "animation.gif") -> None:
-    """Draw animation.gif: side view of both plates, and load and contact force up to each state."""
-    from matplotlib.animation import PillowWriter
-
-    figure = _figure(9.0, 3.6)
-    side, right = figure.subplots(1, 2, width_ratios=(3, 2))
-    found = [t.force for t in touches(record)]
-    deflection, loads = [s.deflection for s in record.states], [s.load for s in record.states]
-    right.plot(deflection, loads, color="#dddddd")
-    curves = [right.plot([], [], color=colour, label=label)[0]
-              for colour, label in (("#222222", "load"), ("#c4432b", "contact force"))]
-    right.set(xlabel=record.case.axes[0], ylabel="force (N)")
-    lines = [_side_lines(record, state) for state in record.states]
-    plates = [side.plot([], [], color=colour, linewidth=2.5)[0] for colour in COLOURS]
-    every = np.concatenate([line for both in lines for line in both])
-    side.set(xlabel="x (mm)", ylabel="z (mm)", aspect="equal", xlim=(every[:, 0].min() - 4, every[:, 0].max() + 4),
-             ylim=(every[:, 1].min() - 4, every[:, 1].max() + 4))
-    right.legend(frameon=False, fontsize=8, loc="upper left")
-    events = [p for p in record.critical_points if p.kind in ("event", "limit")]
-    writer = PillowWriter(fps=8)
-    with writer.saving(figure, str(Folder(folder) / name), dpi=90):
-        for number, both in enumerate(lines):
-            for plate, line in zip(plates, both, strict=False):
-                plate.set_data(*line.T)
-            for curve, values in zip(curves, (loads, found), strict=True):
-                curve.set_data(deflection[:number + 1], values[:number + 1])
-            behind = [p.title.removeprefix("event ") for p in events if p.step <= record.states[number].step]
-            side.set_title(f"{loads[number]:.2f} N" + (f", after {behind[-1]}" if behind else ""), fontsize=9)
-            for _ in range(1 + 8 * (number == len(lines) - 1)):
-                writer.grab_frame()
 
 
 def _side_lines(record: Record, state: State) -> list[np.ndarray]:

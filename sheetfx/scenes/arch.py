@@ -24,10 +24,8 @@ from ..model.supports import clamp, symmetry
 from ..path import Path, Until
 from ..record import Record
 from ..show import contact as contact_pictures
-from ..show.curves import path_curve
-from ..show.files import paraview
-from ..show.pictures import shapes
 from ..show.plastic import plastic_zones
+from ..show.standard import STANDARD
 from . import looked_at
 from ._plastic import Hardening, Yield, material, plastic_quantities, yield_events
 
@@ -69,7 +67,7 @@ def case(
     beam = Beam(mesh, Rectangle(WIDTH, thickness, points=FIBRES), material(MODULUS, 0.3, yield_stress, hardening),
                 degree=degree)
     symmetry_factor = 1 if full else 2
-    contacts, pictures = [], [path_curve, shapes, paraview]
+    contacts, pictures = [], list(STANDARD)
     if no_punch:
         loads = [PointForce(mesh, "crown", (0.0, -1.0 / symmetry_factor))]
     else:

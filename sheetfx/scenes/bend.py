@@ -24,9 +24,6 @@ from ..model.scene import Monitor, Scene
 from ..model.section import Elastic, Rectangle
 from ..model.supports import clamp
 from ..record import Record
-from ..show.curves import path_curve
-from ..show.files import paraview
-from ..show.pictures import shapes
 from . import looked_at
 
 RADIUS = 100.0
@@ -59,7 +56,6 @@ def case(
             parts=[beam], supports=[clamp(mesh, "start")], loads=[PointForce(mesh, "end", (0.0, 0.0, force))],
             monitor=Monitor(mesh, "end", "z")),
         control=LoadControl(step=1 / steps, fixed=True), quantities=quantities,
-        pictures=[path_curve, shapes, paraview],
         axes=("displacement of the tip out of the plane", "force"), mixed_points=not plain_tangent)
 
 

@@ -32,9 +32,6 @@ from ..model.shell import TRIANGLE, Shell, named_form
 from ..model.supports import clamp
 from ..path import Until
 from ..record import Record
-from ..show.curves import path_curve
-from ..show.files import paraview
-from ..show.pictures import shapes
 from . import looked_at
 from ._benchmark import Form, Reading, slopes
 
@@ -68,7 +65,7 @@ def case(
             [clamp(mesh, f"{wall} at start") for wall in walls], [PointForce(mesh, LOADED, (0.0, 0.0, -1.0))],
             Monitor(mesh, LOADED, "z", -1.0)),
         control=ArcLength(step=step), until=Until(deflection=to), quantities=quantities,
-        pictures=[path_curve, shapes, paraview], axes=("deflection under the force (in)", "force (lb)"))
+        axes=("deflection under the force (in)", "force (lb)"))
 
 
 def quantities(record: Record) -> dict[str, float]:

@@ -22,9 +22,6 @@ from ..model.scene import Monitor, Scene
 from ..model.section import Elastic, Rectangle
 from ..model.supports import Support
 from ..record import Record
-from ..show.curves import path_curve
-from ..show.files import paraview
-from ..show.pictures import shapes
 from . import looked_at
 
 LENGTH = 1.0
@@ -52,7 +49,7 @@ def case(
             supports=[Support(mesh, at, fixed) for at, fixed in zip(nodes, ENDS[ends], strict=True) if fixed],
             loads=[PointForce(mesh, "top", (-1.0, 0.0))], monitor=Monitor(mesh, "top", "x", -1.0)),
         control=LoadControl(step=step, target=to), quantities=quantities,
-        pictures=[path_curve, shapes, paraview], axes=("shortening over the length", "load over Euler's"))
+        axes=("shortening over the length", "load over Euler's"))
 
 
 def quantities(record: Record) -> dict[str, float]:

@@ -25,7 +25,6 @@ from ..model.shell import Shell
 from ..model.supports import Support, symmetry
 from ..path import Until
 from ..record import Record
-from ..show.modes import draw_modes, mode_files
 from ..stability.buckling import buckling
 from . import looked_at
 from ._benchmark import Form, surface
@@ -61,7 +60,7 @@ def case(
         until=Until(steps=0),
         buckling=lambda path, state: buckling(path, state, count, supports=held, tolerance=5e-3),
         quantities=lambda record: quantities(record, thickness, length),
-        pictures=[draw_modes, mode_files], axes=("shortening (mm)", "load on both ends (N)"))
+        axes=("shortening (mm)", "load on both ends (N)"))
 
 
 def axisymmetric_wave(ratio: float) -> float:

@@ -29,9 +29,6 @@ from ..model.section import Elastic, Rectangle
 from ..model.supports import clamp, pin, symmetry
 from ..path import Until
 from ..record import Record
-from ..show.curves import path_curve
-from ..show.files import paraview
-from ..show.pictures import shapes
 from . import looked_at
 
 RADIUS, MODULUS = 100.0, 1.2e6
@@ -62,7 +59,6 @@ def case(
             monitor=Monitor(mesh, "crown", "y", -1.0)),
         control=ArcLength(step=step), until=Until(load=200 * unit) if hinged else Until(deflection=to),
         quantities=lambda record: quantities(record, unit),
-        pictures=[path_curve, shapes, paraview],
         axes=("deflection of the crown", "load"))
 
 

@@ -34,11 +34,9 @@ from ..model.supports import Support
 from ..path import Until
 from ..record import Record
 from ..show.critical_modes import draw_critical_modes
-from ..show.curves import path_curve
 from ..show.evaluate import last_state_kept
-from ..show.files import paraview
 from ..show.pairs import pair_history
-from ..show.pictures import shapes
+from ..show.standard import STANDARD
 from . import looked_at
 from ._benchmark import Form
 from ._dome_contact import EDGES, FACES_OF_PANELS, TIES, joints, separate_panels
@@ -116,7 +114,7 @@ def case(
         scene=Scene(dome.parts, [Support(bars, "corners", held)], [PointForce(bars, "apex", (0.0, 0.0, -1.0))],
                     Monitor(bars, "apex", "z", -1.0), joints=dome.joints),
         control=ArcLength() if step is None else ArcLength(step=step), until=Until(deflection=to),
-        quantities=quantities, pictures=[path_curve, shapes, draw_critical_modes, pair_history, paraview],
+        quantities=quantities, pictures=[*STANDARD, draw_critical_modes, pair_history],
         axes=("deflection of the apex (mm)", "load (N)"))
 
 
@@ -182,7 +180,7 @@ def quantities(record: Record) -> dict[str, float]:
               "linear_buckling_load": min(b.load for b in record.buckling(first, count=2) if b.factor > 0)}
     beams = [isinstance(part, Beam) for part in record.case.scene.parts]
     for point in record.critical_points[:1]:
-        shares = record.energy_shares(record.modes(point))
+        shares = record.energy_shares(record.critical_modes(point))
         values |= {f"{point.kind}_load": point.load, f"{point.kind}_deflection": point.deflection,
                    "bars_share_of_mode": float(np.dot(beams, shares)), "bars_share_of_energy": _share(record, beams)}
     return values

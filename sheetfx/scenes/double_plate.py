@@ -45,15 +45,13 @@ from ..model.supports import clamp, symmetry
 from ..model.surface_contact import SurfaceContact
 from ..path import Path, Until
 from ..record import Record
-from ..show.curves import path_curve
 from ..show.evaluate import last_state_kept
-from ..show.files import paraview
 from ..show.pairs import pair_history
-from ..show.pictures import shapes
 from ..show.plastic import plastic_zones
+from ..show.standard import STANDARD
 from . import looked_at
 from ._plastic import plastic_quantities, yield_events
-from ._stages import animation, stages, touches
+from ._stages import stages, touches
 
 LENGTH, WIDTH, THICKNESS, MODULUS, POISSON, YIELD = 80.0, 20.0, 0.7, 1.92e5, 0.3, 195.0
 HINGE = 0.0, 0.1, 0.25, 0.45, 0.7  # lines of the cell next to the clamp, in which a plastic hinge forms
@@ -73,12 +71,10 @@ def case(
     stiffness: Annotated[float | None, POSITIVE,
                          Option(help="of contact on the way to no penetration (N/mm3)")] = None,
     step: Annotated[float, POSITIVE, Option(help="first arc length")] = 0.01,
-    animated: Annotated[bool, Option("--animation", help="make animation.gif")] = False,
 ) -> Case:
     """Double plate: stages A, B and C of its path, contact force and slip."""
     material = Elastic(MODULUS, POISSON) if elastic else Plastic(MODULUS, POISSON, yield_stress=YIELD)
-    made = plates(material, friction, gap, overlap, cells, line_load, step, layers=layers, stiffness=stiffness)
-    return replace(made, pictures=[*made.pictures, animation]) if animated else made
+    return plates(material, friction, gap, overlap, cells, line_load, step, layers=layers, stiffness=stiffness)
 
 
 def plates(material: Elastic, friction: float, gap: float, overlap: float, cells: int, line_load: bool, step: float,
@@ -105,7 +101,7 @@ def plates(material: Elastic, friction: float, gap: float, overlap: float, cells
     zones = [plastic_zones] if isinstance(material, Plastic) else []
     events = [replace(first_touch(), name=A), Event(B, alone.stiffening, way=-1), Event(AGAIN, alone.stiffening, way=1),
               *yield_events(scene)]
-    pictures = [path_curve, stages, shapes, *zones, pair_history, paraview]
+    pictures = [*STANDARD, stages, *zones, pair_history]
     return Case(scene, control, Until(event=off), quantities, pictures,
                 ("deflection of the free end of plate 1 (mm)", "force (N)"), events=events)
 

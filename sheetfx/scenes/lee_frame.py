@@ -22,10 +22,8 @@ from ..model.section import Elastic, Rectangle
 from ..model.supports import pin
 from ..path import Until
 from ..record import Record
-from ..show.curves import path_curve
-from ..show.files import paraview
-from ..show.pictures import shapes
 from ..show.snaps import falls_curve
+from ..show.standard import STANDARD
 from . import looked_at
 
 SIDE, LOAD_FROM_CORNER = 120.0, 24.0
@@ -55,7 +53,7 @@ def case(
             parts=[beam], supports=[pin(mesh, "base"), pin(mesh, "end")],
             loads=[PointForce(mesh, "load", (0.0, -1.0))], monitor=Monitor(mesh, "load", "y", -1.0)),
         control=ArcLength(step=step), until=Until(deflection=to), quantities=quantities,
-        pictures=[path_curve, falls_curve, shapes, paraview],
+        pictures=[*STANDARD, falls_curve],
         axes=("deflection under the load", "load"))
 
 

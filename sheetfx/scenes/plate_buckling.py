@@ -25,7 +25,6 @@ from ..model.shell import Shell
 from ..model.supports import Support
 from ..path import Until
 from ..record import Record
-from ..show.modes import draw_modes, mode_files
 from ..stability.buckling import buckling
 from . import looked_at
 from ._benchmark import Form, surface
@@ -66,7 +65,7 @@ def case(
             Monitor(mesh, "south-east", "x", -1.0)),
         until=Until(steps=0), buckling=lambda path, state: buckling(path, state, count),
         quantities=lambda record: quantities(record, edges, aspect, poisson),
-        pictures=[draw_modes, mode_files], axes=("shortening (mm)", "load on both edges (N)"))
+        axes=("shortening (mm)", "load on both edges (N)"))
 
 
 def _fixed(kind: str, edge: str) -> str:

@@ -20,9 +20,6 @@ from ..model.section import Elastic, Rectangle
 from ..model.shell import FORMS, Shell
 from ..model.supports import Support, clamp, symmetry
 from ..record import Record
-from ..show.curves import path_curve
-from ..show.files import paraview
-from ..show.pictures import shapes
 from . import looked_at
 from ._benchmark import surface
 
@@ -48,8 +45,7 @@ def case(
         scene=Scene(
             parts=[part], supports=supports, loads=[load], monitor=Monitor(mesh, "tip", "x", -1.0)),
         control=LoadControl(step=1 / (turns * steps), fixed=True),
-        quantities=lambda record: quantities(record, mesh), pictures=[path_curve, shapes, paraview],
-        axes=("displacement of the tip", "moment"))
+        quantities=lambda record: quantities(record, mesh), axes=("displacement of the tip", "moment"))
 
 
 def _beam(degree: int, elements: int, moment: float, spatial: bool) -> tuple[Beam, list[Support], Moment]:

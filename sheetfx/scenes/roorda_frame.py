@@ -23,9 +23,6 @@ from ..model.loads import PointForce
 from ..model.scene import Monitor, Scene
 from ..model.section import Elastic, Rectangle
 from ..model.supports import Support, pin
-from ..show.curves import path_curve
-from ..show.files import paraview
-from ..show.pictures import shapes
 from . import looked_at
 from .column import quantities
 
@@ -52,5 +49,4 @@ def case(
             loads=[PointForce(mesh, at, (0.0, -1.0)) for at in ("corner", "end")],
             monitor=Monitor(mesh, "corner", "rz")),
         control=LoadControl(step=step, target=to), quantities=quantities,
-        pictures=[path_curve, shapes, paraview],
         axes=("rotation of the corner", "load on corner and strut over Euler's"))

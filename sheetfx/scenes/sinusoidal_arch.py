@@ -26,9 +26,6 @@ from ..model.scene import Monitor, Scene
 from ..model.section import Elastic, Rectangle
 from ..model.supports import pin
 from ..path import Until
-from ..show.curves import path_curve
-from ..show.files import paraview
-from ..show.pictures import shapes
 from . import looked_at
 from .lee_frame import quantities
 
@@ -64,5 +61,4 @@ def case(
             parts=[beam], supports=[pin(mesh, "left"), pin(mesh, "right")], loads=[load],
             monitor=Monitor(mesh, "crown", "y", -1.0)),
         control=ArcLength(step=step * rise / SPAN), until=Until(deflection=2.2 * rise), quantities=quantities,
-        pictures=[path_curve, shapes, paraview],
         axes=("deflection of the crown", "load / 4 i EI (pi / span)^3"))

@@ -23,9 +23,6 @@ from ..model.scene import Monitor, Scene
 from ..model.section import Elastic, Rectangle
 from ..model.supports import pin
 from ..path import Until
-from ..show.curves import path_curve
-from ..show.files import paraview
-from ..show.pictures import shapes
 from . import looked_at
 from .lee_frame import quantities
 
@@ -51,7 +48,7 @@ def case(
             supports=[pin(mesh, f"outer{i}") for i in range(6)], loads=loads,
             monitor=Monitor(mesh, "apex", "z", -1.0)),
         control=ArcLength(step=step), until=Until(deflection=to), quantities=quantities,
-        pictures=[path_curve, shapes, paraview], axes=("deflection of the apex", "total load / EA"))
+        axes=("deflection of the apex", "total load / EA"))
 
 
 def dome() -> tuple[dict[str, tuple[float, float, float]], dict[str, tuple[str, str]]]:

@@ -21,9 +21,6 @@ from ..model.scene import Monitor, Scene
 from ..model.section import Elastic, Rectangle
 from ..model.supports import pin
 from ..path import Until
-from ..show.curves import path_curve
-from ..show.files import paraview
-from ..show.pictures import shapes
 from . import looked_at
 from .lee_frame import quantities
 
@@ -41,4 +38,4 @@ def case(
             parts=[Bar(mesh, Rectangle(1.0, 1.0), Elastic(1.0))], supports=[pin(mesh, "left"), pin(mesh, "right")],
             loads=[PointForce(mesh, "apex", (0.0, -1.0))], monitor=Monitor(mesh, "apex", "y", -1.0)),
         control=ArcLength(step=step), until=Until(deflection=2.2 * rise), quantities=quantities,
-        pictures=[path_curve, shapes, paraview], axes=("deflection of the apex over half the span", "load / EA"))
+        axes=("deflection of the apex over half the span", "load / EA"))

@@ -10,20 +10,20 @@ import numpy as np
 
 from ..continuation.state import State
 from ..discrete.contact import OPEN, SLIP, STICK, ContactState
-from ..record import Record
 from .evaluate import ContactPoints, communicator, last_state_kept, unit_of, with_unit
+from .shown import Shown
 
 NORMAL, TANGENTIAL, TOUCHING = "#0b4f8a", "#c4432b", "#b8b8b8"
 
 
-def tractions(load: float) -> Callable[[Record, Folder], None]:
+def tractions(load: float) -> Callable[[Shown, Folder], None]:
     """A picture of the contact forces at the state nearest to a total load, before the first critical point.
 
     Contact at nodes is drawn as the force of each node; contact at quadrature points, whose forces
     depend on how many there are, as force per length.
     """
 
-    def picture(record: Record, folder: Folder) -> None:
+    def picture(record: Shown, folder: Folder) -> None:
         if not _has_contact(record, "tractions.png"):
             return
         state = record.nearest(load)
@@ -37,7 +37,7 @@ def tractions(load: float) -> Callable[[Record, Folder], None]:
     return picture
 
 
-def draw_tractions(record: Record, state: State, contacts: list[ContactState]):
+def draw_tractions(record: Shown, state: State, contacts: list[ContactState]):
     """The matplotlib figure of `tractions`."""
     figure, (axes,) = _figure(1)
     length, force = (unit_of(a) for a in record.case.axes)
@@ -63,7 +63,7 @@ def draw_tractions(record: Record, state: State, contacts: list[ContactState]):
     return figure
 
 
-def contact_history(record: Record, folder: Folder) -> None:
+def contact_history(record: Shown, folder: Folder) -> None:
     """Draw numbers of contact points, the largest pressure and its place along the path."""
     if not _has_contact(record, "contact_history.png"):
         return
@@ -94,7 +94,7 @@ def summarise(contacts: list[ContactState]) -> dict[str, float]:
     }
 
 
-def draw_history(record: Record, table: dict[str, np.ndarray]):
+def draw_history(record: Shown, table: dict[str, np.ndarray]):
     """The matplotlib figure of `contact_history`.
 
     Parameters
@@ -129,7 +129,7 @@ def draw_history(record: Record, table: dict[str, np.ndarray]):
     return figure
 
 
-def _mark_critical_points(axes, record: Record, by_deflection: bool) -> None:
+def _mark_critical_points(axes, record: Shown, by_deflection: bool) -> None:
     for i, point in enumerate(record.critical_points):
         axes.axvline(point.deflection if by_deflection else point.step, color="#999999", linewidth=0.8, linestyle=":",
                      label="critical point" if i == 0 else None, zorder=1)
@@ -137,11 +137,9 @@ def _mark_critical_points(axes, record: Record, by_deflection: bool) -> None:
 
 def _figure(rows: int):
     """A figure and its axes, one above the other."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+    from .figure import Picture
 
-    figure = Figure(figsize=(8.0, 4.6 if rows == 1 else 2.4 * rows), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = Picture(figsize=(8.0, 4.6 if rows == 1 else 2.4 * rows), layout="constrained")
     all_axes = figure.subplots(rows, sharex=True, squeeze=False)[:, 0]
     for axes in all_axes:
         axes.grid(color="#dddddd", linewidth=0.6)
@@ -182,7 +180,7 @@ def _total(name: str, density: np.ndarray, contact: ContactState, unit: str, sce
     return label
 
 
-def _has_contact(record: Record, name: str) -> bool:
+def _has_contact(record: Shown, name: str) -> bool:
     if not record.case.scene.contacts and communicator(record).rank == 0:
         warnings.warn(f"{name} is not drawn: the scene has no contact", stacklevel=3)
     return bool(record.case.scene.contacts)

@@ -8,25 +8,25 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline, KroghInterpolator
 
 from ..continuation.state import CriticalPoint, State
-from ..record import Record
+from .shown import Shown
 
 PIECES = 24  # straight pieces between two knots
 TURNING = 1.0  # radians between the tangent of a state and the chord of a step, beyond which it does not lead along it
 MOST = 3  # critical points within a step, up to which one polynomial goes through all of them
 
 
-def monitored(record: Record, states: Sequence[State]) -> tuple[np.ndarray, np.ndarray]:
+def monitored(record: Shown, states: Sequence[State]) -> tuple[np.ndarray, np.ndarray]:
     """Deflection and load of states, and their rates along the path, each of shape (states, 2)."""
     return (np.array([(s.deflection, s.load) for s in states]),
             np.array([(_deflection_rate(record, s), _load_rate(record, s)) for s in states]))
 
 
-def _deflection_rate(record: Record, state: State) -> float:
+def _deflection_rate(record: Shown, state: State) -> float:
     tracer = record.path.tracer
     return tracer.monitored(tracer.system.create_vector(state.tangent[1]))
 
 
-def _load_rate(record: Record, state: State) -> float:
+def _load_rate(record: Shown, state: State) -> float:
     """Rate of the load that is reported: of a prescribed motion that of its reaction."""
     discretisation, system = record.path.discretisation, record.path.discretisation.system
     unit = discretisation.load_of_unit()
@@ -43,7 +43,7 @@ def _load_rate(record: Record, state: State) -> float:
     return rate
 
 
-def curve_of(record: Record, states: Sequence[State], values: np.ndarray, rates: np.ndarray,
+def curve_of(record: Shown, states: Sequence[State], values: np.ndarray, rates: np.ndarray,
              inside: Callable[[CriticalPoint], Sequence[float]] | None = None,
              stationary: int | None = None) -> tuple[np.ndarray, np.ndarray]:
     """Points of the curve of some values along a path.
@@ -81,7 +81,7 @@ def points_in(states: Sequence[State], after: State) -> list[CriticalPoint]:
     return sorted((p for s in states for p in s.critical if p.step == after.step), key=lambda p: p.length)
 
 
-def _slopes(record: Record, before: State, after: State, values: np.ndarray, rates: np.ndarray) -> np.ndarray:
+def _slopes(record: Shown, before: State, after: State, values: np.ndarray, rates: np.ndarray) -> np.ndarray:
     """Rates at both ends of a step by the part of it that has been gone."""
     tracer, chord = record.path.tracer, after.direction
     size = tracer.distance(*chord)

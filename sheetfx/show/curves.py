@@ -9,40 +9,42 @@ from pathlib import Path as Folder
 import numpy as np
 
 from ..continuation.state import CriticalPoint, State
-from ..record import Record
 from .course import curve_of, monitored, points_in
-from .evaluate import communicator, most_telling, stays, unit_of, with_unit
+from .evaluate import most_telling, stays, unit_of, with_unit
 from .labels import place_labels
+from .saving import save_picture
+from .shown import Shown
 
 STABLE, UNSTABLE = "#0b4f8a", "#c4432b"
 MARKERS = {"limit": ("o", "limit point"), "bifurcation": ("D", "bifurcation point"), "flutter": ("v", "flutter"),
            "event": ("s", "event")}
 MOST_LABELS = 6
+DPI, VIEWS = 150, 100  # of a curve alone, and of one beside views
 DOMINANT, SEEN = 1.0, 0.35  # of the extent of all other states, how far the last may be off before it is left out
 FEWEST = 6  # states of a path, from which its last may be left out
 
 
-def path_curve(record: Record, folder: Folder, name: str = "path.png") -> None:
-    """Draw load against deflection with stability and critical points (process 0 writes the file)."""
-    figure = draw_path(record)
-    if communicator(record).rank == 0:
-        figure.savefig(Folder(folder) / name, dpi=150)
+def path_curve(record: Shown, folder: Folder, name: str = "path.png") -> None:
+    """Draw load against deflection with stability and critical points (process 0 writes the file).
+
+    A path of a single state has no curve to draw.
+    """
+    if len(record.states) > 1:
+        figure = draw_path(record)
+        save_picture(record, lambda: figure, Folder(folder) / name)
 
 
-def draw_path(record: Record, jumps: Sequence[tuple[State, State]] = ()):
+def draw_path(record: Shown, jumps: Sequence[tuple[State, State]] = ()):
     """The matplotlib figure of `path_curve`: of the last load stage, since each has a load of its own.
 
     Parameters
     ----------
     jumps : states between which labels leave room for arrows
     """
-    figure, axes = _frame(record)
-    states = [s for s in record.states if s.stage == record.states[-1].stage]
-    knots, unstable = path_knots(states)
-    if not knots[:, 0].any():
-        axes.set_xlim(-1.0, 1.0)
-    curve = draw_stretches(axes, knots, unstable, named=record.states[-1].unstable_modes is not None,
-                           smoothly=partial(_course, record, states))
+    figure, axes = frame(record)
+    states = _last_stage(record)
+    knots, _ = path_knots(states)
+    curve = draw_course(axes, record)
     axes.plot([s.deflection for s in states], [s.load for s in states], ".", color="#333333",
               markersize=3.5, zorder=3, label="converged states")
     points = [point for state in states for point in state.critical]
@@ -57,7 +59,30 @@ def draw_path(record: Record, jumps: Sequence[tuple[State, State]] = ()):
     return figure
 
 
-def _course(record: Record, states: Sequence[State], knots: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def draw_course(axes, record: Shown) -> np.ndarray:
+    """Draw the curve of the last load stage by its stability, and return its points."""
+    states = _last_stage(record)
+    knots, unstable = path_knots(states)
+    if not knots[:, 0].any():
+        axes.set_xlim(-1.0, 1.0)
+    return draw_stretches(axes, knots, unstable, named=record.states[-1].unstable_modes is not None,
+                          smoothly=partial(_course, record, states))
+
+
+def curve_points(record: Shown) -> np.ndarray:
+    """Deflections and loads close together on the curve of the last load stage, (n, 2).
+
+    Between states they are on Hermite's cubic with the tangents of both.
+    """
+    states = _last_stage(record)
+    return _course(record, states, path_knots(states)[0])[0]
+
+
+def _last_stage(record: Shown) -> list[State]:
+    return [s for s in record.states if s.stage == record.states[-1].stage]
+
+
+def _course(record: Shown, states: Sequence[State], knots: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The curve through the knots of a path, by the tangents of its states, and the interval of each piece."""
     values, rates = monitored(record, states)
     curve, segment = curve_of(record, states, values, rates, lambda p: (p.deflection, p.load), stationary=1)
@@ -73,7 +98,7 @@ def legend_above(axes) -> None:
                 frameon=False, fontsize=9, columnspacing=1.4, handlelength=1.8, borderaxespad=0.2)
 
 
-def _leave_out_last(axes, record: Record, states: Sequence[State], others: np.ndarray, last: np.ndarray) -> None:
+def _leave_out_last(axes, record: Shown, states: Sequence[State], others: np.ndarray, last: np.ndarray) -> None:
     """Let axes show the path without its last state where that would have most of them for itself, and say where it is.
 
     The step that leads there leaves the frame.
@@ -94,14 +119,14 @@ def _leave_out_last(axes, record: Record, states: Sequence[State], others: np.nd
               color="#333333", ha="right", va="top", transform=axes.transAxes)
 
 
-def draw_branches(record: Record, branches: Sequence[tuple[CriticalPoint, Sequence[State]]]):
+def draw_branches(record: Shown, branches: Sequence[tuple[CriticalPoint, Sequence[State]]]):
     """Matplotlib figure of a path with branches of its bifurcations.
 
     Parameters
     ----------
     branches : bifurcation and states of each branch, in order, the first being the start
     """
-    figure, axes = _frame(record)
+    figure, axes = frame(record)
     named = record.states[-1].unstable_modes is not None
     for point, states in branches:
         knots, unstable = path_knots(states)
@@ -114,14 +139,19 @@ def draw_branches(record: Record, branches: Sequence[tuple[CriticalPoint, Sequen
     return figure
 
 
-def _frame(record: Record):
-    """A figure and its axes, with the names of a record."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+def frame(record: Shown, place: Sequence[float] | None = None, size: Sequence[int] = (1200, 780)):
+    """A figure and its axes, with the names of a record.
 
-    figure = Figure(figsize=(8.0, 5.2), layout="constrained")
-    FigureCanvasAgg(figure)
-    axes = figure.add_subplot()
+    Parameters
+    ----------
+    place : of the axes in the figure (left, bottom, width, height); None: all of it
+    size : in pixels
+    """
+    from .figure import Picture
+
+    layout, dpi = ("none", VIEWS) if place else ("constrained", DPI)
+    figure = Picture(figsize=np.array(size) / dpi, dpi=dpi, layout=layout)
+    axes = figure.add_axes(place) if place else figure.add_subplot()
     axes.set_xlabel(record.case.axes[0])
     axes.set_ylabel(record.case.axes[1])
     axes.grid(color="#dddddd", linewidth=0.6)

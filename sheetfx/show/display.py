@@ -7,10 +7,8 @@ import ctypes.util
 import os
 import shutil
 import subprocess
-import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 
 WINDOWS = {"EGL": "vtkEGLRenderWindow", "OSMesa": "vtkOSOpenGLRenderWindow"}  # by the library that they need
 STARTS = 3  # of Xvfb, until one accepts connections
@@ -24,7 +22,7 @@ class NoDisplay(RuntimeError):
 @contextmanager
 def display() -> Iterator[None]:
     """Make sure that VTK can draw: on the X server that DISPLAY names, without one, or on Xvfb."""
-    if _answers():
+    if answers():
         yield
     elif window := _window():
         with _variable(CHOICE, window):
@@ -61,16 +59,7 @@ def _window() -> str | None:
     return next((window for library, window in WINDOWS.items() if ctypes.util.find_library(library)), None)
 
 
-def save_picture(draw: Callable[[Path], None], file: Path) -> None:
-    """Draw into a file where there is an X server, otherwise warn."""
-    try:
-        with display():
-            draw(file)
-    except NoDisplay as missing:
-        warnings.warn(f"{file.name} is not drawn: {missing}", stacklevel=3)
-
-
-def _answers() -> bool:
+def answers() -> bool:
     """Whether the X server that DISPLAY names accepts a connection."""
     name = ctypes.util.find_library("X11")
     if not os.environ.get("DISPLAY") or name is None:
@@ -88,7 +77,7 @@ def _start() -> tuple[subprocess.Popen, str]:
     for _ in range(STARTS):
         server, name = _begun()
         with _variable("DISPLAY", name):
-            if _answers():
+            if answers():
                 return server, name
         server.terminate()
         server.wait()

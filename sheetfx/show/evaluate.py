@@ -14,13 +14,13 @@ from ..continuation.state import CriticalPoint, State
 from ..discrete.contact import ContactFields, ContactState
 from ..jit import compiled_expression
 from ..mesh.reader import NamedMesh
-from ..record import Record
+from .shown import Shown
 
 POINTS_PER_CELL = 5
 ROUNDING = 1e-6  # of a displacement that is zero, over the largest increment of the unknowns
 
 
-def communicator(record: Record) -> MPI.Comm:
+def communicator(record: Shown) -> MPI.Comm:
     return record.case.scene.parts[0].mesh.domain.comm
 
 
@@ -50,7 +50,7 @@ def stays(states: Sequence[State]) -> bool:
 
 
 @contextmanager
-def last_state_kept(record: Record) -> Iterator[None]:
+def last_state_kept(record: Shown) -> Iterator[None]:
     """Other states may be shown inside; afterwards the fields are those of the last one again."""
     try:
         yield
@@ -76,7 +76,7 @@ class Curves:
     displacements : for each mesh a displacement to use instead of the current one
     """
 
-    def __init__(self, record: Record, displacements: Mapping[NamedMesh, fem.Function] | None = None):
+    def __init__(self, record: Shown, displacements: Mapping[NamedMesh, fem.Function] | None = None):
         points = np.linspace(0, 1, POINTS_PER_CELL)[:, None]
         discretisation = record.path.discretisation
         self._comm = communicator(record)
@@ -104,7 +104,7 @@ class Curves:
 class ContactPoints:
     """All contact points of a record; points of several cells at one node are one point."""
 
-    def __init__(self, record: Record):
+    def __init__(self, record: Shown):
         self.fields: list[ContactFields] = record.path.discretisation.contacts
         self._comm = communicator(record)
         self._numbers = [self._comm.gather(c.numbers()) for c in self.fields]
@@ -129,7 +129,7 @@ def _merge(parts: list[dict], numbers: list[np.ndarray | None]) -> ContactState:
     return ContactState(**{name: value[order] for name, value in values.items()})
 
 
-def travel(record: Record, obstacle) -> np.ndarray:
+def travel(record: Shown, obstacle) -> np.ndarray:
     """Displacement of an obstacle in the shown state, shape (2,)."""
     if obstacle.travel is None:
         return np.zeros(2)

@@ -16,27 +16,29 @@ from ..discrete.kinematics import Kinematics
 from ..jit import compiled_expression
 from ..mesh.reader import NamedMesh
 from ..model.shell import Shell
-from ..record import Record
 from .evaluate import last_state_kept
 from .plastic import largest_strain, mean_share, of_cells, plastic_parts
+from .shown import Shown
 from .tables import names_of
 
 
-def paraview(record: Record, folder: Folder) -> None:
+def paraview(record: Shown, folder: Folder) -> None:
     """Write path.pvd: displacement and, but for bars, rotation of all states, with the step as time.
 
     Both have three components: a planar rotation is an angle about z, a spatial one the rotation
     vector (radians, below a full turn), averaged where cells disagree. Each cell has the load, and the means of the
     resultants at its points (`tables.names_of`); those of shells act along "axis 1" and what is 90 degrees further.
     Plastic parts add the largest equivalent plastic strain of each cell, and the share of its volume that has flowed. A
-    scene of several meshes gets path.pvd, path1.pvd and so on.
+    scene of several meshes gets path.pvd, path1.pvd and so on. A path of a single state is left out.
     """
+    if len(record.states) == 1:
+        return
     with last_state_kept(record):
         for i, mesh in enumerate(record.case.scene.meshes):
             _write(record, mesh, Folder(folder) / "paraview" / f"path{i or ''}.pvd")
 
 
-def _write(record: Record, mesh: NamedMesh, file: Folder) -> None:
+def _write(record: Shown, mesh: NamedMesh, file: Folder) -> None:
     kinematics = record.path.discretisation.kinematics(mesh)
     degree = min(kinematics.u.function_space.element.basix_element.degree, 2)
     space = fem.functionspace(mesh.domain, ("P", degree, (3,)))
@@ -71,7 +73,7 @@ class _Resultants:
     functions : by their names
     """
 
-    def __init__(self, record: Record, mesh: NamedMesh):
+    def __init__(self, record: Shown, mesh: NamedMesh):
         self._record, self._parts = record, [p for p in record.case.scene.parts if p.mesh is mesh]
         self._space = fem.functionspace(mesh.domain, ("DG", 0))
         self._vectors = fem.functionspace(mesh.domain, ("DG", 0, (3,)))
@@ -97,7 +99,7 @@ class _Resultants:
         return self.functions[name]
 
 
-def _plastic_fields(record: Record, mesh: NamedMesh) -> dict[fem.Function, Callable]:
+def _plastic_fields(record: Shown, mesh: NamedMesh) -> dict[fem.Function, Callable]:
     """Functions with one value for each cell, and what they take from plastic parts; none where there are no such."""
     if not plastic_parts(record, mesh):
         return {}

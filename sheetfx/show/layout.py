@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from itertools import combinations, product
-from pathlib import Path
 
 import numpy as np
 
@@ -89,14 +88,12 @@ class Sheet:
         if len(places):
             self._spheres.append((colour, label, np.pad(places, [(0, 0), (0, 3 - places.shape[1])])))
 
-    def save(self, file: Path) -> None:
-        """Draw and write a PNG."""
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
+    def draw(self):
+        """The figure."""
+        from .figure import Picture
 
         width, height = self.size
-        figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI)
-        FigureCanvasAgg(figure)
+        figure = Picture(figsize=(width / DPI, height / DPI), dpi=DPI)
         left, bottom = (0, self._legend_height) if self.spatial else (LEFT, self._legend_height + BOTTOM)
         axes = figure.add_axes((left / width, bottom / height, *(self._window / self.size)))
         if self.spatial:
@@ -111,7 +108,7 @@ class Sheet:
             axes.plot(*self._place(places).T, "o", color=colour, markeredgecolor="#00000066", zorder=3,
                       markersize=DOT / DPI / POINT)
         self.add_legend(figure)
-        figure.savefig(file, dpi=DPI)
+        return figure
 
     def add_legend(self, figure) -> None:
         """Add the legend in letters that let it fit into the width."""

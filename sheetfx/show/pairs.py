@@ -9,14 +9,14 @@ import numpy as np
 
 from ..discrete.contact import OPEN, SLIP, STICK
 from ..discrete.pair_work import PairState, pairs_of
-from ..record import Record
 from .evaluate import last_state_kept, most_telling, unit_of, with_unit
+from .shown import Shown
 
 COLOURS = {OPEN: "#c9c9c9", STICK: "#0b4f8a", SLIP: "#c4432b"}
 MOST = 3  # states drawn in plan
 
 
-def pair_states(record: Record) -> list[list[PairState]]:
+def pair_states(record: Shown) -> list[list[PairState]]:
     """For each state of a path the state of the pairs of each contact, on this process."""
     works = pairs_of(record.path.discretisation.system.contributions)
     found = []
@@ -27,7 +27,7 @@ def pair_states(record: Record) -> list[list[PairState]]:
     return found
 
 
-def pair_history(record: Record, folder: Folder) -> None:
+def pair_history(record: Shown, folder: Folder) -> None:
     """Write pairs.npz, pairs.png and paraview/pairs.pvd; nothing where no deformable parts touch.
 
     The arrays of contact number i are called "i gap", "i pressure", "i slip", "i traction", "i status", "i position",
@@ -46,15 +46,13 @@ def pair_history(record: Record, folder: Folder) -> None:
     write_pairs(history, folder / "paraview")
 
 
-def draw_pairs(record: Record, history: Sequence[Sequence[PairState]]):
+def draw_pairs(record: Shown, history: Sequence[Sequence[PairState]]):
     """A matplotlib figure: numbers of pairs by status, largest opening and slip, and places at critical points."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+    from .figure import Picture
 
     steps = [next(i for i, s in enumerate(record.states) if s.step == p.step)
              for p in most_telling(record.critical_points, MOST)] or [len(record.states) - 1]
-    figure = Figure(figsize=(11.0, 7.5), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = Picture(figsize=(11.0, 7.5), layout="constrained")
     above, below = figure.subfigures(2, 1)
     numbers, sizes = above.subplots(1, 2)
     deflection = [s.deflection for s in record.states]

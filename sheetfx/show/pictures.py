@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path as Folder
 
 import numpy as np
@@ -10,12 +12,9 @@ import numpy as np
 from ..continuation.state import CriticalPoint, State
 from ..discrete.contact import SLIP, STICK, ContactState
 from ..model.obstacles import RigidCylinder, RigidPlane
-from ..record import Record
-from .display import save_picture
 from .evaluate import (
     ContactPoints,
     Curves,
-    communicator,
     last_state_kept,
     most_telling,
     stays,
@@ -25,8 +24,11 @@ from .evaluate import (
     with_unit,
 )
 from .layout import Sheet
+from .measure import OF_SIZE, Measure
+from .saving import save_picture
+from .shown import Shown
 from .surfaces import has_surfaces
-from .views import draw_states, view
+from .views import View, draw_states, view
 
 SIZE, MOST_VIEWS = (1600, 900), 6
 CLOSE = 0.005  # of the largest deflection and load, states that are drawn once
@@ -55,21 +57,28 @@ class Shape:
     contacts: list[ContactState]
 
 
-def shapes(record: Record, folder: Folder, name: str = "shape.png") -> None:
+def shapes(record: Shown, folder: Folder, name: str = "shape.png") -> None:
     """Draw the structure undeformed, at critical points and at the last state (process 0 writes the file).
 
     Surfaces are drawn side by side, one view to each state, and so are curves in space that have several; other curves
     all in one view. A critical point is drawn in its own state; if that does not converge again at the end of its step,
     and the legend tells where. Points that are close to each other are drawn once. Views side by side are left out with
-    a warning where there is no X server and Xvfb is missing.
+    a warning where there is no X server and Xvfb is missing. A path of a single state has no shapes to draw.
     """
+    if len(record.states) > 1:
+        save_picture(record, picture_of_shapes(record), Folder(folder) / name)
+
+
+def picture_of_shapes(record: Shown, measure: Measure = OF_SIZE) -> Callable:
+    """A function that draws the picture of `shapes`, for process 0; views side by side are coloured by a measure."""
     spatial = record.case.scene.parts[0].mesh.dimension == 3
     if has_surfaces(record) or (spatial and len(states_to_draw(record)) > 1):
-        _draw_side_by_side(record, Folder(folder) / name)
-        return
-    undeformed, drawn = _collect(record)
-    if communicator(record).rank > 0:
-        return
+        return partial(draw_states, record, _side_by_side(record, measure), measure)
+    return partial(_draw_lines, record, spatial, *_collect(record))
+
+
+def _draw_lines(record: Shown, spatial: bool, undeformed: np.ndarray, drawn: list[Shape]):
+    """The figure of curves in one view."""
     friction = any(c.friction for c in record.case.scene.contacts)
     sheet = Sheet(SIZE, spatial, unit_of(record.case.axes[0]), record.case.scene.symmetry_factor,
                   entries=3 if record.case.scene.contacts else int(spatial))
@@ -84,21 +93,21 @@ def shapes(record: Record, folder: Folder, name: str = "shape.png") -> None:
             for status, (colour, meaning) in STATUS.items():
                 chosen = contact.position[contact.status == status]
                 sheet.spheres(*((colour, meaning) if friction else TOUCHING), chosen)
-    sheet.save(Folder(folder) / name)
+    return sheet.draw()
 
 
-def _draw_side_by_side(record: Record, file: Folder) -> None:
+def _side_by_side(record: Shown, measure: Measure) -> list[View | None]:
+    """A view of each state to draw."""
     views = []
     with last_state_kept(record):
         for state, label, _, _ in states_to_draw(record, MOST_VIEWS - 1):
             record.show(state)
             lines = label.split("; ")
-            views.append(view(record, "\n".join(lines if len(lines) > 1 else label.split(": ", 1))))
-    if communicator(record).rank == 0:
-        save_picture(lambda place: draw_states(record, views, place), file)
+            views.append(view(record, "\n".join(lines if len(lines) > 1 else label.split(": ", 1)), measure))
+    return views
 
 
-def _collect(record: Record) -> tuple[np.ndarray | None, list[Shape]]:
+def _collect(record: Shown) -> tuple[np.ndarray | None, list[Shape]]:
     """The undeformed structure and all shapes, on process 0."""
     curves, points = Curves(record), ContactPoints(record)
     obstacles = list(dict.fromkeys(c.obstacle for c in record.case.scene.contacts))
@@ -114,7 +123,7 @@ def _collect(record: Record) -> tuple[np.ndarray | None, list[Shape]]:
     return undeformed, drawn
 
 
-def states_to_draw(record: Record, most: int = len(COLOURS)) -> list[tuple[State, str, str, bool]]:
+def states_to_draw(record: Shown, most: int = len(COLOURS)) -> list[tuple[State, str, str, bool]]:
     """States to draw: label, colour and whether each belongs to a critical point."""
     length, force = (unit_of(a) for a in record.case.axes)
     still = stays(record.states)
@@ -153,7 +162,7 @@ def _close(one: State, other: State, reach: float, highest: float) -> bool:
             and abs(one.load - other.load) <= CLOSE * highest)
 
 
-def state_of(record: Record, point: CriticalPoint) -> State:
+def state_of(record: Shown, point: CriticalPoint) -> State:
     """The state of a critical point, or where it does not converge again that at the end of its step."""
     try:
         return record.state_at(point)

@@ -10,17 +10,18 @@ import numpy as np
 from ..discrete.plastic import PlasticState, is_plastic
 from ..mesh.quadrature import gauss
 from ..mesh.reader import NamedMesh
-from ..record import Record
-from .display import save_picture
 from .evaluate import POINTS_PER_CELL, Curves, communicator, last_state_kept, unit_of
+from .measure import SIZES
 from .pictures import MOST_VIEWS, states_to_draw
+from .saving import save_picture
+from .shown import Shown
 from .surfaces import has_surfaces, surfaces
-from .views import COLOUR_MAP, OUTLINE, View, draw_states
+from .views import OUTLINE, View, draw_views, manner_of_states
 
 MEANING = "share of the thickness or section that has flowed"
 
 
-def plastic_zones(record: Record, folder: Folder, name: str = "plastic.png") -> None:
+def plastic_zones(record: Shown, folder: Folder, name: str = "plastic.png") -> None:
     """Draw where critical points and the last state have flowed, by the share of the thickness (process 0 writes).
 
     Structures with surfaces are drawn in space, those of curves alone in the plane of x and y, or in space.
@@ -39,39 +40,39 @@ def plastic_zones(record: Record, folder: Folder, name: str = "plastic.png") -> 
     if communicator(record).rank > 0:
         return
     if shells:
-        save_picture(lambda file: draw_states(record, [v for v, _ in found], file, MEANING), Folder(folder) / name)
+        save_picture(record, lambda: draw_views([v for v, _ in found], manner_of_states(record, MEANING)),
+                     Folder(folder) / name)
     else:
         draw_plastic_curves(record, found).savefig(Folder(folder) / name, dpi=100)
 
 
-def draw_plastic_curves(record: Record, found: list) -> object:
+def draw_plastic_curves(record: Shown, found: list) -> object:
     """The matplotlib figure of `plastic_zones` for structures of curves.
 
     Parameters
     ----------
     found : for each state its `View` and the undeformed and current places of all curves
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.collections import LineCollection
-    from matplotlib.figure import Figure
+
+    from .figure import Picture
 
     spatial = record.case.scene.parts[0].mesh.dimension == 3
     columns = min(len(found), 2)
     rows = -(-len(found) // columns)
-    figure = Figure(figsize=(8.0 * columns, (5.0 if spatial else 3.4) * rows), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = Picture(figsize=(8.0 * columns, (5.0 if spatial else 3.4) * rows), layout="constrained")
     options = {"projection": "3d"} if spatial else {}
     grid = figure.subplots(rows, columns, squeeze=False, subplot_kw=options)
     for axes, (shown, (undeformed, current)) in zip(grid.flat, found, strict=False):
         between = (shown.beam_values[:, 1:] + shown.beam_values[:, :-1]) / 2
         if spatial:
             from mpl_toolkits.mplot3d.art3d import Line3DCollection
-            drawn = Line3DCollection(_segments(current), cmap=COLOUR_MAP, linewidths=3)
+            drawn = Line3DCollection(_segments(current), cmap=SIZES, linewidths=3)
             axes.add_collection(drawn)
             axes.auto_scale_xyz(*current.reshape(-1, 3).T)
         else:
             axes.add_collection(LineCollection(_segments(undeformed[..., :2]), colors=OUTLINE, linewidths=1))
-            drawn = LineCollection(_segments(current[..., :2]), cmap=COLOUR_MAP, linewidths=5)
+            drawn = LineCollection(_segments(current[..., :2]), cmap=SIZES, linewidths=5)
             axes.add_collection(drawn)
             axes.autoscale()
             axes.spines[["top", "right"]].set_visible(False)
@@ -91,11 +92,11 @@ def _segments(cells: np.ndarray) -> np.ndarray:
     return np.stack((cells[:, :-1], cells[:, 1:]), axis=2).reshape(-1, 2, cells.shape[2])
 
 
-def plastic_parts(record: Record, mesh: NamedMesh) -> list:
+def plastic_parts(record: Shown, mesh: NamedMesh) -> list:
     return [part for part in record.case.scene.parts if part.mesh is mesh and is_plastic(part)]
 
 
-def of_cells(record: Record, mesh: NamedMesh, take: Callable[[PlasticState], np.ndarray]) -> np.ndarray:
+def of_cells(record: Shown, mesh: NamedMesh, take: Callable[[PlasticState], np.ndarray]) -> np.ndarray:
     """One value for each cell of a mesh on this process, where parts are plastic; 0 elsewhere."""
     values = np.zeros(len(mesh.group(None)))
     for part in plastic_parts(record, mesh):
@@ -113,7 +114,7 @@ def largest_strain(state: PlasticState) -> np.ndarray:
     return state.strain.max(axis=1)
 
 
-def on_cells(record: Record, mesh: NamedMesh, points: np.ndarray) -> np.ndarray:
+def on_cells(record: Shown, mesh: NamedMesh, points: np.ndarray) -> np.ndarray:
     """Share that has flowed at reference points of all cells of a mesh, (cells, points).
 
     It is the bilinear function closest to that at the points of quadrature, between 0 and 1.
@@ -131,7 +132,7 @@ def _linear(points: np.ndarray) -> np.ndarray:
     return np.column_stack((np.ones_like(s), s, t, s * t))
 
 
-def _along_curves(record: Record) -> np.ndarray | None:
+def _along_curves(record: Shown) -> np.ndarray | None:
     """Share that has flowed at the points of `Curves`, (cells, points), on process 0."""
     places, tables = np.linspace(0, 1, POINTS_PER_CELL), [np.zeros((0, POINTS_PER_CELL))]
     for mesh in (m for m in record.case.scene.meshes if m.domain.topology.dim == 1):

@@ -11,9 +11,9 @@ from rich.live import Live
 from rich.table import Table
 from rich.text import Text
 
-from ..case import Case
 from ..continuation.state import State
 from .evaluate import told
+from .shown import ShownCase
 
 
 class Progress:
@@ -39,7 +39,7 @@ class Progress:
         if self.console.is_terminal:
             self._live.stop()
 
-    def begin(self, case: Case) -> None:
+    def begin(self, case: ShownCase) -> None:
         self._until = case.until
         self._stages = [stage.name for stage in case.scene.all_stages]
         self._deflection, self._load = (told(axis, plain) for axis, plain in zip(

@@ -6,16 +6,17 @@ import warnings
 from collections.abc import Sequence
 from pathlib import Path as Folder
 
-from ..record import Record
 from ..stability.descent import SnapFailure
 from ..stability.snap import Snap, snaps
 from .curves import draw_path
 from .evaluate import communicator
+from .saving import save_picture
+from .shown import Shown
 
 JUMP = "#2a7f3b"
 
 
-def falls_curve(record: Record, folder: Folder, name: str = "falls.png") -> None:
+def falls_curve(record: Shown, folder: Folder, name: str = "falls.png") -> None:
     """Draw where the structure falls while the load is held, and save each fall in a folder of its own.
 
     The picture is left out with a warning where a fall finds no stable state.
@@ -29,11 +30,10 @@ def falls_curve(record: Record, folder: Folder, name: str = "falls.png") -> None
     for number, fall in enumerate(falls, start=1):
         fall.save(Folder(folder) / f"fall{number}", comm)
     figure = draw_snaps(record, falls)
-    if comm.rank == 0:
-        figure.savefig(Folder(folder) / name, dpi=150)
+    save_picture(record, lambda: figure, Folder(folder) / name)
 
 
-def draw_snaps(record: Record, falls: Sequence[Snap]):
+def draw_snaps(record: Shown, falls: Sequence[Snap]):
     """Matplotlib figure of a path with the falls that leave it, each with the energy that it releases."""
     figure = draw_path(record, [(fall.before, fall.after) for fall in falls])
     axes = figure.axes[0]

@@ -11,8 +11,8 @@ import ufl
 from ..jit import compiled_expression
 from ..mesh.reader import NamedMesh
 from ..model.shell import TRIANGLE
-from ..record import Record
 from .evaluate import communicator
+from .shown import Shown
 
 PIECES = 4
 
@@ -57,7 +57,7 @@ class Surface:
         return pyvista.PolyData(places, lines=lines)
 
 
-def surfaces(record: Record, displacements: Mapping[NamedMesh, object] | None = None,
+def surfaces(record: Shown, displacements: Mapping[NamedMesh, object] | None = None,
              values: Callable[[NamedMesh, np.ndarray], np.ndarray] | None = None) -> list[Surface] | None:
     """The surfaces of all meshes with the current fields, on process 0; None elsewhere.
 
@@ -83,11 +83,11 @@ def surfaces(record: Record, displacements: Mapping[NamedMesh, object] | None = 
     return found if comm.rank == 0 else None
 
 
-def has_surfaces(record: Record) -> bool:
+def has_surfaces(record: Shown) -> bool:
     return bool(_surface_models(record))
 
 
-def _surface_models(record: Record) -> list[NamedMesh]:
+def _surface_models(record: Shown) -> list[NamedMesh]:
     return [m for m in record.case.scene.meshes if m.domain.topology.dim == 2]
 
 

@@ -12,15 +12,15 @@ from ..continuation.state import State
 from ..mesh.reader import COMPONENTS
 from ..model.beam import Bar
 from ..model.shell import Shell
-from ..record import Record
 from .evaluate import communicator, last_state_kept
+from .shown import Shown
 
 NAMES = {1: ["N"], 3: ["N", "V", "M"], 6: ["N", "V1", "V2", "T", "M1", "M2"],
          9: ["n11", "n22", "n12", "m11", "m22", "m12", "q1", "q2", "drilling"]}
 ALONG = ("step", "stage", "factor", "load")
 
 
-def tables(record: Record, folder: Folder) -> None:
+def tables(record: Shown, folder: Folder) -> None:
     """Write reactions.csv, energies.csv and forces.csv, for further parts forces1.csv and so on (process 0).
 
     Reactions are forces and moments on the modelled structure, for each support and prescribed motion; moments are
@@ -45,7 +45,7 @@ def _along(state: State) -> list:
     return [getattr(state, name) for name in ALONG]
 
 
-def _reactions(record: Record) -> tuple[list[str], list]:
+def _reactions(record: Shown) -> tuple[list[str], list]:
     dimension, rows = record.case.scene.meshes[0].dimension, []
     turns = COMPONENTS[dimension][dimension:]
     for state in record.states:
@@ -55,7 +55,7 @@ def _reactions(record: Record) -> tuple[list[str], list]:
     return [*ALONG, "by", "at", *(f"f{c}" for c in "xyz"[:dimension]), *(f"m{c[1:]}" for c in turns)], rows
 
 
-def _energies(record: Record) -> tuple[list[str], list]:
+def _energies(record: Shown) -> tuple[list[str], list]:
     balance = record.balance()
     names = [f"{type(part).__name__} {part.group or i}" for i, part in enumerate(record.case.scene.parts)]
     rows = [[*_along(state), *parts, joints, work, accuracy] for state, parts, joints, work, accuracy in zip(
@@ -63,7 +63,7 @@ def _energies(record: Record) -> tuple[list[str], list]:
     return [*ALONG, *names, "joints and contacts", "work of loads", "accuracy of work"], rows
 
 
-def _forces(record: Record, part) -> tuple[list[str], list]:
+def _forces(record: Shown, part) -> tuple[list[str], list]:
     comm, domain, rows = communicator(record), part.mesh.domain, []
     cells = domain.topology.index_map(domain.topology.dim).local_to_global(part.mesh.group(part.group)).tolist()
     for state in record.states:
@@ -75,7 +75,7 @@ def _forces(record: Record, part) -> tuple[list[str], list]:
     return [*ALONG, "cell", "point", *"xyz"[:part.mesh.dimension], *names_of(part, values.shape[2])], rows
 
 
-def _write(record: Record, file: Folder, names: Sequence[str], rows: Iterable[Sequence]) -> None:
+def _write(record: Shown, file: Folder, names: Sequence[str], rows: Iterable[Sequence]) -> None:
     if communicator(record).rank == 0:
         with file.open("w", newline="") as stream:
             writer = csv.writer(stream)

@@ -5,18 +5,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from pathlib import Path as Folder
 
 import numpy as np
 
-from ..record import Record
+from .display import display
 from .evaluate import Curves, unit_of
 from .layout import EXAGGERATIONS
+from .measure import SIZES, Measure
+from .shown import Shown
 from .surfaces import Surface, surfaces
 
 SIZE, DPI, OVERSAMPLING = (1600, 900), 100, 2
 BAR, BOTTOM, TITLE = 170, 40, 56
-COLOUR_MAP, LINE, OUTLINE, BEAM = "viridis", "#1a1a1a", "#8c8c8c", "#c4432b"
+LINE, OUTLINE, BEAM = "#1a1a1a", "#8c8c8c", "#c4432b"
 MOST_CELLS_WITH_EDGES, FOLD = 2000, 30.0
 SIDES = [np.array([x, y, 1.0]) for x, y in product((1.0, -1.0), (-1.6, 1.6))]
 PREFERENCE, SHALLOW, RISE = 1.1, 0.12, 0.3
@@ -79,60 +80,88 @@ class Manner:
 
     meaning: str
     remarks: Sequence[str] = ()
-    colour_map: str = COLOUR_MAP
+    colour_map: str = SIZES
     limits: tuple[float, float] | None = None
     exaggerated: bool = True
     size: tuple[int, int] = SIZE
 
 
-def view(record: Record, title: str) -> View | None:
-    """What is shown of the current fields, on process 0; None elsewhere."""
+def view(record: Shown, title: str, measure: Measure) -> View | None:
+    """What is shown of the current fields, all parts coloured by one measure, on process 0; None elsewhere."""
     beams = any(part.mesh.domain.topology.dim == 1 for part in record.case.scene.parts)
     found, curves = surfaces(record), Curves(record).evaluate() if beams else None
     if found is None:
         return None
-    if curves is None or found:
-        return View(title, found, None if curves is None else curves[1])
-    before, now = curves
-    return View(title, found, now, np.linalg.norm(now - before, axis=2), before)
+    return coloured(View(title, found, None if curves is None else curves[1], None,
+                         None if curves is None or found else curves[0]), measure,
+                    None if curves is None else curves[1] - curves[0])
 
 
-def draw_states(record: Record, views: list[View], file: Folder, meaning: str = "") -> None:
-    """Draw states, coloured by the size of displacement or what `meaning` says; needs an X server."""
-    unit, factor = unit_of(record.case.axes[0]), record.case.scene.symmetry_factor
+def coloured(shown: View, measure: Measure, of_beams: np.ndarray | None) -> View:
+    """A view whose surfaces and curves are coloured by one measure of their displacements.
+
+    Parameters
+    ----------
+    of_beams : displacements of curves, (cells, points, 3); None: there are none
+    """
+    return replace(shown, surfaces=[replace(s, values=measure(s.current - s.undeformed)) for s in shown.surfaces],
+                   beam_values=None if of_beams is None else measure(of_beams))
+
+
+def draw_states(record: Shown, views: list[View], measure: Measure):
+    """The figure of states, coloured by a measure of their displacements."""
+    limits = measure.limits([c for v in views for c in v.colours])
+    return draw_views(views, manner_of_states(record, measure.said(unit_of(record.case.axes[0])), measure.colour_map,
+                                              limits))
+
+
+def manner_of_states(record: Shown, meaning: str, *colours) -> Manner:
+    """How states are drawn, with colours (`colour_map` and `limits` of Manner) that mean something."""
+    factor = record.case.scene.symmetry_factor
     parts = [f"one of {factor} equal parts"] if factor > 1 else []
-    draw_views(views, file, Manner(meaning or (f"displacement ({unit})" if unit else "displacement"),
-                                   [*parts, "grey: before deformation"]))
+    return Manner(meaning, [*parts, "grey: before deformation"], *colours)
 
 
-def draw_views(views: list[View], file: Folder, manner: Manner) -> None:
-    """Draw views side by side; needs an X server."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.cm import ScalarMappable
+def draw_views(views: list[View], manner: Manner):
+    """The figure of views side by side.
+
+    Raises
+    ------
+    NoDisplay
+        Where there is no X server and none can be started.
+    """
     from matplotlib.colors import Normalize
-    from matplotlib.figure import Figure
+
+    from .figure import Picture
 
     camera, size = Camera(views, manner.exaggerated), np.array(manner.size)
     columns, rows = camera.fit(len(views), manner.size)
     norm = Normalize(*(manner.limits or (0, max(c.max() for v in views for c in v.colours) or 1.0)))
-    figure = Figure(figsize=size / DPI, dpi=DPI)
-    FigureCanvasAgg(figure)
+    figure = Picture(figsize=size / DPI, dpi=DPI)
     cell = np.array([size[0] - BAR, size[1] - BOTTOM]) // (columns, rows)
-    for i, shown in enumerate(views):
+    with display():
+        images = [render(shown, camera, norm, manner.colour_map) for shown in views]
+    for i, (shown, image) in enumerate(zip(views, images, strict=True)):
         corner = i % columns * cell[0], size[1] - (i // columns + 1) * cell[1]
         axes = figure.add_axes((*(corner / size), *(camera.pixels / size)))
-        axes.imshow(_render(shown, camera, norm, manner.colour_map), interpolation="antialiased", aspect="auto")
+        axes.imshow(image, interpolation="antialiased", aspect="auto")
         axes.set_axis_off()
         axes.set_title(shown.title, fontsize=14 if columns < 3 else 11)
     fit_titles(figure, cell[0])
     if any(v.colours for v in views):
-        bar_axes = figure.add_axes((1 - 0.7 * BAR / size[0], 0.2, 0.015, 0.6))
-        bar = figure.colorbar(ScalarMappable(norm, manner.colour_map), cax=bar_axes)
-        bar.set_label(manner.meaning, fontsize=13)
-        bar.ax.tick_params(labelsize=11)
+        colour_bar(figure, (1 - 0.7 * BAR / size[0], 0.2, 0.015, 0.6), norm, manner.colour_map, manner.meaning)
     notes = [*manner.remarks, *([f"heights (z) x {camera.exaggeration}"] if camera.exaggeration > 1 else [])]
     figure.text(0.99, 0.015, "; ".join(notes), ha="right", fontsize=11, color="#555555")
-    figure.savefig(file, dpi=DPI)
+    return figure
+
+
+def colour_bar(figure, place: Sequence[float], norm, colour_map: str, meaning: str) -> None:
+    """Add a bar of colours at a place of a figure (left, bottom, width, height), with what they mean."""
+    from matplotlib.cm import ScalarMappable
+
+    bar = figure.colorbar(ScalarMappable(norm, colour_map), cax=figure.add_axes(place))
+    bar.set_label(meaning, fontsize=13)
+    bar.ax.tick_params(labelsize=11)
 
 
 def fit_titles(figure, width: float) -> None:
@@ -209,8 +238,8 @@ class Camera:
         return self.place(places) + np.linalg.norm(self._high - self._low) / 500 * self.frame[2]
 
 
-def _render(shown: View, camera: Camera, norm, colour_map: str) -> np.ndarray:
-    """A view without its title, pixels (rows, columns, 3)."""
+def render(shown: View, camera: Camera, norm, colour_map: str) -> np.ndarray:
+    """A view without its title, pixels (rows, columns, 3); needs an X server."""
     import pyvista
 
     plotter = pyvista.Plotter(off_screen=True, window_size=[int(OVERSAMPLING * p) for p in camera.pixels],

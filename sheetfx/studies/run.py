@@ -30,6 +30,7 @@ OUTPUT = option("output", str | None, None, "Folder of the results; default resu
 RESUME = option("resume", bool, False, "Go on with an interrupted run in that folder.", "--resume")
 BALANCE = option("balance", float | None, None, "Accuracy of the energy balance, such as 1e-6; finds more states "
                  "within steps, in about the time of the path.", "--balance", rules=[POSITIVE])
+ANIMATE = option("animate", bool, False, "Draw animation.gif, the motion along the path.", "--animate")
 TABLES = option("tables", bool, False, "Write reactions, energies and section forces of all states as CSV.", "--tables")
 
 
@@ -44,10 +45,11 @@ class Scenes(TyperGroup):
     @staticmethod
     def runner(name: str, function):
         """A command with the options of a scene's function and those of every run."""
-        def command(output: str | None, resume: bool, tables: bool, balance: float | None, **parameters):
-            run_scene(name, function, parameters, output, resume, tables, balance)
+        def command(output: str | None, resume: bool, tables: bool, balance: float | None, animate: bool,
+                    **parameters):
+            run_scene(name, function, parameters, output, resume, tables, balance, animate)
 
-        return with_options(command, function, [OUTPUT, RESUME, TABLES, BALANCE])
+        return with_options(command, function, [OUTPUT, RESUME, TABLES, BALANCE, ANIMATE])
 
     def list_commands(self, context):
         return scene_names()
@@ -101,17 +103,18 @@ def folder_of(name: str, output: str | None, ending: str = "") -> Path:
 
 
 def run_scene(name: str, function, parameters: dict, output: str | None, resume: bool, with_tables: bool,
-              balance: float | None) -> None:
+              balance: float | None, animate: bool = False) -> None:
     """Run one scene with progress on the terminal."""
     from ..archive import Interrupted, Stopped
     from ..case import run
+    from ..show.animating import animation
     from ..show.progress import Progress
     from ..show.tables import tables
 
     folder = folder_of(name, output)
     with Progress(Path(name).stem, folder) as progress:
         case = function(**parameters)
-        pictures = [*case.pictures, *([tables] if with_tables else [])]
+        pictures = [*case.pictures, *([tables] if with_tables else []), *([animation] if animate else [])]
         case = replace(case, pictures=pictures, balance=balance or case.balance)
         progress.begin(case)
         try:
