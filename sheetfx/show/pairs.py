@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path as Folder
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from ..discrete.contact import OPEN, SLIP, STICK
 from ..discrete.pair_work import PairState, pairs_of
 from .evaluate import last_state_kept, most_telling, unit_of, with_unit
+from .saving import save_picture
 from .shown import Shown
 
 COLOURS = {OPEN: "#c9c9c9", STICK: "#0b4f8a", SLIP: "#c4432b"}
@@ -42,7 +43,8 @@ def pair_history(record: Shown, folder: Folder) -> None:
         for name in ("gap", "pressure", "slip", "traction", "status", "position"):
             arrays[f"{number} {name}"] = np.array([getattr(s, name) for s in along])
     np.savez_compressed(folder / "pairs.npz", **arrays)
-    draw_pairs(record, history).savefig(folder / "pairs.png", dpi=150)
+    figure = draw_pairs(record, history)
+    save_picture(record, lambda: figure, folder / "pairs.png")
     write_pairs(history, folder / "paraview")
 
 
@@ -52,38 +54,40 @@ def draw_pairs(record: Shown, history: Sequence[Sequence[PairState]]):
 
     steps = [next(i for i, s in enumerate(record.states) if s.step == p.step)
              for p in most_telling(record.critical_points, MOST)] or [len(record.states) - 1]
-    figure = Picture(figsize=(11.0, 7.5), layout="constrained")
+    figure = Picture(figsize=(11.0, 7.5), dpi=150, layout="constrained")
     above, below = figure.subfigures(2, 1)
-    numbers, sizes = above.subplots(1, 2)
-    deflection = [s.deflection for s in record.states]
-    for status in (STICK, SLIP):
-        counts = [sum(int((s.status == status).sum()) for s in states) for states in history]
-        if any(counts):
-            numbers.plot(deflection, counts, ".-", color=COLOURS[status], label={STICK: "stick", SLIP: "slip"}[status])
+    length, deflection = unit_of(record.case.axes[0]), [s.deflection for s in record.states]
     pairs = sum(len(s.gap) for s in history[0])
-    numbers.set(xlabel=record.case.axes[0], ylabel=f"pairs that touch, of {pairs}")
-    if numbers.lines:
-        numbers.legend(frameon=False)
-    length = unit_of(record.case.axes[0])
-    for label, size in (("largest opening", lambda s: s.gap),
-                        ("largest slip", lambda s: np.linalg.norm(s.slip, axis=1))):
-        largest = [max(float(size(s).max(initial=0.0)) for s in states) for states in history]
-        if any(largest):  # without friction slips are not known
-            sizes.plot(deflection, largest, ".-", label=label)
-    sizes.set(xlabel=record.case.axes[0], ylabel=f"length ({length})" if length else "length")
-    if sizes.lines:
-        sizes.legend(frameon=False)
+    panels = {f"pairs that touch, of {pairs}": _along(history, sum, {
+        "stick": lambda s: (s.status == STICK).sum(), "slip": lambda s: (s.status == SLIP).sum()}),
+        f"length ({length})" if length else "length": _along(history, max, {
+            "largest opening": lambda s: s.gap.max(initial=0.0),
+            "largest slip": lambda s: np.linalg.norm(s.slip, axis=1).max(initial=0.0)})}  # known with friction alone
+    panels = {name: lines for name, lines in panels.items() if lines}
+    places = above.subplots(1, len(panels), squeeze=False)[0] if panels else ()
+    for axes, (name, lines) in zip(places, panels.items(), strict=True):
+        for label, values in lines.items():
+            axes.plot(deflection, values, ".-", color=COLOURS.get(label), label=label)
+        axes.set(xlabel=record.case.axes[0], ylabel=name)
+        axes.legend(frameon=False)
     for place, step in zip(below.subplots(1, len(steps), squeeze=False)[0], steps, strict=True):
         _plan(place, history[step])
         place.set_title(f"at {with_unit(record.states[step].deflection, length)}", fontsize=10)
     return figure
 
 
+def _along(history: Sequence[Sequence[PairState]], join: Callable, of_contact: dict[str, Callable]) -> dict[str, list]:
+    """Numbers of all contacts joined to one for each state, by name, but those that are zero all along."""
+    found = {name: [float(join(value(s) for s in states)) for states in history] for name, value in of_contact.items()}
+    return {name: values for name, values in found.items() if any(values)}
+
+
 def _plan(axes, states: Sequence[PairState]) -> None:
     """Pairs by status as seen along the last axis of space."""
     for status in (OPEN, SLIP, STICK):
         places = np.concatenate([s.position[s.status == status, :2] for s in states])
-        axes.plot(*places.T, ".", color=COLOURS[status], markersize=2 if status == OPEN else 5, label=status)
+        if len(places):
+            axes.plot(*places.T, ".", color=COLOURS[status], markersize=2 if status == OPEN else 5, label=status)
     axes.set_aspect("equal")
     axes.set_axis_off()
     axes.legend(frameon=False, fontsize=8, loc="upper right")

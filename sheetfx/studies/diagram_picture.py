@@ -9,6 +9,7 @@ import numpy as np
 
 from ..continuation.state import CriticalPoint
 from ..show.curves import draw_points, draw_stretches
+from ..show.evaluate import told, unit_of, with_unit
 from ..show.labels import place_labels
 from .diagram import Traced, everything
 
@@ -22,12 +23,12 @@ def draw_diagram(primary: Traced, axes_names: tuple[str, str]):
 
     Branches that are the reverse of others are left out, as are those that are equivalent by symmetry.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
+
+    from ..show.figure import Picture
 
     branches = [b for b in everything(primary) if not b.reverse_of and b.result["states"]]
-    figure = Figure(figsize=(11.0, 5.2), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = Picture(figsize=(13.0, 5.2), layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True)
     for axes, quantity, name in ((left, "deflection", axes_names[0]),
                                  (right, "norm", "root mean square of nodal displacements")):
@@ -44,7 +45,25 @@ def draw_diagram(primary: Traced, axes_names: tuple[str, str]):
     names = sorted(handles)
     figure.legend([handles[n] for n in names], names, loc="outside lower center", ncols=len(names), frameon=False,
                   fontsize=9, handlelength=3.2)
+    if key := branch_key(branches, axes_names[1]):
+        figure.legend(len(key) * [Line2D([], [], linestyle="")], key, loc="outside right upper", frameon=False,
+                      fontsize=8, handlelength=0, handletextpad=0, title="branches begin at", alignment="left")
     return figure
+
+
+def branch_key(branches: Sequence[Traced], load: str) -> list[str]:
+    """For each point at which named branches begin: their names, the point's kind and its load."""
+    named: dict[tuple[str, float], list[str]] = {}
+    for branch in _named(branches):
+        named.setdefault((branch.origin["title"], branch.origin["load"]), []).append(branch.name)
+    return [f"{', '.join(names)}: {title},\n{told(load, 'load')} {with_unit(at, unit_of(load))}"
+            for (title, at), names in named.items()]
+
+
+def _named(branches: Sequence[Traced]) -> list[Traced]:
+    """Branches with names on the picture; where they are many, those of the first level."""
+    named = [branch for branch in branches if branch.origin]
+    return named if len(named) <= MOST_NAMES else [branch for branch in named if "." not in branch.name]
 
 
 def describe(branch: Traced) -> str:
@@ -103,8 +122,7 @@ def _knots(branch: Traced, quantity: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _names(branches: Sequence[Traced], curves: Sequence[np.ndarray]) -> list[tuple[float, float, str]]:
-    """Places and names of branches, each in the middle of its curve; where they are many, of the first level."""
-    named = [(branch.name, curve) for branch, curve in zip(branches, curves, strict=True) if branch.origin]
-    if len(named) > MOST_NAMES:
-        named = [(name, curve) for name, curve in named if "." not in name]
-    return [(*curve[len(curve) // 2], name) for name, curve in named]
+    """Places and names of branches, each in the middle of its curve."""
+    chosen = _named(branches)
+    return [(*curve[len(curve) // 2], branch.name) for branch, curve in zip(branches, curves, strict=True)
+            if branch in chosen]

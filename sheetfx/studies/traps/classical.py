@@ -123,11 +123,11 @@ CLASSICAL = (
          and_mirrored(bifurcation(0.24776384332, UNSTABLE, 1e-7), *limits(0.78448392444, tolerance=1e-7),
                        bifurcation(0.75461835122, STABLE, 1e-7)),
          "closed form: l^3 = L l^2 - L b^2 sideways and l^3 = b^2 L at limits, for half-span b and bars L"),
-    Trap("load-reversed",
-         "The apex is moved instead of loaded: the load is negative from the start, its extremes are no critical "
-         "points, and the reaction's multiplier adds a negative pivot.",
+    Trap("apex-moved",
+         "The apex is moved instead of loaded: extremes of the load are no critical points, and the reaction's "
+         "multiplier adds a negative pivot.",
          lambda: _under_motion(von_mises_truss.case(), "apex"),
-         and_mirrored(bifurcation(-0.24776384332, None, 1e-7), bifurcation(-0.75461835122, None, 1e-7)),
+         and_mirrored(bifurcation(0.24776384332, None, 1e-7), bifurcation(0.75461835122, None, 1e-7)),
          "closed form, as for von-mises-truss"),
     Trap("sinusoidal-arch-before",
          "The arch sways sideways before its limit, by a mode that symmetric loads do not show.",
