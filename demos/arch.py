@@ -123,7 +123,7 @@ for name, strains, to in (("Reissner", reissner, 36.0), ("shallow", shallow(1.0)
                           ("twice the square", shallow(2.0), 18.0)):
     record = traced(half_arch(strains), to)
     limits[name] = np.array([(p.load, p.deflection) for p in record.critical_points if p.kind == "limit"])
-    axes.plot([s.deflection for s in record.states], [s.load for s in record.states], label=name)
+    axes.plot(*fx.show.curve_points(record).T, label=name)
     if name == "linear":
         slopes = np.array([s.load / s.deflection for s in record.states[1:]])
 axes.set(xlabel="deflection of the crown (mm)", ylabel="load (N)")

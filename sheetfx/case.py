@@ -125,7 +125,8 @@ def run(case: Case, name: str, parameters: dict, folder: Folder, resume: bool,
                 with archive.drawing() as unfinished:
                     picture(record, unfinished)
         summary = {
-            "scene": name, "parameters": parameters, "stages": [stage.name for stage in case.scene.all_stages],
+            "scene": name, "parameters": parameters, "axes": case.axes,
+            "stages": [stage.name for stage in case.scene.all_stages],
             "status": status, "message": message,
             "unknowns": record.path.unknowns, "steps": record.states[-1].step,
             "iterations": sum(s.iterations for s in record.states),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import json
 from pathlib import Path
 from shutil import rmtree
 from tempfile import mkdtemp
@@ -10,7 +11,7 @@ from tempfile import mkdtemp
 import numpy as np
 
 from .display import answers, display
-from .evaluate import communicator
+from .evaluate import communicator, unit_of
 from .files import paraview
 from .measure import Along, Measure
 from .saving import File, on_process_0, require_ending
@@ -27,13 +28,13 @@ def view_record(record: Shown, along: Along = None, file: File | None = None):
     folder = Path(comm.bcast(mkdtemp() if comm.rank == 0 else None))
     try:
         paraview(record, folder)
-        return on_process_0(record, lambda: view_folder(folder, along, file))
+        return on_process_0(record, lambda: view_folder(folder, along, file, unit_of(record.case.axes[0])))
     finally:
         comm.barrier()
         rmtree(folder, ignore_errors=True)
 
 
-def view_folder(folder: File, along: Along = None, file: File | None = None):
+def view_folder(folder: File, along: Along = None, file: File | None = None, unit: str | None = None):
     """Open a view of a finished run that can be turned, with a slider for its states or buckling modes.
 
     In a notebook it is the value of the cell: one that can be turned where the package trame is installed, otherwise
@@ -44,13 +45,14 @@ def view_folder(folder: File, along: Along = None, file: File | None = None):
     folder : of a run, with its files for ParaView
     along : direction "x", "y" or "z", or a vector, along which displacements colour all parts; None: their size
     file : .png that a picture of the last state is written to; nothing opens then
+    unit : of displacements; None: that of the run's axes
 
     Raises
     ------
     ValueError
         Where the folder has no files for ParaView, or no view can be opened.
     """
-    measure, scenes = Measure(along), _Scenes(Path(folder))
+    measure, scenes = Measure(along), _Scenes(Path(folder), _unit(Path(folder)) if unit is None else unit)
     if file is not None:
         require_ending("view", file, [".png"])
         with display():
@@ -67,6 +69,12 @@ def view_folder(folder: File, along: Along = None, file: File | None = None):
         raise ValueError("view: no X server answers, so that no view can be opened; write a picture "
                          "(sheetfx view FOLDER --picture FILE.png, or file= in scripts), or set DISPLAY")
     return scenes.plotter(measure).show()
+
+
+def _unit(folder: Path) -> str:
+    """The unit of deflections in the summary of a run, "" where there is none."""
+    summary = folder / "summary.json"
+    return unit_of(json.loads(summary.read_text()).get("axes", [""])[0]) if summary.exists() else ""
 
 
 def _in_notebook() -> bool:
@@ -86,7 +94,7 @@ class _Scenes:
     count : of states or modes
     """
 
-    def __init__(self, folder: Path):
+    def __init__(self, folder: Path, unit: str):
         import pyvista
 
         files = [sorted((folder / "paraview").glob(f"{kind}*.pvd")) for kind in ("path", "modes")]
@@ -94,6 +102,7 @@ class _Scenes:
         if found is None:
             raise ValueError(f"view: {folder} holds no paraview/path.pvd and no paraview/modes.pvd; give the folder of "
                              "a finished run whose pictures include those for ParaView")
+        self._unit = unit
         self._readers = [pyvista.PVDReader(str(file)) for file in found]
         self._modes = found[0].name.startswith("modes")
         self._field = "mode" if self._modes else "displacement"
@@ -109,8 +118,8 @@ class _Scenes:
         self._measure = measure
         self._plotter = pyvista.Plotter(**options)
         self._plotter.set_background("white")
-        ranges = [self._limits(n) for n in range(self.count)]
-        self._range = min(low for low, _ in ranges), max(high for _, high in ranges)
+        self._range = measure.limits([measure(self._read(reader, n)[self._field])
+                                      for reader in self._readers for n in range(self.count)])
         for number, mesh in enumerate(self._undeformed):
             self._plotter.add_mesh(mesh.extract_surface(nonlinear_subdivision=SMOOTH).extract_feature_edges()
                                    if _surfaces(mesh) else mesh, color="#8c8c8c", line_width=1, name=f"before {number}")
@@ -124,10 +133,6 @@ class _Scenes:
         self._plotter.add_axes()
         return self._plotter
 
-    def _limits(self, number: int) -> tuple[float, float]:
-        values = [self._measure(self._read(reader, number)[self._field]) for reader in self._readers]
-        return self._measure.limits(values)
-
     def _read(self, reader, number: int):
         reader.set_active_time_point(number)
         return reader.read()[0]
@@ -138,12 +143,15 @@ class _Scenes:
         return mesh
 
     def _show(self, number: int) -> None:
+        meaning = f"{self._measure.name},\nover the largest" if self._modes else self._measure.said(self._unit)
         for place, reader in enumerate(self._readers):
             mesh = self._moved(reader, number)
-            mesh[self._measure.name] = self._measure(mesh[self._field])
+            mesh[meaning] = self._measure(mesh[self._field])
             surface = mesh.extract_surface(nonlinear_subdivision=SMOOTH) if _surfaces(mesh) else mesh
-            self._plotter.add_mesh(surface, scalars=self._measure.name, cmap=self._measure.colour_map, clim=self._range,
-                                   line_width=WIDTH, name=f"now {place}", reset_camera=False)
+            self._plotter.add_mesh(surface, scalars=meaning, cmap=self._measure.colour_map, clim=self._range,
+                                   line_width=WIDTH, name=f"now {place}", reset_camera=False, ambient=0.35,
+                                   scalar_bar_args={"vertical": True, "color": "black", "title_font_size": 14,
+                                                    "label_font_size": 14, "position_x": 0.8, "position_y": 0.15})
         load = mesh.cell_data["load"][0] if "load" in mesh.cell_data else None
         self._plotter.add_text(f"mode {number + 1}" if load is None else f"step {number}, load {load:.6g}",
                                name="title", font_size=10, color="black")
