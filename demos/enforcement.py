@@ -53,8 +53,7 @@ for (place, enforcement), (_, seconds, iterations, penetration, outcome) in resu
 # %%
 figure, axes = plt.subplots(figsize=(7, 4.5), layout="constrained")
 for (place, enforcement), (record, *_) in results.items():
-    axes.plot([s.deflection for s in record.states], [s.load for s in record.states], ".-", linewidth=0.8,
-              label=f"{enforcement} at {place}")
+    axes.plot(*fx.show.curve_points(record).T, linewidth=0.8, label=f"{enforcement} at {place}")
 axes.set(xlabel="deflection of the crown (mm)", ylabel="load on the whole arch (N)")
 axes.grid(alpha=0.3)
 axes.legend()

@@ -143,7 +143,7 @@ assert np.all(np.diff(loads) > 0) and (QUICK or loads[-1] / TANGENT > 0.95 * lar
 figure, (left, right) = plt.subplots(1, 2, figsize=(11.0, 4.6), layout="constrained")
 left.plot([s.deflection / DEPTH for s in shanley], [s.load / TANGENT for s in shanley], "k", label="straight: branch")
 for amplitude, record in imperfect.items():
-    left.plot([s.deflection / DEPTH for s in record.states], [s.load / TANGENT for s in record.states],
+    left.plot(*(fx.show.curve_points(record) / (DEPTH, TANGENT)).T,
               label=f"imperfection L / {1 / amplitude:.0f}")
 for load, name in ((1, "tangent-modulus load"), (REDUCED / TANGENT, "reduced-modulus load")):
     left.axhline(load, color="#888888", linestyle="--", linewidth=1)

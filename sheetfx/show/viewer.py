@@ -19,7 +19,7 @@ from .shown import Shown
 
 SHARE = 0.05  # of the structure's size, by which buckling modes are moved
 SMOOTH = 2  # divisions of the edges of curved cells
-WIDTH = 4  # of curves, in pixels
+WIDTH, SIZE = 4, (1280, 800)  # of curves, and of the window, in pixels
 
 
 def view_record(record: Shown, along: Along = None, file: File | None = None):
@@ -116,7 +116,7 @@ class _Scenes:
         import pyvista
 
         self._measure = measure
-        self._plotter = pyvista.Plotter(**options)
+        self._plotter = pyvista.Plotter(window_size=SIZE, **options)
         self._plotter.set_background("white")
         self._range = measure.limits([measure(self._read(reader, n)[self._field])
                                       for reader in self._readers for n in range(self.count)])
@@ -151,7 +151,7 @@ class _Scenes:
             self._plotter.add_mesh(surface, scalars=meaning, cmap=self._measure.colour_map, clim=self._range,
                                    line_width=WIDTH, name=f"now {place}", reset_camera=False, ambient=0.35,
                                    scalar_bar_args={"vertical": True, "color": "black", "title_font_size": 14,
-                                                    "label_font_size": 14, "position_x": 0.8, "position_y": 0.15})
+                                                    "label_font_size": 14, "position_x": 0.86, "position_y": 0.15})
         load = mesh.cell_data["load"][0] if "load" in mesh.cell_data else None
         self._plotter.add_text(f"mode {number + 1}" if load is None else f"step {number}, load {load:.6g}",
                                name="title", font_size=10, color="black")
