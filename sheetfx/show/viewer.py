@@ -37,8 +37,8 @@ def view_record(record: Shown, along: Along = None, file: File | None = None):
 def view_folder(folder: File, along: Along = None, file: File | None = None, unit: str | None = None):
     """Open a view of a finished run that can be turned, with a slider for its states or buckling modes.
 
-    In a notebook it is the value of the cell: one that can be turned where the package trame is installed, otherwise
-    a picture of the last state.
+    In a notebook it is the value of the cell: one that can be turned where the package trame is installed and an X
+    server answers, otherwise a picture of the last state.
 
     Parameters
     ----------
@@ -55,20 +55,27 @@ def view_folder(folder: File, along: Along = None, file: File | None = None, uni
     measure, scenes = Measure(along), _Scenes(Path(folder), _unit(Path(folder)) if unit is None else unit)
     if file is not None:
         require_ending("view", file, [".png"])
-        with display():
-            plotter = scenes.plotter(measure, off_screen=True)
-            plotter.screenshot(str(file))
-            plotter.close()
+        _image(scenes, measure).save(file)
         return None
     if _in_notebook():
-        turned = importlib.util.find_spec("trame") is not None
-        with display():
-            plotter = scenes.plotter(measure, notebook=True, off_screen=True)
-            return plotter.show(jupyter_backend="trame" if turned else "static", return_viewer=True)
+        if importlib.util.find_spec("trame") is None or not answers():
+            return _image(scenes, measure)
+        return scenes.plotter(measure, notebook=True).show(jupyter_backend="trame", return_viewer=True)
     if not answers():
         raise ValueError("view: no X server answers, so that no view can be opened; write a picture "
                          "(sheetfx view FOLDER --picture FILE.png, or file= in scripts), or set DISPLAY")
     return scenes.plotter(measure).show()
+
+
+def _image(scenes: _Scenes, measure: Measure):
+    """A picture of the last state or the first mode, an image of Pillow."""
+    from PIL import Image
+
+    with display():
+        plotter = scenes.plotter(measure, off_screen=True)
+        pixels = plotter.screenshot(return_img=True)
+        plotter.close()  # before the X server may end, which would end the process too
+    return Image.fromarray(pixels)
 
 
 def _unit(folder: Path) -> str:
