@@ -39,8 +39,8 @@ def linear_in_the_nodes(u, rotation, frame):
         membrane=ufl.as_vector([ufl.dot(rate[0], t[0]), ufl.dot(rate[1], t[1]),
                                 ufl.dot(rate[0], t[1]) + ufl.dot(rate[1], t[0])]),
         bending=ufl.as_vector([ufl.dot(turn[0], t[1]), ufl.dot(turn[1], t[0]), ufl.dot(turn[0], t[0])]),
-        shear=ufl.as_vector([ufl.dot(rate[a], n) + ufl.dot(vector, t[1 - a]) for a in range(2)]),
-        drilling=ufl.dot(vector, n) - ufl.dot(rate[0], t[1]))
+        shear=ufl.as_vector([ufl.dot(rate[a], n) + 2 * ufl.dot(vector, ufl.cross(n, t[a])) for a in range(2)]),
+        drilling=2 * ufl.dot(vector, n) - (ufl.dot(rate[0], t[1]) - ufl.dot(rate[1], t[0])) / 2)
 
 
 @pytest.mark.parametrize("form", ["naghdi-p2cr", pytest.param("naghdi-q2", marks=pytest.mark.slow),

@@ -11,7 +11,7 @@ import numpy as np
 from mpi4py import MPI
 
 from .. import forms
-from ..checks import Choice, Positive, check, require_components, require_vector
+from ..checks import Choice, Positive, check, require_components
 from ..jit import compiled_expression
 from ..mesh.cellwise import cellwise
 from ..mesh.numbers import as_constants
@@ -19,6 +19,7 @@ from ..mesh.quadrature import Rule, gauss
 from ..mesh.reader import NamedMesh
 from .gradient import require_law
 from .history import LAW, LawWithHistory, has_history
+from .own_forms import require_strains
 from .places import require_group
 from .plasticity import Fibres, Plastic, section_law
 from .section import Elastic, Section
@@ -64,9 +65,8 @@ class Beam:
         require_group(self)
         if self.mesh.dimension == 3:
             self._check_up()
+        _look_at_functions(self, forms.beam.simo_reissner)
         self._check_offset()
-        if self.strains is forms.beam.simo_reissner:
-            require_law("Beam", self.section_law, self._stiffness, len(self._stiffness))
 
     @property
     def _stiffness(self) -> list[float]:
@@ -166,7 +166,7 @@ class Bar:
         if self.mesh.degree != 1:
             raise ValueError(f"Bar: the mesh has curved cells of degree {self.mesh.degree}; "
                              "bars are straight, read it with order 1")
-        require_law("Bar", self.section_law, self._stiffness, 1)
+        _look_at_functions(self, forms.bar.engineering)
 
     @property
     def _stiffness(self) -> list[float]:
@@ -199,13 +199,21 @@ class Bar:
         return law(strains), _rule(self).points
 
 
+def _look_at_functions(part: Beam | Bar, usual: Callable) -> None:
+    """Refuse strains or a law that no structure can have; a law of one's own may take any number of own strains."""
+    stiffness = sizes = part._stiffness
+    linear = part.law is forms.section.linear_elastic
+    if part.strains is not usual:
+        count = require_strains(part, part.strains, len(stiffness) if linear else None)
+        sizes = stiffness if count == len(stiffness) else count * [1.0]
+    if part.section_law is not forms.section.linear_elastic:
+        require_law(type(part).__name__, part.section_law, stiffness, sizes, part.mesh.domain)
+
+
 def _of_the_mesh(part: Beam | Bar, u, rotation, stiffness):
     """Strains of the meshed line, and the section law with its stiffness as constants."""
     stiffness = as_constants(part.mesh.domain, stiffness)
     law, strains = part.section_law, part.strains(u, rotation, part.frame())
-    linear = part.law is forms.section.linear_elastic
-    require_vector(f"{type(part).__name__}: its strains {getattr(part.strains, '__name__', part.strains)!r}", strains,
-                   len(stiffness) if linear else None)
     return strains, law if has_history(law) else lambda e: law(e, stiffness)
 
 

@@ -21,6 +21,7 @@ from ..mesh.quadrature import Rule, extrapolation, gauss, simplex
 from ..mesh.reader import NamedMesh
 from .gradient import require_law
 from .history import LAW, LawWithHistory, has_history
+from .own_forms import require_strains
 from .places import require_group
 from .plasticity import section_law
 from .plate import Plate, ShellSection
@@ -146,7 +147,10 @@ class Shell:
             raise ValueError(f"Shell: form {self.form!r} needs a mesh of {self.discrete.cell.name} cells, "
                              f"this one has {cell.name} cells")
         stiffness = self.section.stiffness(self.material)
-        require_law("Shell", self.section_law, stiffness, 9)
+        if self.section_law is not forms.section.linear_shell:
+            require_law("Shell", self.section_law, stiffness, np.diag(stiffness.uncoupled), self.mesh.domain)
+        if self.strains is not None:
+            require_strains(self, self.strains, 9)
         if self.axis is None and not stiffness.isotropic:
             raise ValueError(f"Shell: axis is None, but the stiffness of its {type(self.section).__name__} differs by "
                              "direction; give the direction of its first axis, as axis=(1, 0, 0)")
