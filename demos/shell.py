@@ -73,7 +73,7 @@ def von_karman(u, rotation, frame, slopes=1.0):
         membrane=symmetric(lambda a, b: dot(rate[a], t[b]) + slopes * dot(rate[a], n) * dot(rate[b], n) / 2),
         bending=symmetric(lambda a, b: dot(frame.along(d, t[b]), t[a])),
         shear=as_vector([dot(rate[a], n) + dot(d, t[a]) for a in range(2)]),
-        drilling=dot(rotation.rotate(t[1]), t[0]) + (dot(rate[1], t[0]) - dot(rate[0], t[1])) / 2)
+        drilling=dot(rotation.rotate(t[1]), t[0]) + (dot(rate[0], t[1]) - dot(rate[1], t[0])) / 2)
 
 
 def section(strains, stiffness, plane):

@@ -25,8 +25,22 @@ class Unknown(Exception):
     """An expression contains what has no value here."""
 
 
+def prepared(expression):
+    """An expression with its derivatives carried out, as `evaluate` takes it.
+
+    Raises
+    ------
+    Unknown
+        Where UFL cannot.
+    """
+    try:
+        return expand_derivatives(expression)
+    except NotImplementedError as error:
+        raise Unknown(str(error)) from error
+
+
 def evaluate(expression, terminal: Callable) -> np.ndarray:
-    """Values of an expression.
+    """Values of a prepared expression.
 
     Parameters
     ----------
@@ -42,10 +56,6 @@ def evaluate(expression, terminal: Callable) -> np.ndarray:
         For an operator that has no values at a point, such as a jump, and as `terminal` does.
     """
     known: dict = {}
-    try:
-        expression = expand_derivatives(expression)
-    except NotImplementedError as error:
-        raise Unknown(str(error)) from error
     with np.errstate(all="ignore"):
         for node in ufl.corealg.traversal.unique_post_traversal(expression):
             if not isinstance(node, (classes.MultiIndex, classes.Label)):

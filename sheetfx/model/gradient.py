@@ -8,7 +8,7 @@ import numpy as np
 import ufl
 
 from ..checks import require_vector
-from ..forms.evaluate import Unknown, evaluate
+from ..forms.evaluate import Unknown, evaluate, prepared
 from .history import STRAINS, has_history, require_update
 from .own_forms import called, names_of, number_of, title_of
 
@@ -55,7 +55,7 @@ def require_gradient(name: str, law: Callable, stiffness, sizes, domain) -> None
     sides = np.random.default_rng(1).uniform(-1, 1, (8, count))
     strains = STRAINS * np.vstack([np.zeros(count), sides, -sides]) * np.sqrt(sizes[0] / sizes)
     try:
-        resultants, moduli = (evaluate(e, lambda node: strains if node == symbol else number_of(node))
+        resultants, moduli = (evaluate(prepared(e), lambda node: strains if node == symbol else number_of(node))
                               for e in (found, ufl.diff(found, given)))
     except Unknown:
         return
@@ -93,5 +93,5 @@ def _require_numbers(title: str, names: list[str], resultants, moduli, strains) 
         if len(bad):
             s, i = map(int, bad[0][:2])
             place = "at rest" if not s else f"near rest, at strains {', '.join(f'{e:.3g}' for e in strains[s])}"
-            raise ValueError(f"{title}: {what} {i} ({names[i]}) is {values[tuple(bad[0])]:g} {place}; roots, logarithms "
-                             "and powers need a form that is smooth there, for both signs")
+            raise ValueError(f"{title}: {what} {i} ({names[i]}) is {values[tuple(bad[0])]:g} {place}; roots, "
+                             "logarithms and powers need a form that is smooth there, for both signs")

@@ -8,6 +8,7 @@ import traceback
 from collections.abc import Callable
 from dataclasses import fields, is_dataclass
 from functools import cached_property
+from warnings import catch_warnings, filterwarnings, warn
 
 import basix.ufl
 import numpy as np
@@ -17,7 +18,7 @@ from ufl import classes
 
 from .. import forms
 from ..checks import require_vector
-from ..forms.evaluate import Unknown, evaluate
+from ..forms.evaluate import Unknown, evaluate, prepared
 
 ROUNDING = 1e-9  # of dimensionless strains, which are of order one where they are not zero
 SMALL = 1e-2  # displacement gradients and rotations at which strains are numbers
@@ -26,7 +27,7 @@ BEAM = {2: ["axial", "shear", "bending"], 3: ["axial", "shear 1", "shear 2", "tw
 REMEDIES = {"ufunc": "use functions of UFL, such as ufl.sin, not those of numpy",
             "real number": "use functions of UFL, such as ufl.exp, not those of math",
             "float": "use functions of UFL, such as ufl.exp, not those of math",
-            "bool": "use ufl.conditional, not if", "positional argument": "give it the arguments named in the manual"}
+            "bool": "use ufl.conditional, not if", "positional argument": "look at its arguments"}
 
 
 def title_of(part, kind: str, function) -> str:
@@ -44,7 +45,9 @@ def called(title: str, function: Callable, *arguments):
         Where it fails: names its line, and what was said there.
     """
     try:
-        return function(*arguments)
+        with catch_warnings():
+            filterwarnings("ignore", "Couldn't map")  # UFL's, of a float that it then refuses
+            return function(*arguments)
     except Exception as error:
         said = " ".join(f"{error}".split()) or type(error).__name__
         remedy = next((r for words, r in REMEDIES.items() if words in said), "mend it")
@@ -82,7 +85,7 @@ def strains_vector(title: str, found, count: int | None = None):
     if not (is_dataclass(found) and [f.name for f in fields(found)] == list(SHELL)):
         shape = getattr(found, "ufl_shape", None)
         given = reprlib.repr(found) if shape is None else f"UFL of shape {shape}"
-        raise ValueError(f"{title} returns {given}; return forms.shell.ShellStrains(membrane, bending, shear, drilling)")
+        raise ValueError(f"{title} returns {given}; return a forms.shell.ShellStrains")
     for name, places in SHELL.items():
         value = getattr(found, name)
         shape = getattr(value, "ufl_shape", () if isinstance(value, (int, float, complex)) else None)
@@ -222,7 +225,8 @@ def require_strains(part, function: Callable, count: int | None) -> int:
 
     Strains are real and finite near rest; zero at rest; of first order zero in rigid motions, and each of them not zero
     in all motions. Theories of shallow shells are accepted: their bending strains may change with a rotation about the
-    normal, by the curvature of the surface times that. Large rotations are not looked at.
+    normal, by the curvature of the surface times that. Drilling that does is told by a warning, since it resists
+    in-plane rotations alone. Large rotations are not looked at.
 
     Parameters
     ----------
@@ -253,20 +257,23 @@ def _look_at(points: _Points, title: str, function: Callable, count: int | None)
     near = SMALL * np.random.default_rng(1).uniform(-1, 1, (4, zero.size)) @ points.basis()
     rate = sum(ufl.derivative(strains, *pair) for pair in zip(points.fields, points.rates, strict=True))
     slopes = []
-    for point in range(len(points.points)):
-        try:
-            rest, small = (points.values(strains, point, jets) for jets in (zero, near))
-            change = points.values(rate, point, 0 * points.basis(), points.basis())
-        except Unknown as unknown:
-            if str(unknown) == "Grad":
-                raise ValueError(f"{title} takes second derivatives (grad of grad), which elements of degree 1 to 3 do "
-                                 "not have across cells; use first derivatives of u and rotation only") from None
-            return number
+    try:
+        strains, rate = prepared(strains), prepared(rate)
+        tables = [(points.values(strains, point, np.vstack([zero, near])),
+                   points.values(rate, point, 0 * points.basis(), points.basis()))
+                  for point in range(len(points.points))]
+    except Unknown as unknown:
+        if str(unknown) == "Grad":
+            raise ValueError(f"{title} takes second derivatives (grad of grad), which elements of degree 1 to 3 do "
+                             "not have across cells; use first derivatives of u and rotation only") from None
+        return number
+    for point, (values, change) in enumerate(tables):
+        rest, small = values[:1], values[1:]
         _require_numbers(title, names, rest[0], small, change)
         if (wrong := np.abs(rest[0]) * lengths > ROUNDING).any():
             i = int(np.argmax(wrong))
-            raise ValueError(f"{title}: {names[i]} is {rest[0, i]:.6g} at rest, where u and rotation are zero; subtract "
-                             "its value there")
+            raise ValueError(f"{title}: {names[i]} is {rest[0, i]:.6g} at rest, where u and rotation are zero; "
+                             "subtract its value there")
         _require_rigid(points, title, names, point, change, lengths)
         slopes.append(np.abs(change).max(axis=0) * lengths)
     for name, slope in zip(names, np.max(slopes, axis=0), strict=True):
@@ -278,10 +285,11 @@ def _look_at(points: _Points, title: str, function: Callable, count: int | None)
 
 def _require_numbers(title: str, names: list[str], *tables: np.ndarray) -> None:
     """Refuse what is complex or not finite: strains at rest, near it, and their derivatives at rest."""
+    together = np.vstack(tables)
+    if together.dtype.kind == "c":
+        i = int(np.argmax(np.abs(together.imag).max(axis=0)))
+        raise ValueError(f"{title}: {names[i]} is complex; return real strains, without 1j")
     for place, table in zip(("at rest", "near rest", "at rest in its derivative"), tables, strict=True):
-        if table.dtype.kind == "c":
-            i = int(np.argmax(np.abs(np.imag(np.atleast_2d(table))).max(axis=0)))
-            raise ValueError(f"{title}: {names[i]} is complex; return real strains, without 1j")
         if not np.isfinite(table).all():
             bad = np.argwhere(~np.isfinite(np.atleast_2d(table)))[0]
             raise ValueError(f"{title}: {names[bad[1]]} is {np.atleast_2d(table)[tuple(bad)]:g} {place}; roots, "
@@ -301,8 +309,14 @@ def _require_rigid(points: _Points, title: str, names: list[str], point: int, ch
         wrong = np.abs(parts.sum(axis=0)) > allowed
         if wrong.any():
             i = int(np.argmax(wrong))
+            found = parts.sum(axis=0)[i] / lengths[i]
+            if names[i] == "drilling" and number == len(motions) - 1:
+                warn(f"{title}: drilling is {found:.6g} in a rigid rotation about the normal by an angle of 1, to "
+                     "first order, where strains are zero; look at the sign of the rotation beside the slopes of u",
+                     stacklevel=6)
+                continue
             remedy = ("take derivatives of u, not u itself" if motion == "translation" else
                       "look at the sign of the rotation beside the slopes of u")
             size = "of unit size, a cell's length" if motion == "translation" else "by an angle of 1, to first order"
-            raise ValueError(f"{title}: {names[i]} is {parts.sum(axis=0)[i] / lengths[i]:.6g} in a rigid {motion} "
+            raise ValueError(f"{title}: {names[i]} is {found:.6g} in a rigid {motion} "
                              f"{size}, where strains are zero; {remedy}")
