@@ -6,7 +6,6 @@ import inspect
 import reprlib
 import traceback
 from collections.abc import Callable
-from dataclasses import fields, is_dataclass
 from functools import cached_property
 from warnings import catch_warnings, filterwarnings, warn
 
@@ -82,7 +81,7 @@ def strains_vector(title: str, found, count: int | None = None):
     if count != 9 or not title.startswith("Shell"):
         require_vector(title, found, count)
         return found
-    if not (is_dataclass(found) and [f.name for f in fields(found)] == list(SHELL)):
+    if not isinstance(found, forms.shell.ShellStrains):
         shape = getattr(found, "ufl_shape", None)
         given = reprlib.repr(found) if shape is None else f"UFL of shape {shape}"
         raise ValueError(f"{title} returns {given}; return a forms.shell.ShellStrains")
