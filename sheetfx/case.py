@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path as Folder
@@ -16,6 +15,7 @@ from .continuation.control import ArcLength, StepRule
 from .continuation.events import Event
 from .continuation.state import State
 from .model.scene import Scene
+from .notices import warn
 from .path import Path, PathFailure, Until
 from .record import Record
 from .show.standard import STANDARD
@@ -138,5 +138,5 @@ def run(case: Case, name: str, parameters: dict, folder: Folder, resume: bool,
         if archive.comm.rank == 0:
             archive.write_json("summary.json", summary)
     if energy.broken:
-        warnings.warn(energy.broken, stacklevel=2)
+        warn(energy.broken)
     return summary

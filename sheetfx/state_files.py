@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Iterator, Mapping
 from itertools import count
 from pathlib import Path
@@ -12,6 +11,7 @@ import numpy as np
 
 from .continuation.scattered import ScatteredState
 from .continuation.state import ForeignState, State, write_arrays
+from .notices import warn
 
 STEP = 6 * "[0-9]"
 PATTERNS = (f"states/{STEP}.*[0-9].npz", f"states/{STEP}.*[0-9].part", "states/origins*.npz", "states/origins*.part")
@@ -63,8 +63,8 @@ class StateFiles:
             aside.parent.mkdir(exist_ok=True)
             os.replace(file, aside)
         if found and comm.rank == 0:
-            warnings.warn(f"--resume: {found[0]}; the path goes on from {f'step {first - 1}' if first else 'its start'}"
-                          f", and what came later is put aside in {self._folder / ASIDE}", stacklevel=2)
+            warn(f"--resume: {found[0]}; the path goes on from {f'step {first - 1}' if first else 'its start'}"
+                          f", and what came later is put aside in {self._folder / ASIDE}")
 
     def _load(self, step: int, run: str) -> State | str:
         """The state of a step, or what is wrong with its files."""

@@ -6,7 +6,7 @@ import ast
 from pathlib import Path
 
 HOUSE = Path(__file__).parents[1] / "sheetfx"
-ROOMS = [["compat", "checks", "jit", "recipes", "widening"], ["forms"], ["mesh"], ["model"], ["discrete"],
+ROOMS = [["compat", "checks", "jit", "recipes", "widening", "notices"], ["forms"], ["mesh"], ["model"], ["discrete"],
          ["continuation"], ["stability"], ["path", "state_files", "archive"], ["show"], ["record"], ["case"],
          ["scenes"], ["studies"], ["cli"]]
 FLOOR = {room: level for level, rooms in enumerate(ROOMS) for room in rooms}

@@ -360,9 +360,17 @@ def test_point_weld_has_no_mesh_limit():
 
 
 def test_point_weld_on_a_shell_is_told():
-    mesh, stub = panel((2, 2)), bar((0.4, 0.4, 0.0), (0.4, 0.4, 1.0), 1)
-    with pytest.warns(UserWarning, match="weld at 'start': joins a single point of a shell.*over a length"):
-        fx.weld(stub, "start", (mesh, None))
+    """Once for all joints of a kind, at the line of the user that makes the scene."""
+    mesh, stubs = panel((2, 2)), [bar((x, 0.4, 0.0), (x, 0.4, 1.0), 1) for x in (0.4, 0.6)]
+    beams = [fx.Beam(stub, **SPATIAL, up=(1.0, 0.0, 0.0)) for stub in stubs]
+    parts = [fx.Shell(mesh, fx.Plate(0.1), UNIT["material"]), *beams]
+    joints = [fx.weld(stub, "start", (mesh, None)) for stub in stubs]
+    for count, words in ((1, "weld at 'start': joins a single point of a shell.*over a length"),
+                         (2, r"welds at 'start', 'start' \(2\): each join a single point")):
+        with pytest.warns(UserWarning, match=words) as told:
+            fx.Scene(parts[:1 + count], [fx.clamp(mesh, "south")], [fx.PointForce(stubs[0], "end", (0.0, 0.0, 1.0))],
+                     fx.Monitor(stubs[0], "end", "z"), joints=joints[:count])
+        assert [w.filename for w in told if "single point" in str(w.message)] == [__file__]
 
 
 def test_supports_that_hold_a_weld_leave_it_regular():

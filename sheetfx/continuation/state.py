@@ -49,6 +49,9 @@ class CriticalPoint:
     curvature: float | None = None
     spread: tuple[float, float] | None = None
 
+    def __str__(self) -> str:
+        return f"{self.title} at load {self.load:.6g}, deflection {self.deflection:.6g}"
+
     @property
     def title(self) -> str:
         """Kind and name in words, for example "limit point (maximum)"."""
@@ -131,6 +134,10 @@ class State:
     increment: np.ndarray = field(repr=False, default=None)
     response: np.ndarray = field(repr=False, default=None)
     fields: dict[str, np.ndarray] = field(repr=False, default_factory=dict)
+
+    def __str__(self) -> str:
+        modes = f", {self.unstable_modes} unstable modes" if self.unstable_modes else ""
+        return f"step {self.step} at load {self.load:.6g}, deflection {self.deflection:.6g}{modes}"
 
     @property
     def direction(self) -> tuple[float, np.ndarray]:

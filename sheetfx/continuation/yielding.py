@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import warnings
-
 from mpi4py import MPI
 
 from ..discrete.plastic import is_plastic
 from ..model.loads import PointForce
 from ..model.scene import Scene
+from ..notices import warn
 from .events import Event
 from .state import State
 
@@ -32,12 +31,13 @@ def first_yield(scene: Scene) -> Event:
     if not laws:
         raise ValueError("first_yield: no part of the scene is plastic; give one an fx.Plastic material")
     shells = [part.mesh for part in scene.parts if is_plastic(part) and hasattr(part, "discrete")]
-    for load in scene.loads:
-        if isinstance(load, PointForce) and load.mesh in shells and load.at in load.mesh.points:
-            warnings.warn(
-                f"first_yield: a force acts at the point {load.at!r} of a plastic shell, where first yield has no "
-                "limit as the mesh is refined; spread it by a SurfaceForce with a function of the place",
-                stacklevel=2)
+    at = [load.at for load in scene.loads
+          if isinstance(load, PointForce) and load.mesh in shells and load.at in load.mesh.points]
+    if at:
+        what = f"a force acts at the point {at[0]!r}" if len(at) == 1 else (
+            f"forces act at the points {', '.join(map(repr, at))} ({len(at)})")
+        warn(f"first_yield: {what} of a plastic shell, where first yield has no limit as the mesh is refined; spread "
+             "it by a SurfaceForce with a function of the place")
     comm = scene.parts[0].mesh.domain.comm
 
     def excess(state: State) -> float:

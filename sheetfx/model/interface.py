@@ -5,7 +5,6 @@ One law stands for all: a gap between two parts as a function of their traces, a
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -79,11 +78,6 @@ class Interface(Joint):
             raise ValueError(f"{self._title}: holds no component; give some of "
                              f"{' '.join(COMPONENTS[self.mesh.dimension])}")
         self._check_axes()
-        if self._at_point and any(m.domain.topology.dim == 2 for m in (self.mesh, self.to[0])):
-            warnings.warn(
-                f"{self._title}: joins a single point of a shell. The displacement and rotation of a plate under a "
-                "force or moment at a point have no limit as its mesh is refined, so that results depend on the mesh; "
-                "join it over a length, see Stretch", stacklevel=4)
         _ = self.meeting
 
     @property
@@ -102,6 +96,12 @@ class Interface(Joint):
     @property
     def _at_point(self) -> bool:
         return any(isinstance(at, str) and at in self.mesh.points for at in self._places)
+
+    @property
+    def points_of_shells(self) -> list[str]:
+        """Named points at which it joins a shell, whose response to a force at a point has no limit."""
+        shells = any(m.domain.topology.dim == 2 for m in (self.mesh, self.to[0]))
+        return [at for at in self._places if shells and isinstance(at, str) and at in self.mesh.points]
 
     @property
     def points(self) -> Sequence[tuple[NamedMesh, str | None]]:

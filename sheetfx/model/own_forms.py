@@ -7,7 +7,7 @@ import reprlib
 import traceback
 from collections.abc import Callable
 from functools import cached_property
-from warnings import catch_warnings, filterwarnings, warn
+from warnings import catch_warnings, filterwarnings
 
 import basix.ufl
 import numpy as np
@@ -18,6 +18,7 @@ from ufl import classes
 from .. import forms
 from ..checks import require_vector
 from ..forms.evaluate import Unknown, evaluate, prepared
+from ..notices import warn
 
 ROUNDING = 1e-9  # of dimensionless strains, which are of order one where they are not zero
 SMALL = 1e-2  # displacement gradients and rotations at which strains are numbers
@@ -311,8 +312,7 @@ def _require_rigid(points: _Points, title: str, names: list[str], point: int, ch
             found = parts.sum(axis=0)[i] / lengths[i]
             if names[i] == "drilling" and number == len(motions) - 1:
                 warn(f"{title}: drilling is {found:.6g} in a rigid rotation about the normal by an angle of 1, to "
-                     "first order, where strains are zero; look at the sign of the rotation beside the slopes of u",
-                     stacklevel=6)
+                     "first order, where strains are zero; look at the sign of the rotation beside the slopes of u")
                 continue
             remedy = ("take derivatives of u, not u itself" if motion == "translation" else
                       "look at the sign of the rotation beside the slopes of u")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import sqrt
@@ -12,6 +11,7 @@ import numpy as np
 
 from ..checks import NotNegative, Positive
 from ..forms.section import linear_elastic, linear_shell
+from ..notices import warn
 from .history import LawWithHistory
 from .plate import Plate
 from .return_mapping import ON_SURFACE, REMEMBERED, one_axis, plane_stress
@@ -176,11 +176,11 @@ class Fibres(PlasticLaw):
         squares = (stressed**2).sum(axis=1).max(initial=0.0)
         if squares > SHEARED and not self._told:
             self._told = True
-            warnings.warn("Plastic: fibres flow where shear and torsion, which are elastic, are "
+            warn("Plastic: fibres flow where shear and torsion, which are elastic, are "
                           f"{sqrt(squares):.2g} of what the section can carry of them alone; its moment goes up to all "
                           "that it can bear without them, and should have fallen to "
                           f"{sqrt(max(1 - squares, 0.0)):.0%} of that. Give the beam a law of your own, or believe no "
-                          "load beyond this one", stacklevel=2)
+                          "load beyond this one")
 
 
 @numba.njit(cache=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import combinations
@@ -10,9 +9,11 @@ from typing import Annotated, Any
 
 from ..checks import NONZERO, Count, Like, check, require_known_component
 from ..mesh.reader import COMPONENTS, NamedMesh
+from ..notices import alike, warn
 from .beam import Bar, Beam
 from .contact import Contact
 from .held import supports_that_hold
+from .interface import Interface
 from .joints import Joint
 from .loads import Load, Moment, PrescribedDisplacement
 from .shell import Shell
@@ -112,6 +113,7 @@ class Scene:
         for mesh in self.meshes:
             self._check_spaces([part for part in self.parts if part.mesh is mesh])
         self._tell_unjoined()
+        self._tell_points()
 
     @property
     def all_stages(self) -> list[Stage]:
@@ -175,9 +177,22 @@ class Scene:
         apart = [mesh for mesh in meshes if mesh not in groups[meshes[0]]]
         if apart:
             here, there = (next(p for p in self.parts if p.mesh is mesh) for mesh in (meshes[0], apart[0]))
-            warnings.warn(f"Scene: nothing joins the {_named(here)} and the {_named(there)}; they are solved side by "
+            warn(f"Scene: nothing joins the {_named(here)} and the {_named(there)}; they are solved side by "
                           "side. Join them (weld, hinge, Spring), mesh them together, or trace each in a scene of "
-                          "its own", stacklevel=4)
+                          "its own")
+
+    def _tell_points(self) -> None:
+        """Warn, once for each kind of joint, of those at single points of shells."""
+        found: dict[str, list[str]] = {}
+        for joint in self.joints:
+            if isinstance(joint, Interface):
+                found.setdefault(joint.name, []).extend(joint.points_of_shells)
+        for name, points in found.items():
+            if points:
+                one = "joins a single point" if len(points) == 1 else "each join a single point"
+                warn(f"{alike(name, points)}: {one} of a shell. The displacement and rotation of a plate under a force "
+                     "or moment at a point have no limit as its mesh is refined, so that results depend on the mesh; "
+                     "join it over a length, see Stretch")
 
     def _check_spaces(self, parts) -> None:
         """Refuse parts of one mesh that cannot share its unknowns, and rotations where there are none."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterable
 from functools import partial
 
@@ -15,6 +14,7 @@ from ..model.interface import bolt, hinge, weld
 from ..model.joints import Joint
 from ..model.pair_contact import FACES, PairContact
 from ..model.shell import TRIANGLE, ShellForm
+from ..notices import warn
 
 FACES_OF_PANELS = (*FACES, "both")
 TIES = {"weld": weld, "bolt": bolt, "hinge": hinge}  # with all rotations, all but that in the panel's plane, none
@@ -60,6 +60,6 @@ def _warn_of_long_cells(mesh: MixedMesh, lines: Iterable[str], length: float) ->
     pieces = [piece for line in lines for found in lines_of(mesh.surfaces, line) for piece in (found[0], found[-1])]
     longest = max((piece.length() for piece in pieces), default=0.0)
     if length < longest / 2:
-        warnings.warn(f"dome: welds of {length:g} mm begin on cells of {longest:.4g} mm, more than twice as long: "
+        warn(f"dome: welds of {length:g} mm begin on cells of {longest:.4g} mm, more than twice as long: "
                       "stiffness, and where panels lift, are those of the mesh (demos/dome_contact.md); give more "
-                      "divisions, or a grading", stacklevel=2)
+                      "divisions, or a grading")

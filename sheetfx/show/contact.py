@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 from pathlib import Path as Folder
 
@@ -10,6 +9,7 @@ import numpy as np
 
 from ..continuation.state import State
 from ..discrete.contact import OPEN, SLIP, STICK, ContactState
+from ..notices import warn
 from .evaluate import ContactPoints, communicator, last_state_kept, unit_of, with_unit
 from .shown import Shown
 
@@ -182,7 +182,7 @@ def _total(name: str, density: np.ndarray, contact: ContactState, unit: str, sce
 
 def _has_contact(record: Shown, name: str) -> bool:
     if not record.case.scene.contacts and communicator(record).rank == 0:
-        warnings.warn(f"{name} is not drawn: the scene has no contact", stacklevel=3)
+        warn(f"{name} is not drawn: the scene has no contact")
     return bool(record.case.scene.contacts)
 
 

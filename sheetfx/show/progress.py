@@ -15,9 +15,13 @@ from ..continuation.state import State
 from .evaluate import told
 from .shown import ShownCase
 
+INTERVAL = 10.0  # seconds
+
 
 class Progress:
-    """One line that follows the path on a terminal; a line for every tenth step elsewhere, and on several processes.
+    """One line that follows the path on a terminal; a line every 10 s elsewhere, and on several processes.
+
+    A reader of a log sees by that interval that the run lives. The last state is always told.
 
     Only process 0 prints.
     """
@@ -28,7 +32,8 @@ class Progress:
         self.console = Console(quiet=comm.rank > 0, highlight=False, force_terminal=False if comm.size > 1 else None)
         self._live = Live(Text(f"{name}: compiling forms, meshing"), console=self.console, transient=True)
         self._until, self._stages, self._load, self._deflection = None, [], "load", "deflection"
-        self._start = time.perf_counter()
+        self._start = self._told = time.perf_counter()
+        self._last: State | None = None  # that is not told yet
 
     def __enter__(self) -> Progress:
         if self.console.is_terminal:
@@ -38,6 +43,7 @@ class Progress:
     def __exit__(self, *_) -> None:
         if self.console.is_terminal:
             self._live.stop()
+        self._tell()
 
     def begin(self, case: ShownCase) -> None:
         self._until = case.until
@@ -54,8 +60,15 @@ class Progress:
                                f"(step {point.step}){coefficients}", soft_wrap=True)
         if self.console.is_terminal:
             self._live.update(Text(self._line(state)))
-        elif state.step % 10 == 0:
-            self.console.print(self._line(state), soft_wrap=True)
+            return
+        self._last = state
+        if time.perf_counter() - self._told >= INTERVAL:
+            self._tell()
+
+    def _tell(self) -> None:
+        if self._last is not None:
+            self.console.print(self._line(self._last), soft_wrap=True)
+            self._told, self._last = time.perf_counter(), None
 
     def _line(self, state: State) -> str:
         stage = f", stage {self._stages[state.stage]!r}" if len(self._stages) > 1 else ""
@@ -77,6 +90,7 @@ class Progress:
 
     def report(self, summary: dict) -> None:
         """Print the result of a run."""
+        self._tell()
         self.console.print(f"{summary['status']}: {summary['message']}", soft_wrap=True)
         for sentence in summary["searched"]:
             self.console.print(f"  {sentence}", soft_wrap=True, style="dim")

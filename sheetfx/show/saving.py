@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from ..notices import warn
 from .display import NoDisplay
 from .evaluate import communicator
 from .shown import Shown
@@ -68,4 +68,4 @@ def save_picture(record: Shown, draw: Callable[[], Any], file: Path) -> None:
     try:
         draw().savefig(file)
     except NoDisplay as missing:
-        warnings.warn(f"{file.name} is not drawn: {missing}", stacklevel=3)
+        warn(f"{file.name} is not drawn: {missing}")

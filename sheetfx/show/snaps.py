@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from pathlib import Path as Folder
 
+from ..notices import warn
 from ..stability.descent import SnapFailure
 from ..stability.snap import Snap, snaps
 from .curves import draw_path
@@ -25,7 +25,7 @@ def falls_curve(record: Shown, folder: Folder, name: str = "falls.png") -> None:
     try:
         falls = snaps(record.path, record.states)
     except SnapFailure as failure:
-        warnings.warn(f"{name} is not drawn: {failure}", stacklevel=2)
+        warn(f"{name} is not drawn: {failure}")
         return
     for number, fall in enumerate(falls, start=1):
         fall.save(Folder(folder) / f"fall{number}", comm)

@@ -62,6 +62,11 @@ class Branch:
     family: bool = False
     doubt: str = ""
 
+    def __str__(self) -> str:
+        doubt = f"; {self.doubt}" if self.doubt else ""
+        kind = "family of branches" if self.family else "branch"
+        return f"{kind} with amplitude {self.amplitude:.4g}, starts at {self.start}{doubt}"
+
 
 def branches(path, states: Sequence[State], point: CriticalPoint, amplitude: float = 0.05) -> list[Branch]:
     """A start on every half-branch of a bifurcation but those of the path itself.

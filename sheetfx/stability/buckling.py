@@ -59,6 +59,10 @@ class BucklingLoad:
     residual: float
     mode: np.ndarray
 
+    def __str__(self) -> str:
+        among = f", one of {self.multiplicity} in a cluster" if self.multiplicity > 1 else ""
+        return f"buckling at load {self.load:.6g} (load factor {self.factor:.6g}{among})"
+
 
 def buckling(path, state: State, count: int = 6, *, supports: Sequence | None = None, prebuckling: bool | None = None,
              tolerance: float = 1e-3) -> list[BucklingLoad]:

@@ -34,6 +34,10 @@ class Snap:
     hold: str
     history: tuple[FallStep, ...]
 
+    def __str__(self) -> str:
+        return (f"snap with held {self.hold} from {self.before} to {self.after}, "
+                f"energy released {self.energy_released:.6g}")
+
     @property
     def energy_released(self) -> float:
         """What a real structure turns into motion and heat (force times length), beside what friction takes.

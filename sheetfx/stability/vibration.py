@@ -45,6 +45,10 @@ class Vibration:
     squared: float | complex
     mode: np.ndarray
 
+    def __str__(self) -> str:
+        growth = f", growth rate {self.growth:.6g}" if self.growth else ""
+        return f"vibration with frequency {self.frequency:.6g}{growth}"
+
     @property
     def frequency(self) -> float:
         """Oscillations per time; 0 where the motion does not oscillate."""
