@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from typer.core import TyperCommand
 
 from .archive import Stopped
 from .checks import Range, require
@@ -22,18 +21,20 @@ from .scenes import load_case, of_script, scene_names
 from .studies.diagram_command import diagram_app
 from .studies.run import PLAIN, run_app
 from .studies.study_command import study_app
+from .studies.suggesting import Single, Suggesting
 from .studies.view_command import view
 
-app = typer.Typer(help="Stability of thin sheet-and-bar structures.", no_args_is_help=True, **PLAIN)
+app = typer.Typer(help="Stability of thin sheet-and-bar structures.", no_args_is_help=True, cls=Suggesting,
+                  **PLAIN | {"add_completion": True})
 app.add_typer(run_app, name="run")
 app.add_typer(diagram_app, name="diagram")
 app.add_typer(study_app, name="study")
-app.command()(view)
+app.command(cls=Single)(view)
 
 
-def _listing(choices: Callable[[], str]) -> type[TyperCommand]:
+def _listing(choices: Callable[[], str]) -> type[Single]:
     """A kind of command whose help ends with what can be chosen, which is looked up when help is asked for."""
-    class Listing(TyperCommand):
+    class Listing(Single):
         def format_help(self, context, formatter):
             self.epilog = choices()
             super().format_help(context, formatter)
@@ -57,16 +58,30 @@ def _traps_and_methods() -> str:
 Resumed = Annotated[bool, typer.Option("--resume", help="Keep what is in the folder, and run what is missing.")]
 
 
+def _tell_version(asked: bool) -> None:
+    if asked:
+        from . import __version__
+
+        typer.echo(f"sheetfx {__version__}")
+        raise typer.Exit
+
+
 @app.callback()
 def every_command(
+    context: typer.Context,
     trace: Annotated[bool, typer.Option("--traceback", help="Show where in the program an error arose.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Tell errors and warnings only.")] = False,
+    version: Annotated[bool, typer.Option("--version", help="Print the version.", is_eager=True,
+                                          callback=_tell_version)] = False,
 ) -> None:
     """Stability of thin sheet-and-bar structures."""
     if trace:
         os.environ["SHEETFX_TRACEBACK"] = "1"  # for processes that it starts, too
+    if quiet:
+        sys.stdout = context.with_resource(open(os.devnull, "w"))  # noqa: SIM115  closed with the context
 
 
-@app.command()
+@app.command(cls=Single)
 def warm(scenes: Annotated[list[str] | None, typer.Argument(help="Names of scenes; default all.")] = None) -> None:
     """Compile the forms of scenes and of all shells, so that their first run starts at once."""
     from .discrete.discretisation import Discretisation
@@ -184,8 +199,11 @@ def main() -> None:
 
 
 def _warn(message, category, filename, lineno, file=None, line=None) -> None:
-    """A warning in one line, without the place in the program that gives it."""
-    sys.stderr.write(f"sheetfx: warning: {message}\n")
+    """A warning in one line, with the line of the user's script that it is about, if any."""
+    scripts = [Path(word).resolve() for word in sys.argv if word.endswith(".py") and Path(word).is_file()]
+    own = any(Path(filename).resolve().is_relative_to(script.parent) for script in scripts)
+    where = f"{filename}, line {lineno}: " if own else ""
+    sys.stderr.write(f"sheetfx: warning: {where}{message}\n")
 
 
 def _said(error: Exception) -> str:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import sys
 import warnings
 
 import numpy as np
+import pytest
 
 import sheetfx as fx
 from sheetfx.continuation.state import CriticalPoint
@@ -45,3 +47,69 @@ def test_progress_off_a_terminal_is_a_line_by_time(tmp_path, capsys, monkeypatch
             now += 1.0
     steps = [line.split("step ")[1].split(",")[0] for line in capsys.readouterr().out.splitlines()]
     assert steps == ["10", "20", "24"], "every 10 s, and the last state"
+
+
+def said(capfd, monkeypatch, *words) -> tuple[int, str, str]:
+    """Exit status, output and errors of a command."""
+    from sheetfx import cli
+
+    monkeypatch.setattr(sys, "argv", ["sheetfx", *map(str, words)])
+    monkeypatch.setenv("COLUMNS", "400")
+    monkeypatch.setattr("atexit.register", lambda *_: None)
+    with pytest.raises(SystemExit) as ended:
+        cli.main()
+    told = capfd.readouterr()
+    return ended.value.code or 0, told.out, told.err
+
+
+@pytest.mark.parametrize(("words", "answer"), [
+    (["run", "arhc"], "did you mean 'arch'?"),
+    (["run", "lee_frame"], "did you mean 'lee-frame'?"),
+    (["rnu", "arch"], "did you mean 'run'?"),
+    (["run", "arch", "--element", "3"], "--elements"),
+    (["run", "arch", "--elements", "3", "--elements", "4"], "option --elements is given twice; leave one out"),
+    (["map", "--traps", "a", "--traps", "b"], "option --traps is given twice; leave one out"),
+])
+def test_wrong_words(capfd, monkeypatch, words, answer):
+    status, _, errors = said(capfd, monkeypatch, *words)
+    assert status == 2 and answer in errors and "Traceback" not in errors
+
+
+def test_version_and_help(capfd, monkeypatch):
+    assert said(capfd, monkeypatch, "--version")[1] == f"sheetfx {fx.__version__}\n"
+    helped = said(capfd, monkeypatch, "run", "--help")[1]
+    assert "function `case`" in helped and "FOLDER/script.py" in helped
+    assert said(capfd, monkeypatch, "--quiet", "run", "--list")[1] == ""
+
+
+@pytest.mark.parametrize(("text", "answer"), [
+    ("x = 1", "has no function `case`"),
+    ("def case(", "cannot read the script"),
+    ("import nowhere_to_be_found", "No module named 'nowhere_to_be_found' ("),
+    ("def case(size=1.0): pass", "the parameter size has no annotation, so that its option has no type; write size: "
+                                 "float = 1.0"),
+    ("def case(*sizes): pass", "*sizes cannot be an option"),
+    ("def case(**sizes): pass", "**sizes cannot be an option"),
+    ("def case(size: dict = {}): pass", "the parameter size is annotated dict, which cannot be an option"),
+    ("def case(size: float = 'a'): pass", "the default of size is 'a', but its annotation is float"),
+    ("def case(): pass", "case returns None; return a sheetfx.Case"),
+    ("from sheetfx.scenes.arch import case as a\ndef case(): return a(elements=8, no_punch=True).scene",
+     "case returns a Scene; return fx.Case(scene)"),
+    ("import beside_it\ndef case(): return beside_it.three", "case returns an int; return a sheetfx.Case"),
+])
+def test_scripts_that_cannot_be_used(capfd, monkeypatch, tmp_path, text, answer):
+    script = tmp_path / "my_own.py"
+    script.write_text(text)
+    (tmp_path / "beside_it.py").write_text("three = 3")
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    status, _, errors = said(capfd, monkeypatch, "run", script, "-o", tmp_path / "out")
+    assert status == 2 and str(script) in errors and answer in errors and "Traceback" not in errors
+
+
+def test_completion_of_scenes_and_scripts(tmp_path, monkeypatch):
+    from sheetfx.studies.suggesting import scripts
+
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "models").mkdir()
+    (tmp_path / "models" / "panel.py").touch()
+    assert scripts("mo") == ["models/"] and scripts("models/p") == ["models/panel.py"]

@@ -9,10 +9,12 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from typer.core import TyperGroup
+from click.shell_completion import CompletionItem
+from typer.core import TyperCommand
 
 from ..checks import POSITIVE, Like, require
 from ..scenes import load_case, option_of, scene_names
+from .suggesting import Single, Suggesting, scripts
 
 PLAIN = {"add_completion": False, "pretty_exceptions_enable": False}
 
@@ -34,7 +36,7 @@ ANIMATE = option("animate", bool, False, "Draw animation.gif, the motion along t
 TABLES = option("tables", bool, False, "Write reactions, energies and section forces of all states as CSV.", "--tables")
 
 
-class Scenes(TyperGroup):
+class Scenes(Suggesting):
     """Sub-commands of `run`, made from the signature of each scene's function.
 
     Attributes
@@ -60,14 +62,24 @@ class Scenes(TyperGroup):
         except ValueError as error:
             context.fail(str(error))
         single = typer.Typer(**PLAIN)
-        single.command(name=Path(name).stem, help=inspect.getdoc(function))(
+        single.command(name=Path(name).stem, help=inspect.getdoc(function), cls=Single)(
             self.runner(name, function))
         return typer.main.get_command(single)
+
+    def shell_complete(self, context, incomplete):
+        """Names of scenes, and scripts, without importing any."""
+        names = [name for name in scene_names() if name.startswith(incomplete)]
+        options = TyperCommand.shell_complete(self, context, incomplete) if incomplete.startswith("-") else []
+        return [*map(CompletionItem, (*names, *scripts(incomplete))), *options]
 
     def format_commands(self, context, formatter):
         """List the names without importing every scene."""
         with formatter.section("Scenes"):
-            formatter.write_text(", ".join(scene_names()) + "; or your own script.py with a function `scene`")
+            formatter.write_text(", ".join(scene_names()) + "; or your own script.py with a "
+                                 "function `case` that returns a sheetfx.Case; its annotated parameters become options")
+        with formatter.section("Example"):
+            formatter.write_text(f"{context.command_path} FOLDER/script.py --size 2.0, where the script has "
+                                 "def case(size: float = 1.0) -> fx.Case")
 
 
 run_app = typer.Typer(cls=Scenes)
