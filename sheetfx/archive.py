@@ -26,6 +26,7 @@ from uuid import uuid4
 import numpy as np
 
 from .continuation.state import State
+from .interrupts import HOW, tell
 from .state_files import PATTERNS as STATES
 from .state_files import StateFiles
 
@@ -35,6 +36,7 @@ ATTRIBUTES = {"unstable": "unstable_modes"}  # columns that are named otherwise 
 MANIFEST, LIST, RUN = "manifest.json", "written by sheetfx", "run"
 # On the manifest from the start, so that a run that is killed leaves no state that is not listed.
 PATTERNS = (MANIFEST, "parameters.json", "path.csv", "summary.json", *STATES)
+PARAMETERS = "parameters.json"
 LOCK, UNFINISHED = ".lock", ".pictures.part"
 
 
@@ -62,6 +64,17 @@ def _reason(error: OSError) -> str:
     return f"{error.strerror}: {error.filename}" if error.filename else error.strerror or str(error)
 
 
+def write_whole(file: Path, text: str) -> None:
+    """Write a text that appears complete or not at all."""
+    part = file.with_name(f".{file.name}.part")
+    try:
+        part.write_text(text, newline="")
+        os.replace(part, file)
+    except OSError:
+        part.unlink(missing_ok=True)
+        raise
+
+
 class Stopped(RuntimeError):
     """A run that the system has stopped, as a full disk does: says what is kept and how to go on."""
 
@@ -78,16 +91,19 @@ class Archive:
     Parameters
     ----------
     patterns : of names that the program writes beside those of a run, so that a new run deletes them
+    count : says how much is kept, such as "2 of 4 runs"; None: it counts states
     """
 
-    def __init__(self, folder: Path, comm, patterns: Iterable[str] = ()):
-        self.folder, self.comm = Path(folder), comm
+    def __init__(self, folder: Path, comm, patterns: Iterable[str] = (), count: Callable[[], str] | None = None):
+        self.folder, self.comm, self._count = Path(folder), comm, count or self._count_states
         self._patterns = {*PATTERNS, *patterns}
         self._states = StateFiles(self.folder, comm)
 
     @contextmanager
     def opened(self, parameters: dict, resume: bool) -> Iterator[list[State]]:
         """Keep other runs out of the folder for the time of a `with` block, which gets the states to go on from.
+
+        To resume in a folder that holds no run begins one.
 
         Raises
         ------
@@ -103,16 +119,18 @@ class Archive:
                 states = self._begin(parameters, resume, stack)
             except OSError as error:
                 raise ValueError(f"{_reason(error)}; choose another folder with -o") from error
+            tell(self._kept)
             try:
                 yield states
             except OSError as error:
-                raise Stopped(f"{_reason(error)}; {self._kept()}, once that is mended") from error
+                raise Stopped(f"{_reason(error)}; {self._kept()}; {HOW}, once that is mended") from error
             except KeyboardInterrupt as error:
-                raise Interrupted(f"interrupted; {self._kept()}") from error
+                raise Interrupted(f"interrupted; {self._kept()}; {HOW}") from error
             self.comm.barrier()
 
     def _begin(self, parameters: dict, resume: bool, stack: ExitStack) -> list[State]:
         # Looked at before it is locked: a folder that is refused does not get the lock's file.
+        resume = resume and self.comm.bcast((self.folder / PARAMETERS).exists())
         if resume:
             self.check(parameters)
         else:
@@ -124,11 +142,13 @@ class Archive:
         return []
 
     def _kept(self) -> str:
-        """What is kept, and how to go on; of this process, as others may no longer answer."""
-        whole = sum(1 for _ in self._states.whole(self._run))
-        if not whole:
-            return f"no state is kept in {self.folder}; start again"
-        return f"{whole} states are kept in {self.folder}; go on with --resume"
+        count = self._count()
+        return f"{count} {'is' if count.startswith('1 ') else 'are'} kept in {self.folder}"
+
+    def _count_states(self) -> str:
+        """Of all processes, by their files, since others may no longer answer."""
+        count = self._states.kept(self._manifest().get(RUN, ""))
+        return f"{count} state{'' if count == 1 else 's'}"
 
     def clear(self, parameters: dict) -> None:
         """Begin a new run in the folder: delete what an earlier one wrote.
@@ -143,9 +163,7 @@ class Archive:
 
     def check(self, parameters: dict) -> None:
         """Refuse to resume a run that was started with other parameters."""
-        file = self.folder / "parameters.json"
-        if not file.exists():
-            raise ValueError(f"--resume: {self.folder} holds no run; leave --resume out")
+        file = self.folder / PARAMETERS
         wanted = json.loads(json.dumps(parameters | {"processes": self.comm.size}))
         for name, value in json.loads(file.read_text()).items():
             if wanted.get(name) != value and not (name == "processes" and self._states.have_origins(value)):
@@ -170,13 +188,7 @@ class Archive:
         self._write(name, json.dumps(content, indent=2, default=float) + "\n")
 
     def _write(self, name: str, text: str) -> None:
-        part = self.folder / f".{name}.part"
-        try:
-            part.write_text(text)
-            os.replace(part, self.folder / name)
-        except OSError:
-            part.unlink(missing_ok=True)
-            raise
+        write_whole(self.folder / name, text)
 
     def __call__(self, state: State) -> None:
         """Keep a state."""
@@ -257,7 +269,7 @@ class Archive:
                     os.removedirs((self.folder / name).parent)
         (self.folder / "states").mkdir(parents=True, exist_ok=True)
         self._list(self._patterns, uuid4().hex)
-        self.write_json("parameters.json", parameters)
+        self.write_json(PARAMETERS, parameters)
 
     def _make_empty(self, unfinished: Path) -> None:
         if unfinished.exists():  # left by a run that was killed

@@ -15,8 +15,9 @@ from typing import Annotated
 
 import typer
 
-from .archive import Stopped
+from .archive import Stopped, write_whole
 from .checks import Range, require
+from .interrupts import release, tell
 from .scenes import load_case, of_script, scene_names
 from .studies.diagram_command import diagram_app
 from .studies.run import PLAIN, run_app
@@ -120,7 +121,8 @@ def chart(
 
     def keep(points, runs) -> None:
         write_table(points, folder / "chart.csv")
-        kept.write_text(json.dumps(runs))
+        write_whole(kept, json.dumps(runs))
+        tell(lambda: f"{sum(map(len, runs.values()))} runs are kept in {folder}")
 
     points = measure(reference, members, [] if no_peers else peers, repeat,
                      lambda line: console.print(line, soft_wrap=True, markup=False), keep,
@@ -170,6 +172,7 @@ def failure_map(
             if cell.method != REFERENCE:
                 done.append(cell)
                 write_map(done, output / "map.csv")
+                tell(lambda: f"{len(done)} cells are kept in {output}")
             line = f"{cell.trap}, {cell.method}: {cell.outcome}{'; ' if cell.reason else ''}{cell.reason}"
             progress.console.print(line, soft_wrap=True, markup=False, highlight=False)
             progress.advance(task)
@@ -187,7 +190,10 @@ def main() -> None:
     warnings.showwarning = _warn
     atexit.register(gc.freeze)  # at the end, too, nothing needs to be looked through that goes with the process
     try:
-        app()
+        try:
+            app()
+        finally:
+            release()
     except Exception as error:
         if os.environ.get("SHEETFX_TRACEBACK"):
             raise

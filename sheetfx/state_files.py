@@ -49,6 +49,16 @@ class StateFiles:
                 return
             yield state
 
+    def kept(self, run: str) -> int:
+        """How many states all processes have kept, by their files alone; the last is looked into."""
+        steps = next(step for step in count() if not self._file(step, 0).exists())
+        while steps:
+            first = self._read(steps - 1, 0, run)
+            if not isinstance(first, str) and all(self._file(steps - 1, rank).exists() for rank in range(first[1])):
+                break
+            steps -= 1
+        return steps
+
     def put_aside(self, first: int, run: str) -> None:
         """States from a step on go to a folder of their own, where there are any; none is deleted."""
         comm = self._comm

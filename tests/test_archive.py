@@ -369,20 +369,6 @@ def test_interrupted_run_says_how_to_go_on(whole, tmp_path):
     np.testing.assert_allclose(shallow(folder, resume=True), whole[1], rtol=1e-12, atol=1e-14)
 
 
-def test_interrupted_command_ends_in_one_line(tmp_path, monkeypatch, capsys):
-    from sheetfx import case, cli
-
-    def stop(*_):
-        raise Interrupted("interrupted; 4 states are kept in here; go on with --resume")
-
-    monkeypatch.setattr(case, "run", stop)
-    monkeypatch.setattr("sys.argv", ["sheetfx", "run", "star-dome", "-o", str(tmp_path)])
-    with pytest.raises(SystemExit):
-        cli.main()
-    assert capsys.readouterr().err == (
-        "sheetfx: error: interrupted; 4 states are kept in here; go on with --resume\n")
-
-
 def test_warnings_reach_the_user(tmp_path, monkeypatch, capsys):
     """In one line by the command, and in scripts too, though FFCx sends warnings to a logger without a reader."""
     from sheetfx import case, cli

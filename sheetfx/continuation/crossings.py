@@ -24,6 +24,7 @@ from petsc4py import PETSc
 from slepc4py import SLEPc
 
 from .. import compat
+from .callbacks import interruptible
 from .linear import DirectSolver
 from .state import State
 
@@ -236,7 +237,8 @@ def _solver(solver: DirectSolver | _Transposed, change: PETSc.Mat, count: int, t
     if which == SLEPc.EPS.Which.LARGEST_REAL:
         eps.setConvergenceTest(SLEPc.EPS.Conv.ABS)
     eps.setFromOptions()
-    eps.solve()
+    with interruptible():
+        eps.solve()
     return eps
 
 

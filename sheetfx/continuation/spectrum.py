@@ -8,6 +8,7 @@ from __future__ import annotations
 from petsc4py import PETSc
 from slepc4py import SLEPc
 
+from .callbacks import interruptible
 from .linear import DirectSolver
 
 PREFIX = "sheetfx_spectrum_"
@@ -66,7 +67,8 @@ def _solved(solver: DirectSolver, mass: PETSc.Mat, count: int, tolerance: float)
     eps.setDimensions(count, min(max(2 * count + 8, 12), mass.getSize()[0]))
     eps.setTolerances(tolerance, 300)
     eps.setFromOptions()
-    eps.solve()
+    with interruptible():
+        eps.solve()
     return eps
 
 

@@ -11,6 +11,7 @@ from petsc4py import PETSc
 from ..discrete.discretisation import Discretisation
 from ..model.advice import advice_on_supports
 from .arclength import TO_AND_FRO, create, fewer_iterations
+from .callbacks import interruptible
 from .control import LoadResponse, StepRule
 from .crossings import Uncounted, UnstableModes, first_critical
 from .enforcement import Enforcement
@@ -204,7 +205,8 @@ class Tracer(Measuring):
 
     def correct(self) -> bool:
         """Solve for the step that has begun, or on from where its last solution ended; whether that converges."""
-        self.snes.solve(None, self.x)
+        with interruptible():
+            self.snes.solve(None, self.x)
         self.stepper.continue_step()
         self.iterations += self.snes.getIterationNumber()
         self._most = max(self._most, self.snes.getIterationNumber() + self._elimination.found_since())

@@ -10,6 +10,8 @@ import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from ..interrupts import finally_
+
 WINDOWS = {"EGL": "vtkEGLRenderWindow", "OSMesa": "vtkOSOpenGLRenderWindow"}  # by the library that they need
 STARTS = 3  # of Xvfb, until one accepts connections
 CHOICE = "VTK_DEFAULT_OPENGL_WINDOW"  # variable by which VTK is told
@@ -30,10 +32,9 @@ def display() -> Iterator[None]:
     else:
         server, name = _start()
         try:
-            with _variable("DISPLAY", name):
+            with finally_(server.terminate), _variable("DISPLAY", name):
                 yield
         finally:
-            server.terminate()
             server.wait()
 
 

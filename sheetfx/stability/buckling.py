@@ -21,6 +21,7 @@ from petsc4py import PETSc
 from slepc4py import SLEPc
 
 from ..checks import Count, Positive, require
+from ..continuation.callbacks import interruptible
 from ..continuation.linear import DirectSolver
 from ..continuation.spectrum import solve_by
 from ..continuation.state import State
@@ -158,7 +159,8 @@ class _Problem:
         eps.setTolerances(1e-10, 500)
         solve_by(self.solver, eps.getST().getKSP())
         eps.setFromOptions()
-        eps.solve()
+        with interruptible():
+            eps.solve()
         values = [eps.getEigenvalue(i) for i in range(eps.getConverged())]
         largest = max(map(abs, values), default=0.0)
         pairs = []

@@ -10,17 +10,18 @@ from __future__ import annotations
 import json
 import os
 import re
-import subprocess
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
+from shutil import rmtree
 from statistics import median
-from tempfile import TemporaryDirectory
+from tempfile import mkdtemp
 
 import typer
 
+from .. import interrupts
 from ..scenes import load_case, scene_names
 from .run import run_app
 
@@ -52,7 +53,8 @@ class Member:
 
     def run(self) -> dict:
         """Run once in a process of its own; what `Point` takes."""
-        with TemporaryDirectory() as folder:
+        folder = mkdtemp()
+        with interrupts.finally_(lambda: rmtree(folder)):
             call([sys.executable, "-m", "sheetfx", "run", self.scene, *options(self.scene, self.parameters),
                   "-o", folder], os.environ | ONE_THREAD)
             summary = json.loads((Path(folder) / "summary.json").read_text())
@@ -116,7 +118,7 @@ class Point:
 
 def call(command: list[str], environment: dict) -> str:
     """Standard output of a command that must succeed."""
-    result = subprocess.run(command, env=environment, capture_output=True, text=True)
+    result = interrupts.call(command, environment)
     if result.returncode == 0:
         return result.stdout
     lines = [line for line in (result.stdout + "\n" + result.stderr).splitlines() if FAILURE.match(line)]

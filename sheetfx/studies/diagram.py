@@ -12,7 +12,6 @@ from __future__ import annotations
 import csv
 import json
 import os
-import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
@@ -26,6 +25,7 @@ from scipy.interpolate import CubicHermiteSpline, PPoly
 
 from ..archive import Archive
 from ..case import Case
+from ..interrupts import call
 from .chart import ONE_THREAD
 from .diagram_branch import Bounds
 
@@ -122,7 +122,8 @@ def trace_diagram(plan: Plan, folder: Folder, resume: bool = False,
     if MPI.COMM_WORLD.size > 1:
         raise ValueError(f"diagram: {MPI.COMM_WORLD.size} MPI processes, but the diagram starts processes of its own; "
                          "leave mpirun out and say --processes")
-    archive = Archive(folder, MPI.COMM_SELF, ("branches/*", "diagram.json", "diagram.csv", "diagram.png"))
+    archive = Archive(folder, MPI.COMM_SELF, ("branches/*", "diagram.json", "diagram.csv", "diagram.png"),
+                      lambda: f"{sum(1 for _ in Folder(folder).glob('branches/*/result.json'))} paths")
     primary = Traced(PRIMARY)
     with archive.opened({"scene": plan.scene, "bounds": asdict(plan.bounds)} | plan.parameters, resume):
         generation, listed = [primary], []
@@ -194,7 +195,7 @@ def _traced(plan: Plan, folder: Folder, branch: Traced, known: list[dict], split
 def _process(home: Folder) -> str:
     """Do the task in a folder by a process of its own, and return why it fails."""
     command = [sys.executable, "-m", "sheetfx.studies.diagram_branch", str(home)]
-    process = subprocess.run(command, env=os.environ | ONE_THREAD, capture_output=True, text=True)
+    process = call(command, os.environ | ONE_THREAD)
     lines = process.stderr.strip().splitlines() or [f"exit status {process.returncode}"]
     return lines[-1] if process.returncode else ""
 

@@ -10,12 +10,14 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import asdict, dataclass, fields
+from io import StringIO
 from pathlib import Path as Folder
 
 from mpi4py import MPI
 
-from ..archive import Archive
+from ..archive import Archive, write_whole
 from ..continuation.state import CriticalPoint
+from ..interrupts import call
 from ..path import Path, PathFailure, Until
 from .chart import ONE_THREAD
 from .judgement import CRASHED, STALLED, Judge, Trail, place
@@ -102,8 +104,7 @@ def _process(trap: str, method: str, folder: Folder, limit: float) -> Cell:
     """A cell traced in a process of its own, which is given some time for its last step."""
     command = [sys.executable, "-m", "sheetfx.studies.failure_map", trap, method, str(folder), str(limit)]
     try:
-        process = subprocess.run(command, env=os.environ | ONE_THREAD, capture_output=True, text=True,
-                                 timeout=1.5 * limit + 60)
+        process = call(command, os.environ | ONE_THREAD, timeout=1.5 * limit + 60)
     except subprocess.TimeoutExpired:
         return Cell(trap, method, STALLED, f"does not return from a step within {limit:g} s", limit, 0)
     if process.returncode:
@@ -159,10 +160,11 @@ def within(until: Until, point: CriticalPoint) -> bool:
 
 def write_map(cells: Sequence[Cell], file: Folder) -> None:
     """Write one line for each cell."""
-    with Folder(file).open("w", newline="") as stream:
-        writer = csv.DictWriter(stream, [f.name for f in fields(Cell)])
-        writer.writeheader()
-        writer.writerows(asdict(cell) for cell in cells)
+    text = StringIO(newline="")
+    writer = csv.DictWriter(text, [f.name for f in fields(Cell)])
+    writer.writeheader()
+    writer.writerows(asdict(cell) for cell in cells)
+    write_whole(Folder(file), text.getvalue())
 
 
 def read_map(file: Folder) -> list[Cell]:

@@ -29,7 +29,7 @@ def option(name: str, annotation, default, help_text: str, *flags: str, rules: S
 OF_A_FOLDER = Like("a text", lambda name: name is None or isinstance(name, str))  # "" is refused by `folder_of`
 OUTPUT = option("output", str | None, None, "Folder of the results; default results/NAME.", "-o", "--output",
                 metavar="PATH", rules=[OF_A_FOLDER])
-RESUME = option("resume", bool, False, "Go on with an interrupted run in that folder.", "--resume")
+RESUME = option("resume", bool, False, "Go on with an interrupted run in that folder, or begin it there.", "--resume")
 BALANCE = option("balance", float | None, None, "Accuracy of the energy balance, such as 1e-6; finds more states "
                  "within steps, in about the time of the path.", "--balance", rules=[POSITIVE])
 ANIMATE = option("animate", bool, False, "Draw animation.gif, the motion along the path.", "--animate")
@@ -117,7 +117,6 @@ def folder_of(name: str, output: str | None, ending: str = "") -> Path:
 def run_scene(name: str, function, parameters: dict, output: str | None, resume: bool, with_tables: bool,
               balance: float | None, animate: bool = False) -> None:
     """Run one scene with progress on the terminal."""
-    from ..archive import Interrupted, Stopped
     from ..case import run
     from ..show.animating import animation
     from ..show.progress import Progress
@@ -129,10 +128,7 @@ def run_scene(name: str, function, parameters: dict, output: str | None, resume:
         pictures = [*case.pictures, *([tables] if with_tables else []), *([animation] if animate else [])]
         case = replace(case, pictures=pictures, balance=balance or case.balance)
         progress.begin(case)
-        try:
-            summary = run(case, Path(name).stem, parameters, folder, resume, [progress])
-        except Interrupted as interruption:
-            raise Stopped(str(interruption)) from interruption
+        summary = run(case, Path(name).stem, parameters, folder, resume, [progress])
         progress.report(summary)
     if summary["status"] != "finished":
         raise typer.Exit(1)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import os
-import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
@@ -22,6 +21,7 @@ from mpi4py import MPI
 
 from ..archive import Archive
 from ..continuation.state import CriticalPoint, State
+from ..interrupts import call
 from ..scenes import load_case
 from .chart import ONE_THREAD
 
@@ -144,7 +144,8 @@ def trace_study(study: Study, folder: Folder, jobs: int = 1, resume: bool = Fals
             load_case(study.scene)(**study.fixed | run.chosen)
         except ValueError as error:
             raise ValueError(f"study, run {run.name}: {error}") from None
-    archive = Archive(folder, MPI.COMM_SELF, ("runs/*", "study.csv", "critical_points.csv", "study.png"))
+    archive = Archive(folder, MPI.COMM_SELF, ("runs/*", "study.csv", "critical_points.csv", "study.png"),
+                      lambda: f"{sum(run.finished for run in runs)} of {len(runs)} runs")
     with archive.opened({"scene": study.scene} | study.fixed, resume):
         for run in _ended(study, [run for run in runs if not run.finished], jobs, pictures):
             say(run)
@@ -172,6 +173,6 @@ def _task(study: Study, run: Run, pictures: bool) -> dict[str, Any]:
 def _process(task: dict[str, Any]) -> str:
     """Do a run by a process of its own, and return why it fails."""
     command = [sys.executable, "-m", "sheetfx.studies.study_run", json.dumps(task)]
-    process = subprocess.run(command, env=os.environ | ONE_THREAD, capture_output=True, text=True)
+    process = call(command, os.environ | ONE_THREAD)
     lines = process.stderr.strip().splitlines() or [f"exit status {process.returncode}"]
     return lines[-1] if process.returncode else ""
