@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import csv
 import os
+import random
 import re
 import signal
 import subprocess
 import sys
 import textwrap
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -53,33 +56,27 @@ def states(folder) -> np.ndarray:
     return np.array([(s.step, s.load, s.deflection) for s in Archive(folder, MPI.COMM_SELF).states()])
 
 
-@pytest.fixture(scope="module")
-def whole(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("whole")
-    assert sheetfx(*RUN, "-o", folder).returncode == 0
-    return states(folder)
-
-
-@pytest.mark.parametrize("moment, kept", [
-    (NOW, None),
-    (at_call("sheetfx.path:Path.__init__", 1), 0),
-    (at_call("sheetfx.continuation.arclength:PathStep._evaluate", 1), 1),
-    (at_call("sheetfx.continuation.arclength:PathStep._evaluate", 20), 5),
+MOMENTS = [  # and the states that are kept then; -1: all, None: those of earlier
+    (NOW, None), (at_call("sheetfx.path:Path.__init__", 1), 0),
+    (at_call("sheetfx.continuation.arclength:PathStep._evaluate", 20), 3),
     (at_call("sheetfx.archive:Archive.drawing", 1), -1),
-    (at_call("sheetfx.archive:Archive.write_json", 3), -1),
-], ids=["start-up", "before the path", "first step", "residual", "pictures", "summary"])
-def test_interrupted_at(moment, kept, whole, tmp_path):
-    """Twice, as impatient users do; the residual is evaluated within PETSc."""
-    result = sheetfx(*RUN, "-o", "run", before=moment.replace(NOW, f"{NOW}; {NOW}"), cwd=tmp_path)
-    assert result.returncode == 130, result.stderr
-    assert LINE.fullmatch(result.stderr), result.stderr
-    if kept is not None:
-        found = len(states(tmp_path / "run"))
-        assert f"{found} state" in result.stderr
-        assert found == {-1: len(whole)}.get(kept, found) and (found > 0) == (kept != 0)
-    resumed = sheetfx(*RUN, "-o", "run", "--resume", cwd=tmp_path)
-    assert resumed.returncode == 0, resumed.stderr
-    np.testing.assert_allclose(states(tmp_path / "run"), whole, rtol=1e-9, atol=1e-12)
+]
+
+
+def test_interrupted_again_and_again(tmp_path):
+    """At start-up, before the path, within PETSc and as pictures are drawn; twice each, as impatient users do."""
+    run(load_case("von-mises-truss")(), "truss", {}, tmp_path / "whole", resume=False)
+    whole, folder = states(tmp_path / "whole"), tmp_path / "run"
+    for moment, kept in MOMENTS:
+        result = sheetfx(*RUN, "-o", folder, "--resume", before=moment.replace(NOW, f"{NOW}; {NOW}"))
+        assert result.returncode == 130, result.stderr
+        assert LINE.fullmatch(result.stderr), result.stderr
+        if kept is not None:
+            found = len(states(folder))
+            assert f" {found} state" in result.stderr
+            assert kept <= found < len(whole) if kept >= 0 else found == len(whole)
+    assert sheetfx(*RUN, "-o", folder, "--resume").returncode == 0
+    np.testing.assert_allclose(states(folder), whole, rtol=1e-9, atol=1e-12)
 
 
 def test_interrupt_in_a_script(tmp_path, monkeypatch):
@@ -110,10 +107,71 @@ def test_started_processes_end_with_the_command(tmp_path):
     started.send_signal(signal.SIGINT)
     assert LINE.fullmatch(started.communicate(timeout=20)[1]) and started.returncode == 130
     for pid in pids.read_text().split():
-        with pytest.raises(OSError):
-            os.kill(int(pid), 0)
+        file = Path("/proc", pid, "stat")
+        assert not file.exists() or ") Z " in file.read_text(), "lives on"
 
 
-def test_resume_begins_where_nothing_is_kept(tmp_path):
-    assert sheetfx("study", "von-mises-truss", "--vary", "rise=1,3", "-o", "new", "--resume",
-                   cwd=tmp_path).returncode == 0
+def outcome(command: str, folder: Path) -> object:
+    """What a command has found; a chart's errors, since its times differ."""
+    if command == "run":
+        return states(folder).tolist()
+    if command == "study":
+        return [states(home).tolist() for home in sorted((folder / "runs").iterdir())]
+    if command == "diagram":
+        return [[row[c] for c in ("branch", "step", "load", "deflection")] for row in rows(folder / "diagram.csv")]
+    if command == "map":
+        return [[row["trap"], row["method"], row["outcome"]] for row in rows(folder / "map.csv")]
+    return [[row["method"], row["label"], row["error_percent"], row["runs"]] for row in rows(folder / "chart.csv")]
+
+
+CHARTED = """
+from sheetfx.scenes.von_mises_truss import case as truss
+
+REFERENCE, CHART = {"limit_load": 0.5}, [{"rise": 1.0}, {"rise": 2.0}]
+
+
+def case(rise: float = 3.0):
+    return truss(rise=rise)
+"""
+
+
+def rows(file: Path) -> list[dict[str, str]]:
+    with file.open() as stream:
+        return list(csv.DictReader(stream))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("processes, command, words", [
+    (1, "run", ["lee-frame"]),
+    (2, "run", ["lee-frame"]),
+    (1, "study", ["von-mises-truss", "--vary", "rise=1,2,3"]),
+    (1, "diagram", ["von-mises-truss", "--levels", "0"]),
+    (1, "chart", ["truss.py", "--no-peers", "--repeat", "1"]),
+    (1, "map", ["--traps", "lee-frame", "--methods", "default,load"]),
+])
+def test_random_moments(processes, command, words, tmp_path):
+    """Four interrupts, by the terminal to all processes or to one, then the same as without."""
+    (tmp_path / "truss.py").write_text(CHARTED)
+    words = [str(tmp_path / word) if word == "truss.py" else word for word in words]
+    mpi = ["mpirun", "-n", str(processes)] if processes > 1 else []
+    line = [*mpi, sys.executable, "-m", "sheetfx", command, *words]
+    began = time.perf_counter()
+    subprocess.run([*line, "-o", tmp_path / "whole"], check=True, capture_output=True)
+    lasts, chance = time.perf_counter() - began, random.Random(f"{command} {processes}")
+    for number in range(4):
+        started = subprocess.Popen([*line, "-o", tmp_path / "parts", "--resume"], stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, text=True, start_new_session=True)
+        moment = chance.uniform(0.1, 0.8) * lasts
+        try:
+            started.communicate(timeout=moment)
+            continue  # it has ended before
+        except subprocess.TimeoutExpired:
+            (os.killpg if number % 2 else os.kill)(started.pid, signal.SIGINT)
+        began = time.perf_counter()
+        _, said = started.communicate(timeout=60)
+        print(f"\n{command} on {processes}: at {moment:.1f} s of {lasts:.1f} s, status {started.returncode} after "
+              f"{time.perf_counter() - began:.2f} s: {said}", end="")
+        assert LINE.fullmatch(said), said
+        assert started.returncode == (1 if mpi else 130)  # mpirun has a status of its own
+    subprocess.run([*line, "-o", tmp_path / "parts", "--resume"], check=True, capture_output=True)
+    assert str(outcome(command, tmp_path / "parts")) == str(outcome(command, tmp_path / "whole"))
