@@ -9,6 +9,7 @@ for state in Path(scene, ArcLength(), until=Until(deflection=40.0)):
 from __future__ import annotations
 
 import time
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from math import copysign, inf, isclose, pi
@@ -29,6 +30,7 @@ from .discrete.discretisation import Discretisation
 from .model.scene import Scene, Stage
 from .stability.critical import locate
 from .stability.flutter import Flutter
+from .stability.rest import unstable_at_rest
 from .stability.verdict import searched
 
 CORNERED = 1 / 16  # of a step, length with which it fails where the path is taken to have a corner
@@ -90,6 +92,8 @@ class Path:
         self._listeners: list[Callable[[State], None]] = []
         self._earlier = self.start[-2] if len(start) > 1 else None
         self._trail = None if self.tracer.system.smooth else Trail(self.tracer, self.start or [self.tracer.state])
+        if not start and self.tracer.state.unstable_modes:
+            warnings.warn(unstable_at_rest(self.tracer), stacklevel=2)
         if start:
             self.tracer.back_to(self.control.facing(self.start[-1]))
         else:
@@ -294,14 +298,38 @@ class Path:
         cause, details = f"does not converge {shortest}", (
             f"{self.tracer.reason()} after {len(history) - 1} iterations (relative residuals "
             f"{', '.join(f'{h:.1e}' for h in history[-4:])})")
+        remedy = "try a smaller first step, another control or look at the structure at that state"
+        if limit := self._limit_ahead(state, 2 * length):
+            details = (f"a limit point lies just ahead, at a load of about {limit:.6g}, as the stiffness along the path "
+                       "falls to zero; load control finds no state beyond it")
+            remedy = ("follow the path through it by fx.ArcLength() or fx.DisplacementControl(...), or let the "
+                      "structure fall from the last state by `record.snap(state)`")
+        elif self.tracer.stepper.rounds:
+            details += "; that is rounding, as the load is too small beside the stiffness of the structure"
+            remedy = "give a larger load and scale the results"
         if self._refusal:
             cause, details = f"is refused {shortest}", f"it converges, but {self._refusal}"
         failure = PathFailure(
             f"step {state.step + 1} from load {state.load:.6g}, deflection {state.deflection:.6g} {cause}: {details}. "
-            f"All states up to step {state.step} are kept; try a smaller first step, another control or "
-            "look at the structure at that state.")
+            f"All states up to step {state.step} are kept; {remedy}.")
         failure.cause = cause
         return failure
+
+    def _limit_ahead(self, state: State, length: float) -> float | None:
+        """Load of a limit point within a step of load control that fails; None: nothing tells of one.
+
+        About a limit point the load lacks of its extreme what is proportional to the square of its rate, which is
+        that of the current stiffness parameter.
+        """
+        before = self._earlier
+        if before is None or before.stage != state.stage or not isinstance(self.control, LoadControl):
+            return None
+        now, then = state.current_stiffness**2, before.current_stiffness**2
+        if state.current_stiffness * before.current_stiffness <= 0 or now >= then:
+            return None
+        part = now / (then - now)
+        ahead = part * abs(state.factor - before.factor)
+        return state.load + part * (state.load - before.load) if ahead <= length else None
 
 
 def _preloading(stage: Stage) -> LoadControl:

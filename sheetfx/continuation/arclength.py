@@ -266,6 +266,14 @@ class PathStep:
             stays = step <= 1e-4 and self.system.smooth and residual < 1e-3 and steady
         return stays and self._residual.norm() <= ROUNDED * self.system.largest_force()
 
+    @property
+    def rounds(self) -> bool:
+        """Whether a residual that rounding can explain is too large beside the load."""
+        if not self.history:
+            return False
+        bound, size = ROUNDED * self.system.largest_force(), max(self._load.norm(), self.system.reaction)
+        return self._residual.norm() <= bound and bound >= WRONG * size
+
     def _is_lost(self) -> bool:
         """Whether what began with a guess leads away from it, or Newton's steps have long led nowhere."""
         if self._guess is not None:

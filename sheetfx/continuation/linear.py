@@ -129,20 +129,32 @@ class DirectSolver:
     def solve_transposed(self, right: PETSc.Vec, solution: PETSc.Vec) -> None:
         self.ksp.getPC().applyTranspose(right, solution)
 
-    def check(self, right: PETSc.Vec) -> None:
+    def check(self, pattern: PETSc.Vec) -> None:
         """Solve for any loads and see whether the solution satisfies the equations.
 
-        Rounding hides a zero pivot; the solution is then so large that its residual is too.
+        Rounding hides a zero pivot; the solution is then so large that its residual is too. Each unknown counts in
+        units of its own stiffness, the diagonal of the matrix, so that units of lengths and forces do not matter; where it
+        has none, of the stiffest.
+
+        Parameters
+        ----------
+        pattern : loads over the roots of the diagonal
 
         Raises
         ------
         SingularTangent
         """
+        roots, right = self.matrix.getDiagonal(), pattern.duplicate()
+        roots.sqrtabs()
+        largest = roots.max()[1]
+        roots.array[~(roots.array > 0)] = largest
+        right.pointwiseMult(pattern, roots)
         solution, residual = right.duplicate(), right.duplicate()
         self.solve(right, solution)
         self.matrix.mult(solution, residual)
         residual.axpy(-1.0, right)
-        if not residual.norm() <= 1e-3 * right.norm():
+        residual.pointwiseDivide(residual, roots)
+        if not residual.norm() <= 1e-3 * pattern.norm():
             raise SingularTangent("the tangent is singular")
 
     def negative_pivots(self) -> int | None:

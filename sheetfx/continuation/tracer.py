@@ -9,7 +9,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from ..discrete.discretisation import Discretisation
-from ..model.advice import advice_on_supports
+from ..discrete.free_motions import why_singular
 from .arclength import TO_AND_FRO, create, fewer_iterations
 from .callbacks import interruptible
 from .control import LoadResponse, StepRule
@@ -57,8 +57,7 @@ class Tracer(Measuring):
             self._load.array[self.system.multiplier_rows] = 0  # gaps of such a size would need forces that only round
             self.stepper.linear.check(self._load)
         except SingularTangent:
-            raise ValueError("the unloaded structure can move freely (its tangent is singular): "
-                             + advice_on_supports(discretisation.scene)) from None
+            raise ValueError(why_singular(discretisation)) from None
         self._mark_factored(moved=False)
         self._choose_first_length()
         self.state = replace(self.state, next_length=self.first)
@@ -306,6 +305,8 @@ class Tracer(Measuring):
             self.stepper.linear.solve(self._load, self._response)
         work = self._load.dot(self._response)
         if self._reference is None:
+            if self.tangent.norm2 != self.tangent.norm2:
+                raise SingularTangent("the tangent has no numbers")
             if not self.tangent.norm2 > 0:
                 raise ValueError("Scene: the structure does not respond to its loads; they act on supports only, or "
                                  "cancel out: move or change them")

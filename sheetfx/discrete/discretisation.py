@@ -41,6 +41,7 @@ class Discretisation:
     Attributes
     ----------
     fields : Fields
+    layout : rows of the system
     system : System
     contacts : list of ContactFields
     sharings : nodes that have the unknowns of others
@@ -71,7 +72,7 @@ class Discretisation:
             joints = list(self._of_joints())
             others = [*self._of_contacts(), *joints, *chain(*(works for _, works in loads)), FixedIncrements()]
             contributions = [*self._of_parts(), *others]
-        layout = without_redundant(Layout(fields.comm, fields.blocks, fixed, self.sharings), joints, self.unknowns)
+        layout = self.layout = without_redundant(Layout(fields.comm, fields.blocks, fixed, self.sharings), joints, self.unknowns)
         self.follower = look_for_potentials(loads, self.unknowns, layout, fields.factors, self.clock)
         self.system = System(self.unknowns, contributions, layout, fields.factors, self.clock)
         self._totals = [[load.total(fields.at_stage(n)) for load in stage.loads]

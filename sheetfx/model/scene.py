@@ -177,9 +177,9 @@ class Scene:
         apart = [mesh for mesh in meshes if mesh not in groups[meshes[0]]]
         if apart:
             here, there = (next(p for p in self.parts if p.mesh is mesh) for mesh in (meshes[0], apart[0]))
-            warn(f"Scene: nothing joins the {_named(here)} and the {_named(there)}; they are solved side by "
-                          "side. Join them (weld, hinge, Spring), mesh them together, or trace each in a scene of "
-                          "its own")
+            warn(f"Scene: nothing joins the {part_named(here)} and the {part_named(there)}; they are solved side by "
+                 "side. Join them (weld, hinge, Spring), mesh them together, or trace each in a scene of "
+                 "its own")
 
     def _tell_points(self) -> None:
         """Warn, once for each kind of joint, of those at single points of shells."""
@@ -225,6 +225,6 @@ def _meshes_of(one: Any) -> list[NamedMesh]:
     return [mesh for mesh in (*found, *joined) if isinstance(mesh, NamedMesh)]
 
 
-def _named(part: Beam | Bar | Shell) -> str:
+def part_named(part: Beam | Bar | Shell) -> str:
     """A part by its kind and what its mesh is made of."""
     return f"{type(part).__name__} on {part.group or ', '.join(part.mesh.cells)}"
