@@ -9,7 +9,6 @@ for state in Path(scene, ArcLength(), until=Until(deflection=40.0)):
 from __future__ import annotations
 
 import time
-import warnings
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from math import copysign, inf, isclose, pi
@@ -19,6 +18,7 @@ from .checks import require
 from .continuation.control import ArcLength, DisplacementControl, LoadControl, StepRule
 from .continuation.corner import LEAST, around_corner, change_ahead, up_to_change
 from .continuation.events import Event, Hidden, end_at, occurrences
+from .continuation.failing import explained_failure
 from .continuation.linear import SingularTangent
 from .continuation.scattered import ScatteredState
 from .continuation.segment import Jump, Missed
@@ -28,6 +28,7 @@ from .continuation.trail import Trail
 from .continuation.until import AT_BOUND, Until
 from .discrete.discretisation import Discretisation
 from .model.scene import Scene, Stage
+from .notices import warn
 from .stability.critical import locate
 from .stability.flutter import Flutter
 from .stability.rest import unstable_at_rest
@@ -93,7 +94,7 @@ class Path:
         self._earlier = self.start[-2] if len(start) > 1 else None
         self._trail = None if self.tracer.system.smooth else Trail(self.tracer, self.start or [self.tracer.state])
         if not start and self.tracer.state.unstable_modes:
-            warnings.warn(unstable_at_rest(self.tracer), stacklevel=2)
+            warn(unstable_at_rest(self.tracer))
         if start:
             self.tracer.back_to(self.control.facing(self.start[-1]))
         else:
@@ -299,14 +300,8 @@ class Path:
             f"{self.tracer.reason()} after {len(history) - 1} iterations (relative residuals "
             f"{', '.join(f'{h:.1e}' for h in history[-4:])})")
         remedy = "try a smaller first step, another control or look at the structure at that state"
-        if limit := self._limit_ahead(state, 2 * length):
-            details = (f"a limit point lies just ahead, at a load of about {limit:.6g}, as the stiffness along the path "
-                       "falls to zero; load control finds no state beyond it")
-            remedy = ("follow the path through it by fx.ArcLength() or fx.DisplacementControl(...), or let the "
-                      "structure fall from the last state by `record.snap(state)`")
-        elif self.tracer.stepper.rounds:
-            details += "; that is rounding, as the load is too small beside the stiffness of the structure"
-            remedy = "give a larger load and scale the results"
+        details, remedy = explained_failure(self.control, self.tracer.stepper, self._earlier, state, 2 * length) or (
+            details, remedy)
         if self._refusal:
             cause, details = f"is refused {shortest}", f"it converges, but {self._refusal}"
         failure = PathFailure(
@@ -314,22 +309,6 @@ class Path:
             f"All states up to step {state.step} are kept; {remedy}.")
         failure.cause = cause
         return failure
-
-    def _limit_ahead(self, state: State, length: float) -> float | None:
-        """Load of a limit point within a step of load control that fails; None: nothing tells of one.
-
-        About a limit point the load lacks of its extreme what is proportional to the square of its rate, which is
-        that of the current stiffness parameter.
-        """
-        before = self._earlier
-        if before is None or before.stage != state.stage or not isinstance(self.control, LoadControl):
-            return None
-        now, then = state.current_stiffness**2, before.current_stiffness**2
-        if state.current_stiffness * before.current_stiffness <= 0 or now >= then:
-            return None
-        part = now / (then - now)
-        ahead = part * abs(state.factor - before.factor)
-        return state.load + part * (state.load - before.load) if ahead <= length else None
 
 
 def _preloading(stage: Stage) -> LoadControl:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from mpi4py import MPI
 from petsc4py import PETSc
 from scipy.sparse import csc_matrix, issparse
 
@@ -129,16 +130,18 @@ class DirectSolver:
     def solve_transposed(self, right: PETSc.Vec, solution: PETSc.Vec) -> None:
         self.ksp.getPC().applyTranspose(right, solution)
 
-    def check(self, pattern: PETSc.Vec) -> None:
+    def check(self, pattern: PETSc.Vec, stiffest: PETSc.Vec) -> None:
         """Solve for any loads and see whether the solution satisfies the equations.
 
         Rounding hides a zero pivot; the solution is then so large that its residual is too. Each unknown counts in
-        units of its own stiffness, the diagonal of the matrix, so that units of lengths and forces do not matter; where it
-        has none, of the stiffest.
+        units of its own stiffness, the diagonal of the matrix, so that units of lengths and forces do not matter;
+        where it has none, of the stiffest.
 
         Parameters
         ----------
         pattern : loads over the roots of the diagonal
+        stiffest : for each unknown the largest diagonal entry of those in its unit, beside which no stiffness can be
+            less than rounding
 
         Raises
         ------
@@ -146,6 +149,9 @@ class DirectSolver:
         """
         roots, right = self.matrix.getDiagonal(), pattern.duplicate()
         roots.sqrtabs()
+        idle = bool((roots.array**2 < np.finfo(float).eps * stiffest.array).any())
+        if self.matrix.comm.tompi4py().allreduce(idle, op=MPI.LOR):
+            raise SingularTangent("the tangent is singular")
         largest = roots.max()[1]
         roots.array[~(roots.array > 0)] = largest
         right.pointwiseMult(pattern, roots)

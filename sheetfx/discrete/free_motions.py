@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 from dolfinx.mesh import compute_midpoints
+from mpi4py import MPI
+from petsc4py import PETSc
 from scipy.sparse import csr_array, diags_array, eye_array
 from scipy.sparse.linalg import LinearOperator, eigs, eigsh, splu
 
@@ -37,6 +39,21 @@ def why_singular(discretisation) -> str:
     return f"{begin}: {words}" + ("" if words.startswith("rotations") else f"; {advice}")
 
 
+def stiffest_alike(discretisation) -> PETSc.Vec:
+    """For each unknown the largest entry on the assembled tangent's diagonal of those of its field; 0: fixed."""
+    system, layout = discretisation.system, discretisation.layout
+    diagonal, found = system.matrix.getDiagonal(), system.create_vector()
+    diagonal.copy(found)
+    found.abs()
+    found.array[system.fixed_rows] = 0
+    arrays = layout.arrays(found)
+    for field, array in layout.fields(arrays):
+        array[field.dofs] = system.comm.allreduce(float(array[field.dofs].max(initial=0.0)), op=MPI.MAX)
+    layout.put(arrays, found)
+    found.array[system.fixed_rows] = 0
+    return found
+
+
 def null_vectors(discretisation) -> np.ndarray:
     """Orthonormal null vectors of the assembled tangent, in roots of its diagonal; shape (rows, vectors).
 
@@ -47,7 +64,8 @@ def null_vectors(discretisation) -> np.ndarray:
     full = csr_array((values, columns, start))
     free = np.setdiff1d(np.arange(full.shape[0]), system.fixed_rows)
     matrix = full[free][:, free]
-    roots = np.sqrt(np.abs(matrix.diagonal()))
+    roots, largest = np.sqrt(np.abs(matrix.diagonal())), np.sqrt(stiffest_alike(discretisation).array[free])
+    roots = np.where(roots < np.finfo(float).eps ** 0.5 * largest, largest, roots)
     stiff = roots > 0
     scale = np.where(stiff, 1 / np.where(stiff, roots, 1.0), 0.0)
     coupled = abs(matrix @ diags_array(scale)).max(axis=1).toarray()

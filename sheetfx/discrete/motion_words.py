@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import null_space
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
@@ -175,7 +174,8 @@ def _rigid_words(rigid: np.ndarray, centre: np.ndarray, size: float, dimension: 
     if turns.shape[1] == 3:
         arms = np.concatenate([np.cross(omega, np.eye(3)).T for omega in turns[3:].T])
         fixed = np.linalg.lstsq(arms, -turns[:3].T.ravel(), rcond=None)[0]
-        return " and ".join([*words, f"can turn about every axis through {words_of_place(centre + size * fixed, size)}"])
+        place = words_of_place(centre + size * fixed, size)
+        return " and ".join([*words, f"can turn about every axis through {place}"])
     axes = [i for i, axis in enumerate(np.eye(3))
             if np.linalg.norm(axis - turns[3:] @ np.linalg.lstsq(turns[3:], axis, rcond=None)[0]) < CLOSE]
     if len(axes) == turns.shape[1]:
@@ -214,11 +214,10 @@ def _direction(vector: np.ndarray) -> str:
 
 def _mechanism(moving: list[Moving], motions: int, size: float) -> str:
     """One motion that is rigid for no body: the one that one node takes most of."""
-    stacked = [(m, kind, m.displacements if kind == "moves" else m.spins) for m in moving for kind in ("moves", "turns")]
-    largest = max((np.linalg.norm(values, axis=1).max(initial=0.0) for _, kind, values in stacked if kind == "moves"))
-    spins = max((np.linalg.norm(values, axis=1).max(initial=0.0) for _, kind, values in stacked if kind == "turns"))
+    moves, turns = ([getattr(m, name).reshape(-1, motions) for m in moving] for name in ("displacements", "spins"))
+    largest, spins = (max(np.abs(rows).max(initial=0.0) for rows in kind) for kind in (moves, turns))
     kind = "moves" if largest > CLOSE * spins else "turns"
-    rows = np.concatenate([values.reshape(-1, motions) for _, k, values in stacked if k == kind])
+    rows = np.concatenate(moves if kind == "moves" else turns)
     chosen = rows[np.argmax(np.linalg.norm(rows, axis=1))]
     found = [m.combined(chosen[:, None] / (chosen @ chosen)) for m in moving]
     if kind == "turns":

@@ -1,0 +1,43 @@
+"""Why a step fails, and what to do about it, as the states and the residuals before it tell."""
+
+from __future__ import annotations
+
+from .arclength import PathStep
+from .control import LoadControl, StepRule
+from .state import State
+
+
+def explained_failure(control: StepRule, stepper: PathStep, before: State | None, state: State,
+                      length: float) -> tuple[str, str] | None:
+    """Cause and remedy of a failure of steps from a state; None: nothing tells.
+
+    Parameters
+    ----------
+    before : state before that one
+    length : of the shortest step that has been tried
+    """
+    limit = _limit_ahead(before, state, length) if before and isinstance(control, LoadControl) else None
+    if limit is not None:
+        return (f"a limit point lies just ahead, at a load of about {limit:.6g}, as the stiffness along the path falls "
+                "to zero; load control finds no state beyond it",
+                "follow the path through it by fx.ArcLength() or fx.DisplacementControl(...), or let the structure "
+                "fall from the last state by `record.snap(state)`")
+    if stepper.rounds:
+        return (f"the residual is rounding (relative residuals {stepper.history[-1]:.1e} at last), as the load is too "
+                "small beside the stiffness of the structure", "give a larger load and scale the results")
+    return None
+
+
+def _limit_ahead(before: State, state: State, length: float) -> float | None:
+    """Load of a limit point within a step of load control; None: nothing tells of one.
+
+    About a limit point the load lacks of its extreme what is proportional to the square of its rate, which is that of
+    the current stiffness parameter.
+    """
+    now, then = state.current_stiffness, before.current_stiffness
+    if before.stage != state.stage or now * then <= 0 or abs(now) >= abs(then):
+        return None
+    part = now**2 / (then**2 - now**2)
+    if part * abs(state.factor - before.factor) > length:
+        return None
+    return state.load + part * (state.load - before.load)
