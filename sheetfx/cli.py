@@ -191,7 +191,7 @@ def main() -> None:
     atexit.register(gc.freeze)  # at the end, too, nothing needs to be looked through that goes with the process
     try:
         try:
-            app()
+            app(prog_name="sheetfx")
         finally:
             release()
     except Exception as error:

@@ -72,14 +72,12 @@ class Scenes(Suggesting):
         options = TyperCommand.shell_complete(self, context, incomplete) if incomplete.startswith("-") else []
         return [*map(CompletionItem, (*names, *scripts(incomplete))), *options]
 
-    def format_commands(self, context, formatter):
-        """List the names without importing every scene."""
-        with formatter.section("Scenes"):
-            formatter.write_text(", ".join(scene_names()) + "; or your own script.py with a "
-                                 "function `case` that returns a sheetfx.Case; its annotated parameters become options")
-        with formatter.section("Example"):
-            formatter.write_text(f"{context.command_path} FOLDER/script.py --size 2.0, where the script has "
-                                 "def case(size: float = 1.0) -> fx.Case")
+    def format_help(self, context, formatter):
+        self.epilog = ("A script of your own stands in place of a scene: it has a function `case` that returns a "
+                       "sheetfx.Case, and whose annotated parameters become options.\n\n"
+                       f"Example: {context.command_path} FOLDER/script.py --size 2.0, where the script has "
+                       "def case(size: float = 1.0) -> fx.Case")
+        super().format_help(context, formatter)
 
 
 run_app = typer.Typer(cls=Scenes)
