@@ -68,6 +68,7 @@ def said(capfd, monkeypatch, *words) -> tuple[int, str, str]:
     (["rnu", "arch"], "did you mean 'run'?"),
     (["run", "arch", "--element", "3"], "--elements"),
     (["run", "arch", "--elements", "3", "--elements", "4"], "option --elements is given twice; leave one out"),
+    (["study", "arch", "--vary", "elemnts=3,4"], "no option 'elemnts'; did you mean 'elements'?"),
     (["map", "--traps", "a", "--traps", "b"], "option --traps is given twice; leave one out"),
 ])
 def test_wrong_words(capfd, monkeypatch, words, answer):

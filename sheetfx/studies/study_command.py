@@ -9,6 +9,7 @@ from typing import Any
 
 import typer
 
+from ..scenes import meant
 from .run import OF_A_FOLDER, RESUME, Scenes, folder_of, option, run_app, with_options
 
 OWN = [
@@ -60,8 +61,9 @@ def variations(name: str, function, parameters: dict[str, Any], texts: Sequence[
         key, _, values = text.partition("=")
         key = key.strip().lstrip("-").replace("-", "_")
         if key not in known:
-            raise ValueError(f"study of {name}: --vary {text}: no option {key!r}; choose from "
-                             f"{', '.join(p.opts[0].lstrip('-') for p in known.values())}")
+            names = [p.opts[0].lstrip("-") for p in known.values()]
+            raise ValueError(f"study of {name}: --vary {text}: no option {key!r}; {meant(key, names)}choose from "
+                             f"{', '.join(names)}")
         if key in varied:
             raise ValueError(f"study of {name}: --vary {key} is given twice; give all its values at once")
         if parameters[key] != inspect.signature(function).parameters[key].default:
