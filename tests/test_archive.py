@@ -332,7 +332,7 @@ def test_disk_that_is_full_for_a_picture(tmp_path):
             (folder / "path.png").symlink_to("/dev/full")
             (folder / "path.png").write_text("drawn")
 
-    with pytest.raises(Stopped, match="No space left on device; 1 states are kept in .*; go on with --resume, once"):
+    with pytest.raises(Stopped, match="No space left on device; 1 state is kept in .*; go on with --resume, once"):
         archive = Archive(tmp_path, MPI.COMM_WORLD)
         with archive.opened(PARAMETERS, False):
             archive(state(0))
