@@ -100,8 +100,8 @@ def stiffened_plate(size, hole=HOLE, ribs=RIBS):
 def hat(size, gap, bolts):
     """Model of the hat: five strips at a distance `gap` of mid-surfaces, groups "feet" and "hat", `bolts` in a row."""
     middle = HAT_HALF_TOP + HAT_SLOPE + HAT_FOOT / 2
-    outline = [(-HAT_HALF_TOP - HAT_SLOPE - HAT_FOOT, 0.0), (-HAT_HALF_TOP - HAT_SLOPE, 0.0), (-HAT_HALF_TOP, HAT_HEIGHT),
-               (HAT_HALF_TOP, HAT_HEIGHT), (HAT_HALF_TOP + HAT_SLOPE, 0.0), (HAT_HALF_TOP + HAT_SLOPE + HAT_FOOT, 0.0)]
+    half = [(HAT_HALF_TOP, HAT_HEIGHT), (HAT_HALF_TOP + HAT_SLOPE, 0.0), (HAT_HALF_TOP + HAT_SLOPE + HAT_FOOT, 0.0)]
+    outline = [*((-y, z) for y, z in reversed(half)), *half]
     places = [(x, HAT_AT + side * middle, gap)
               for side in (-1, 1) for x in np.linspace(HAT_ENDS[0] + 50, HAT_ENDS[1] - 50, bolts)]
 
@@ -151,7 +151,7 @@ def scene_of(plate, *cap, thickness=4.0):
     for mesh in cap:
         parts.append(fx.Shell(mesh, fx.Plate(HAT_THICKNESS), STEEL))
         reach = (thickness + HAT_THICKNESS) / 2 + 0.1
-        joints += [fx.bolt(mesh, name, (plate, "plate"), reach=reach) for name in mesh.points if name.startswith("bolt")]
+        joints += [fx.bolt(mesh, name, (plate, "plate"), reach=reach) for name in mesh.points]
     supports = [fx.Support(plate, "west plate", "x z"), fx.Support(plate, "west ribs", "x"),
                 fx.Support(plate, "east plate", "z"), fx.Support(plate, "sides", "z"),
                 fx.Support(plate, "south-west", "y"), fx.Support(plate, "south-east", "y")]
@@ -165,7 +165,7 @@ def unloaded(scene):
 
 
 def answers(record):
-    """Largest von Mises stress in the skin and where, reactions at both ends, over all at the last state."""
+    """Largest von Mises stress in the skin, and reactions along x at both ends, of the last state."""
     record.show(record.states[-1])
     skin = record.case.scene.parts[0]
     faces = [record.stresses(skin, side * skin.section.thickness / 2) for side in (-1, 1)]
@@ -203,8 +203,8 @@ def case(size: float = 60.0, bolts: int = 4, imperfection: float = 0.4, thicknes
 # ## Stiffness and buckling of the bare panel, against closed forms
 #
 # Without hole and hat the stiffness is $EA/L$ of all that is pushed. A hole of a radius $a$ takes the share
-# $3 \pi a^2 / (LB)$ from the stiffness of the plate (a single hole in a large sheet). The bay between the stiffeners buckles
-# between the loads of a long plate with simply supported and with clamped sides, $k = 4$ and $6.97$ in
+# $3 \pi a^2 / (LB)$ from the stiffness of the plate (a single hole in a large sheet). The bay between the stiffeners
+# buckles between the loads of a long plate with simply supported and with clamped sides, $k = 4$ and $6.97$ in
 # $k \pi^2 E t^2 / (12 (1 - \nu^2) b^2)$: webs and outer bays resist its rotation.
 
 # %%
@@ -223,33 +223,44 @@ if __name__ == "__main__":
 
 # %% [markdown]
 # ## The panel with its hat: first modes, and the path to 1.5 mm
+#
+# The imperfection is the first mode. Load and reactions at both ends are the same force.
+
 
 # %%
+def followed(**options):
+    """A record of a path, and its line of a table: load, stress, states, CPU time."""
+    begin = time.process_time()
+    record = fx.trace(case(**options))
+    last, found = record.states[-1], answers(record)
+    assert np.allclose([found["west"], -found["east"]], last.load, rtol=1e-6)
+    print(f"{last.load / 1e3:7.1f} kN {found['mises']:6.0f} MPa, {len(record.states)} states,",
+          f"{time.process_time() - begin:.1f} s,", *[p.title for p in record.critical_points], options, flush=True)
+    return record, last.load, found["mises"]
+
+
 if __name__ == "__main__":
     record = unloaded(scene_of(*meshes(60.0, 3.0, 4)))
     buckling = record.buckling(count=3)
     print("with the hat: buckling at", *(f"{m.load / 1e3:.1f}" for m in buckling), "kN")
+    assert buckling[0].load > modes[0].load, "the hat stiffens the bay"
     record.modes("panel_modes.png")
-    record = fx.trace(case(to=0.3 if QUICK else 1.5))
+    record, load, stress = followed(to=0.3 if QUICK else 1.5)
     record.curve("panel_curve.png")
-    record.shapes("panel_shape.png")
-    last, found = record.states[-1], answers(record)
-    print(f"at {last.deflection:.2f} mm: {last.load / 1e3:.1f} kN, von Mises stress {found['mises']:.0f} MPa; critical:",
-          *(p.title for p in record.critical_points) or ["none"])
-    print(f"reactions {found['west']:.1f} N west, {found['east']:.1f} N east; energy off by {record.balance().off:.1e}")
-    assert np.allclose([found["west"], -found["east"]], last.load, rtol=1e-6)
+    record.view("panel_shape.png", along="z")
+    print(f"energy off by {record.balance().off:.1e} of the work")
+    assert record.balance().off < 1e-3
 
 # %% [markdown]
 # ## What the answers depend on
+#
+# From 60 to 40 mm the load changes by 0.5 % and the largest stress, at the edge of the hole, by 7 %.
 
 # %%
-VARIED = {"as it is": {}, "cells of 40 mm": {"size": 40.0}, "no hat": {"bolts": 0},
-          "imperfection 0.1 mm": {"imperfection": 0.1}, "imperfection -0.4 mm": {"imperfection": -0.4}}
 if __name__ == "__main__" and not QUICK:
-    results = {}
-    for name, options in VARIED.items():
-        begin = time.process_time()
-        record = fx.trace(case(**options))
-        results[name] = np.array([record.states[-1].load / 1e3, answers(record)["mises"]])
-        print(f"{name:22s} {results[name][0]:6.1f} kN {results[name][1]:6.0f} MPa {len(record.states)} states"
-              f" {time.process_time() - begin:5.1f} s", flush=True)
+    _, fine, peak = followed(size=40.0)
+    assert abs(fine / load - 1) < 0.01 and abs(peak / stress - 1) < 0.1
+    _, bare, _ = followed(bolts=0)
+    assert bare < 0.99 * load, "the hat carries more than the mesh error"
+    _, straighter, _ = followed(imperfection=0.1)
+    assert straighter > 0.99 * load
