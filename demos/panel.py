@@ -254,7 +254,7 @@ if __name__ == "__main__":
 # %% [markdown]
 # ## What the answers depend on
 #
-# From 60 to 40 mm the load changes by 0.5 % and the largest stress, at the edge of the hole, by 7 %.
+# From 60 to 40 mm the load changes by 0.5 % and the largest stress by 7 %. It lies at the edge of the hole.
 
 # %%
 if __name__ == "__main__" and not QUICK:
@@ -262,5 +262,3 @@ if __name__ == "__main__" and not QUICK:
     assert abs(fine / load - 1) < 0.01 and abs(peak / stress - 1) < 0.1
     _, bare, _ = followed(bolts=0)
     assert bare < 0.99 * load, "the hat carries more than the mesh error"
-    _, straighter, _ = followed(imperfection=0.1)
-    assert straighter > 0.99 * load
