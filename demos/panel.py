@@ -262,3 +262,6 @@ if __name__ == "__main__" and not QUICK:
     assert abs(fine / load - 1) < 0.01 and abs(peak / stress - 1) < 0.1
     _, bare, _ = followed(bolts=0)
     assert bare < 0.99 * load, "the hat carries more than the mesh error"
+    for amplitude in (0.1, 0.8):
+        _, other, _ = followed(imperfection=amplitude)
+        assert abs(other / load - 1) < 0.01, "far behind buckling the amplitude is within the mesh error"
