@@ -290,8 +290,7 @@ class Tracer(Measuring):
             increment=increment, response=self._response.array.copy(), fields=system.snapshot())
 
     def _load_weight(self) -> float:
-        weight = getattr(self.control, "load_weight", None)
-        return weight(self.tangent) if weight else 0.0
+        return getattr(self.control, "load_weight", lambda tangent: 0.0)(self.tangent)
 
     def _respond(self, factored: bool = False) -> None:
         """Response of the current configuration to a unit of load; its tangent may be factored already."""
