@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from shutil import rmtree
 from tempfile import mkdtemp
@@ -11,7 +12,7 @@ from tempfile import mkdtemp
 import numpy as np
 
 from .display import answers, display
-from .evaluate import communicator, unit_of
+from .evaluate import communicator, unit_of, with_unit
 from .files import paraview
 from .measure import Along, Measure
 from .saving import File, on_process_0, require_ending
@@ -20,6 +21,7 @@ from .shown import Shown
 SHARE = 0.05  # of the structure's size, by which buckling modes are moved
 SMOOTH = 2  # divisions of the edges of curved cells
 WIDTH, SIZE = 4, (1280, 800)  # of curves, and of the window, in pixels
+NO_UNITS = "deflection", "load"
 
 
 def view_record(record: Shown, along: Along = None, file: File | None = None):
@@ -28,13 +30,13 @@ def view_record(record: Shown, along: Along = None, file: File | None = None):
     folder = Path(comm.bcast(mkdtemp() if comm.rank == 0 else None))
     try:
         paraview(record, folder)
-        return on_process_0(record, lambda: view_folder(folder, along, file, unit_of(record.case.axes[0])))
+        return on_process_0(record, lambda: view_folder(folder, along, file, record.case.axes))
     finally:
         comm.barrier()
         rmtree(folder, ignore_errors=True)
 
 
-def view_folder(folder: File, along: Along = None, file: File | None = None, unit: str | None = None):
+def view_folder(folder: File, along: Along = None, file: File | None = None, axes: Sequence[str] | None = None):
     """Open a view of a finished run that can be turned, with a slider for its states or buckling modes.
 
     In a notebook it is the value of the cell: one that can be turned where the package trame is installed and an X
@@ -45,14 +47,14 @@ def view_folder(folder: File, along: Along = None, file: File | None = None, uni
     folder : of a run, with its files for ParaView
     along : direction "x", "y" or "z", or a vector, along which displacements colour all parts; None: their size
     file : .png that a picture of the last state is written to; nothing opens then
-    unit : of displacements; None: that of the run's axes
+    axes : names of deflection and load, whose units are told; None: those of the run
 
     Raises
     ------
     ValueError
         Where the folder has no files for ParaView, or no view can be opened.
     """
-    measure, scenes = Measure(along), _Scenes(Path(folder), _unit(Path(folder)) if unit is None else unit)
+    measure, scenes = Measure(along), _Scenes(Path(folder), axes or _axes(Path(folder)))
     if file is not None:
         require_ending("view", file, [".png"])
         _image(scenes, measure).save(file)
@@ -78,10 +80,10 @@ def _image(scenes: _Scenes, measure: Measure):
     return Image.fromarray(pixels)
 
 
-def _unit(folder: Path) -> str:
-    """The unit of deflections in the summary of a run, "" where there is none."""
+def _axes(folder: Path) -> Sequence[str]:
+    """The names of deflection and load in the summary of a run, without units where there is none."""
     summary = folder / "summary.json"
-    return unit_of(json.loads(summary.read_text()).get("axes", [""])[0]) if summary.exists() else ""
+    return json.loads(summary.read_text()).get("axes", NO_UNITS) if summary.exists() else NO_UNITS
 
 
 def _in_notebook() -> bool:
@@ -101,7 +103,7 @@ class _Scenes:
     count : of states or modes
     """
 
-    def __init__(self, folder: Path, unit: str):
+    def __init__(self, folder: Path, axes: Sequence[str]):
         import pyvista
 
         files = [sorted((folder / "paraview").glob(f"{kind}*.pvd")) for kind in ("path", "modes")]
@@ -109,7 +111,7 @@ class _Scenes:
         if found is None:
             raise ValueError(f"view: {folder} holds no paraview/path.pvd and no paraview/modes.pvd; give the folder of "
                              "a finished run whose pictures include those for ParaView")
-        self._unit = unit
+        self._length, self._force = map(unit_of, axes)
         self._readers = [pyvista.PVDReader(str(file)) for file in found]
         self._modes = found[0].name.startswith("modes")
         self._field = "mode" if self._modes else "displacement"
@@ -150,7 +152,7 @@ class _Scenes:
         return mesh
 
     def _show(self, number: int) -> None:
-        meaning = f"{self._measure.name},\nover the largest" if self._modes else self._measure.said(self._unit)
+        meaning = f"{self._measure.name},\nover the largest" if self._modes else self._measure.said(self._length)
         for place, reader in enumerate(self._readers):
             mesh = self._moved(reader, number)
             mesh[meaning] = self._measure(mesh[self._field])
@@ -160,8 +162,8 @@ class _Scenes:
                                    scalar_bar_args={"vertical": True, "color": "black", "title_font_size": 14,
                                                     "label_font_size": 14, "position_x": 0.86, "position_y": 0.15})
         load = mesh.cell_data["load"][0] if "load" in mesh.cell_data else None
-        self._plotter.add_text(f"mode {number + 1}" if load is None else f"step {number}, load {load:.6g}",
-                               name="title", font_size=10, color="black")
+        title = f"mode {number + 1}" if load is None else f"step {number}, load {with_unit(load, self._force)}"
+        self._plotter.add_text(title, name="title", font_size=10, color="black")
 
 
 def _surfaces(mesh) -> bool:
