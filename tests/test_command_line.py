@@ -96,7 +96,7 @@ def test_version_and_help(capfd, monkeypatch):
     ("def case(): pass", "case returns None; return a sheetfx.Case"),
     ("from sheetfx.scenes.arch import case as a\ndef case(): return a(elements=8, no_punch=True).scene",
      "case returns a Scene; return fx.Case(scene)"),
-    ("import beside_it\ndef case(): return beside_it.three", "case returns an int; return a sheetfx.Case"),
+    ("import beside_it\ndef case(): return beside_it.three", "case returns 3, an int; return a sheetfx.Case"),
 ])
 def test_scripts_that_cannot_be_used(capfd, monkeypatch, tmp_path, text, answer):
     script = tmp_path / "my_own.py"

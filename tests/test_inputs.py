@@ -374,7 +374,7 @@ def test_law_of_ones_own_needs_no_class():
     ("def case():\n    return 1 / 0\n", r"line 2: ZeroDivisionError"),
     ("def case():\n    return float('x')\n", r"line 2: could not convert"),
     ("import sheetfx as fx\ndef case():\n    fx.Rectangle(1.0, -1.0)\n", r"line 3: Rectangle: depth is -1.0; it must"),
-    ("def case():\n    return 42\n", r"case returns 42; return a sheetfx.Case"),
+    ("def case():\n    return 42\n", r"case returns 42, an int; return a sheetfx.Case"),
     ("def scene():\n    pass\n", r"has no function `case`"),
     ("def case(size: float = 1.0):\n    return size\n", r"case returns 1.0"),
     ("raise SystemError('odd')\n", "line 1: SystemError: odd")])

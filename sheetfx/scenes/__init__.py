@@ -59,7 +59,8 @@ def _as_command(name: str, function: Callable) -> Callable:
 
         if not isinstance(case, Case):
             kind = type(case).__name__
-            found = "None" if case is None else f"{'an' if kind[0] in 'AEIOUaeiou' else 'a'} {kind}"
+            value = f"{case!r}, " if isinstance(case, (int, float, str)) else ""
+            found = "None" if case is None else f"{value}{'an' if kind[0] in 'AEIOUaeiou' else 'a'} {kind}"
             remedy = "return fx.Case(scene)" if kind == "Scene" else "return a sheetfx.Case"
             raise ValueError(f"the script {name}: case returns {found}; {remedy}")
         return case
