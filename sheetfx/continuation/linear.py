@@ -130,7 +130,7 @@ class DirectSolver:
     def solve_transposed(self, right: PETSc.Vec, solution: PETSc.Vec) -> None:
         self.ksp.getPC().applyTranspose(right, solution)
 
-    def check(self, pattern: PETSc.Vec, stiffest: PETSc.Vec) -> None:
+    def check(self, pattern: PETSc.Vec, usual: PETSc.Vec) -> None:
         """Solve for any loads and see whether the solution satisfies the equations.
 
         Rounding hides a zero pivot; the solution is then so large that its residual is too. Each unknown counts in
@@ -140,8 +140,8 @@ class DirectSolver:
         Parameters
         ----------
         pattern : loads over the roots of the diagonal
-        stiffest : for each unknown the largest diagonal entry of those in its unit, beside which no stiffness can be
-            less than rounding
+        usual : for each unknown the usual diagonal entry of those in its unit, beside which no stiffness can be less
+            than rounding
 
         Raises
         ------
@@ -149,7 +149,7 @@ class DirectSolver:
         """
         roots, right = self.matrix.getDiagonal(), pattern.duplicate()
         roots.sqrtabs()
-        idle = bool((roots.array**2 < np.finfo(float).eps * stiffest.array).any())
+        idle = bool((roots.array**2 < np.finfo(float).eps * usual.array).any())
         if self.matrix.comm.tompi4py().allreduce(idle, op=MPI.LOR):
             raise SingularTangent("the tangent is singular")
         largest = roots.max()[1]

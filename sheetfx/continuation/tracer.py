@@ -9,7 +9,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from ..discrete.discretisation import Discretisation
-from ..discrete.free_motions import stiffest_alike, why_singular
+from ..discrete.free_motions import usual_stiffness, why_singular
 from .arclength import TO_AND_FRO, create, fewer_iterations
 from .callbacks import interruptible
 from .control import LoadResponse, StepRule
@@ -55,7 +55,7 @@ class Tracer(Measuring):
             self.state = self._converged(None)
             self._load.array[:] = np.cos(np.arange(self._load.local_size))
             self._load.array[self.system.multiplier_rows] = 0  # gaps of such a size would need forces that only round
-            self.stepper.linear.check(self._load, stiffest_alike(discretisation))
+            self.stepper.linear.check(self._load, usual_stiffness(discretisation))
         except SingularTangent:
             raise ValueError(why_singular(discretisation)) from None
         self._mark_factored(moved=False)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import numpy as np
 from dolfinx.mesh import compute_midpoints
-from mpi4py import MPI
 from petsc4py import PETSc
 from scipy.sparse import csr_array, diags_array, eye_array
 from scipy.sparse.linalg import LinearOperator, eigs, eigsh, splu
@@ -39,16 +38,20 @@ def why_singular(discretisation) -> str:
     return f"{begin}: {words}" + ("" if words.startswith("rotations") else f"; {advice}")
 
 
-def stiffest_alike(discretisation) -> PETSc.Vec:
-    """For each unknown the largest entry on the assembled tangent's diagonal of those of its field; 0: fixed."""
+def usual_stiffness(discretisation) -> PETSc.Vec:
+    """For each unknown the median of the assembled tangent's diagonal over the unknowns of its field.
+
+    A penalty at a few nodes, as of contact, does not change a median. It is 0 for what is fixed, and for fields with
+    negative entries, such as multipliers, of which a diagonal says nothing.
+    """
     system, layout = discretisation.system, discretisation.layout
-    diagonal, found = system.matrix.getDiagonal(), system.create_vector()
-    diagonal.copy(found)
-    found.abs()
+    found = system.matrix.getDiagonal()
     found.array[system.fixed_rows] = 0
     arrays = layout.arrays(found)
     for field, array in layout.fields(arrays):
-        array[field.dofs] = system.comm.allreduce(float(array[field.dofs].max(initial=0.0)), op=MPI.MAX)
+        entries = np.concatenate(system.comm.allgather(array[field.dofs]))
+        stiff = entries[entries > 0]
+        array[field.dofs] = np.median(stiff) if len(stiff) and not (entries < 0).any() else 0.0
     layout.put(arrays, found)
     found.array[system.fixed_rows] = 0
     return found
@@ -64,8 +67,8 @@ def null_vectors(discretisation) -> np.ndarray:
     full = csr_array((values, columns, start))
     free = np.setdiff1d(np.arange(full.shape[0]), system.fixed_rows)
     matrix = full[free][:, free]
-    roots, largest = np.sqrt(np.abs(matrix.diagonal())), np.sqrt(stiffest_alike(discretisation).array[free])
-    roots = np.where(roots < np.finfo(float).eps ** 0.5 * largest, largest, roots)
+    roots, usual = np.sqrt(np.abs(matrix.diagonal())), np.sqrt(usual_stiffness(discretisation).array[free])
+    roots = np.where(roots < np.finfo(float).eps ** 0.5 * usual, usual, roots)
     stiff = roots > 0
     scale = np.where(stiff, 1 / np.where(stiff, roots, 1.0), 0.0)
     coupled = abs(matrix @ diags_array(scale)).max(axis=1).toarray()

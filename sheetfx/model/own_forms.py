@@ -279,7 +279,7 @@ def _look_at(points: _Points, title: str, function: Callable, count: int | None)
     for name, slope in zip(names, np.max(slopes, axis=0), strict=True):
         if slope < ROUNDING:
             raise ValueError(f"{title}: {name} is zero in all small motions, so that what it holds, such as rotations, "
-                             "has no stiffness; state it")
+                             "has no stiffness; return a strain that changes with them")
     return number
 
 
