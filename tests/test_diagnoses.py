@@ -28,7 +28,7 @@ def frame(dimension: int, supports):
     nodes = {"a": (0, 0, *zeros), "b": (0, 1, *zeros), "c": (1, 1, *zeros)}
     mesh = fx.read(lambda: fx.meshes.frame(nodes, {"l": ("a", "b", 2), "m": ("b", "c", 2)}), dimension)
     return fx.Scene([fx.Beam(mesh, SECTION, MATERIAL)], [fx.Support(mesh, *s) for s in supports],
-                    [fx.PointForce(mesh, "b", (1.0,) * dimension)], fx.Monitor(mesh, "b", "x" if dimension == 2 else "y"))
+                    [fx.PointForce(mesh, "b", (1.0,) * dimension)], fx.Monitor(mesh, "b", "xxy"[dimension - 1]))
 
 
 @pytest.mark.parametrize(("dimension", "supports", "words"), [

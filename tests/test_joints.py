@@ -206,11 +206,27 @@ def test_models_that_nothing_joins_are_told():
         return fx.Scene(beams, [fx.clamp(m, "start") for m in meshes],
                         [fx.PointForce(meshes[0], "end", (0.0, 1.0))], fx.Monitor(meshes[0], "end", "y"), joints=joints)
 
-    with pytest.warns(UserWarning, match="nothing joins the Beam on plate 1, plate 2 and the Beam on stiff.*weld"):
+    with pytest.warns(UserWarning, match="the piece with 'plate 1'.* and the piece with 'stiffener 1'.*weld"):
         scene([])
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         scene([fx.hinge(meshes[0], "end", (meshes[1], "end"))])
+
+
+@pytest.mark.parametrize("fused", [False, True])
+def test_pieces_of_one_mesh_that_nothing_joins_are_told(fused):
+    """Two members that cross, in a model that was not fragmented: each is held, and nothing else would tell."""
+    nodes = {"a": (0.0, 0.0), "b": (1.0, 0.0), "c": (0.5, -0.5), "d": (0.5, 0.5), "middle": (0.5, 0.0)}
+    members = {"one": ("a", "b", 2), "three": ("c", "d", 1)}
+    if fused:
+        members = {name: (end, "middle", 1) for name, end in zip(("one", "two", "three", "four"), "abcd", strict=True)}
+    mesh = fx.read(lambda: fx.meshes.frame({n: nodes[n] for n in nodes if fused or n != "middle"}, members), 2)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        fx.Scene([fx.Beam(mesh, **UNIT)], [fx.clamp(mesh, "a"), fx.clamp(mesh, "c")],
+                 [fx.PointForce(mesh, "b", (0.0, 1.0))], fx.Monitor(mesh, "b", "y"))
+    told = [str(w.message) for w in caught]
+    assert told == [] if fused else "nothing joins the piece with 'one', 'a', 'b' and the piece with 'three'" in told[0]
 
 
 @pytest.mark.parametrize(("make", "words"), [

@@ -45,7 +45,8 @@ def usual_stiffness(discretisation) -> PETSc.Vec:
     negative entries, such as multipliers, of which a diagonal says nothing.
     """
     system, layout = discretisation.system, discretisation.layout
-    found = system.matrix.getDiagonal()
+    found = system.create_vector()
+    system.matrix.getDiagonal().copy(found)
     found.array[system.fixed_rows] = 0
     arrays = layout.arrays(found)
     for field, array in layout.fields(arrays):

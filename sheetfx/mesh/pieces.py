@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 from ..compat import geometry_nodes
 from .reader import NamedMesh
 
-Place = tuple[NamedMesh, str]
+Place = tuple[NamedMesh, str | None]
 
 SAME_PLACE = 1e-6  # distance of vertices that stand at one place, over the size of their mesh
 SHOWN = 6
@@ -27,40 +27,71 @@ def loose_pieces(meshes: Sequence[NamedMesh], held: Sequence[Place], joined: Seq
     Parameters
     ----------
     held : points and edges with supports
-    joined : points and edges that joints connect with each other
+    joined : points and edges that joints connect with each other; None in the place of a name is the whole mesh
     compatible : meshes that move together where they have vertices at the same places
     """
-    comm, vertices = meshes[0].domain.comm, [mesh.domain.topology.index_map(0) for mesh in meshes]
-    starts = np.cumsum([0, *(v.size_global for v in vertices)])
+    pieces = _Pieces(meshes, joined, compatible)
+    tied = set().union(*(pieces.at(mesh, mesh.vertices(at)) for mesh, at in held))
+    return pieces.named(set(pieces.all).difference(*pieces.comm.allgather(tied)))
 
-    def numbers(mesh: NamedMesh, local: np.ndarray) -> np.ndarray:
-        index = meshes.index(mesh)
-        return starts[index] + vertices[index].local_to_global(np.asarray(local, dtype=np.int32))
 
-    pairs = [np.empty((0, 2), dtype=np.int64)]
-    for mesh in meshes:
-        corners = numbers(mesh, _corners(mesh).ravel()).reshape(_corners(mesh).shape)
-        pairs += [corners[:, [0, i]] for i in range(1, corners.shape[1])]
-    for extra, places in enumerate(joined, starts[-1]):
-        pairs += [np.insert(numbers(mesh, mesh.vertices(name))[:, None], 0, extra, axis=1) for mesh, name in places]
-    found = [*comm.allgather(np.concatenate(pairs)), *(_at_same_places(*both, numbers) for both in compatible)]
-    edges, size = np.concatenate(found).T, starts[-1] + len(joined)
-    graph = coo_array((np.ones(edges.shape[1]), tuple(edges)), shape=(size, size))
-    pieces = connected_components(graph, directed=False)[1]
+def separate_pieces(meshes: Sequence[NamedMesh], joined: Sequence[Sequence[Place]] = (),
+                    compatible: Sequence[tuple[NamedMesh, NamedMesh]] = ()) -> list[str]:
+    """Names on each piece of some meshes, see `loose_pieces`, whether held or not; one where all hangs together."""
+    pieces = _Pieces(meshes, joined, compatible)
+    return pieces.named(set(pieces.all))
 
-    def pieces_of(mesh: NamedMesh, local: np.ndarray) -> set[int]:
-        return set(pieces[numbers(mesh, local)].tolist())
 
-    here = [(name, pieces_of(mesh, _corners(mesh)[cells].ravel())) for mesh in meshes
-            for name, cells in mesh.cells.items()]
-    here += [(name, pieces_of(mesh, mesh.vertices(name))) for mesh in meshes for name in (*mesh.edges, *mesh.points)]
-    on: dict[str, set[int]] = {}
-    for name, where in chain.from_iterable(comm.allgather(here)):
-        on.setdefault(name, set()).update(where)
-    tied = set().union(*(pieces_of(mesh, mesh.vertices(at)) for mesh, at in held))
-    loose = set(pieces[:starts[-1]].tolist()).difference(*comm.allgather(tied))
-    named = sorted(on, key=lambda name: len(on[name]))
-    return [_listed([name for name in named if piece in on[name]]) for piece in sorted(loose)]
+class _Pieces:
+    """Connected pieces of meshes by numbers, those of their vertices on all processes.
+
+    Attributes
+    ----------
+    all : numbers of pieces with cells
+    """
+
+    def __init__(self, meshes: Sequence[NamedMesh], joined: Sequence[Sequence[Place]],
+                 compatible: Sequence[tuple[NamedMesh, NamedMesh]]):
+        self.comm, self._meshes = meshes[0].domain.comm, meshes
+        self._vertices = [mesh.domain.topology.index_map(0) for mesh in meshes]
+        self._starts = np.cumsum([0, *(v.size_global for v in self._vertices)])
+        pairs = [np.empty((0, 2), dtype=np.int64)]
+        for mesh in meshes:
+            corners = self._numbers(mesh, _corners(mesh).ravel()).reshape(_corners(mesh).shape)
+            pairs += [corners[:, [0, i]] for i in range(1, corners.shape[1])]
+        for extra, places in enumerate(joined, self._starts[-1]):
+            pairs += [np.insert(self._numbers(mesh, _vertices_of(mesh, name))[:, None], 0, extra, axis=1)
+                      for mesh, name in places]
+        found = [*self.comm.allgather(np.concatenate(pairs)),
+                 *(_at_same_places(*both, self._numbers) for both in compatible)]
+        edges, size = np.concatenate(found).T, self._starts[-1] + len(joined)
+        graph = coo_array((np.ones(edges.shape[1]), tuple(edges)), shape=(size, size))
+        self._pieces = connected_components(graph, directed=False)[1]
+        self.all = self._pieces[:self._starts[-1]].tolist()
+
+    def _numbers(self, mesh: NamedMesh, local: np.ndarray) -> np.ndarray:
+        index = self._meshes.index(mesh)
+        return self._starts[index] + self._vertices[index].local_to_global(np.asarray(local, dtype=np.int32))
+
+    def at(self, mesh: NamedMesh, local: np.ndarray) -> set[int]:
+        """Pieces with vertices of this process."""
+        return set(self._pieces[self._numbers(mesh, local)].tolist())
+
+    def named(self, wanted: set[int]) -> list[str]:
+        """Names on each of some pieces, those on few pieces first."""
+        here = [(name, self.at(mesh, _corners(mesh)[cells].ravel())) for mesh in self._meshes
+                for name, cells in mesh.cells.items()]
+        here += [(name, self.at(mesh, mesh.vertices(name)))
+                 for mesh in self._meshes for name in (*mesh.edges, *mesh.points)]
+        on: dict[str, set[int]] = {}
+        for name, where in chain.from_iterable(self.comm.allgather(here)):
+            on.setdefault(name, set()).update(where)
+        names = sorted(on, key=lambda name: len(on[name]))
+        return [_listed([name for name in names if piece in on[name]]) for piece in sorted(wanted)]
+
+
+def _vertices_of(mesh: NamedMesh, name: str | None) -> np.ndarray:
+    return np.unique(_corners(mesh)) if name is None else mesh.vertices(name)
 
 
 def _listed(names: list[str]) -> str:

@@ -8,13 +8,14 @@ from itertools import combinations
 from typing import Annotated, Any
 
 from ..checks import NONZERO, Count, Like, check, require_known_component
+from ..mesh.pieces import separate_pieces
 from ..mesh.reader import COMPONENTS, NamedMesh
 from ..notices import alike, warn
 from .beam import Bar, Beam
 from .contact import Contact
 from .held import supports_that_hold
 from .interface import Interface
-from .joints import Joint
+from .joints import Compatible, Joint
 from .loads import Load, Moment, PrescribedDisplacement
 from .shell import Shell
 from .supports import Support
@@ -165,21 +166,18 @@ class Scene:
                              f"{' and '.join(map(repr, held))}, so that it stays zero; monitor a component that moves")
 
     def _tell_unjoined(self) -> None:
-        """Warn of meshes that neither joints nor an obstacle connect: they are solved side by side."""
-        meshes = self.meshes
-        groups = {mesh: {mesh} for mesh in meshes}
+        """Warn of parts and of pieces of meshes that neither joints nor an obstacle connect."""
+        compatible = [joint for joint in self.joints if isinstance(joint, Compatible)]
+        others = [joint.points for joint in self.joints if joint not in compatible]
         touching: dict = {}
         for contact in self.contacts:
-            touching.setdefault(contact.obstacle, []).append(contact.beam.mesh)
-        for joined in [*([mesh for mesh, _ in joint.points] for joint in self.joints), *touching.values()]:
-            union = set().union(*(groups.get(mesh, set()) for mesh in joined))
-            groups |= dict.fromkeys(union, union)
-        apart = [mesh for mesh in meshes if mesh not in groups[meshes[0]]]
-        if apart:
-            here, there = (next(p for p in self.parts if p.mesh is mesh) for mesh in (meshes[0], apart[0]))
-            warn(f"Scene: nothing joins the {part_named(here)} and the {part_named(there)}; they are solved side by "
-                 "side. Join them (weld, hinge, Spring), mesh them together, or trace each in a scene of "
-                 "its own")
+            touching.setdefault(contact.obstacle, []).append((contact.beam.mesh, None))
+        pieces = separate_pieces(self.meshes, [*filter(None, others), *touching.values()],
+                                 [(joint.mesh, joint.to) for joint in compatible])
+        if len(pieces) > 1 and all(others):
+            warn(f"Scene: nothing joins the piece with {pieces[0]} and the piece with {pieces[1]}; they are solved "
+                 "side by side. Join them (weld, hinge, Spring), mesh them together, or trace each in a scene of its "
+                 "own")
 
     def _tell_points(self) -> None:
         """Warn, once for each kind of joint, of those at single points of shells."""
