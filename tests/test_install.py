@@ -20,7 +20,7 @@ from sheetfx import compat
 TREE = Path(__file__).parents[1]
 PROJECT = tomllib.loads((TREE / "pyproject.toml").read_text())["project"]
 IN_WHEEL = {"dolfinx", "dolfinx_solver", "petsc4py", "slepc4py"}  # all come with one package
-PACKAGES = {"basix": "fenics-basix", "ufl": "fenics-ufl", "mpl_toolkits": "matplotlib",
+PACKAGES = {"PIL": "pillow", "basix": "fenics-basix", "ufl": "fenics-ufl", "mpl_toolkits": "matplotlib",
             "myst_parser": "myst-parser"} | dict.fromkeys(IN_WHEEL, "dolfinx-solver-real")
 INTO_TREE = re.compile(r"\]\((?!https?://|#)")  # a link of Markdown
 CONDA = {"dolfinx-solver-real": {"fenics-dolfinx", "petsc4py", "slepc4py"}, "gmsh": {"python-gmsh"},

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from shutil import rmtree
@@ -88,11 +89,8 @@ def _axes(folder: Path) -> Sequence[str]:
 
 def _in_notebook() -> bool:
     """Whether this is a kernel of Jupyter."""
-    try:
-        from IPython import get_ipython
-    except ModuleNotFoundError:
-        return False
-    return type(get_ipython()).__name__ == "ZMQInteractiveShell"
+    shell = sys.modules.get("IPython")  # which a kernel has imported
+    return shell is not None and type(shell.get_ipython()).__name__ == "ZMQInteractiveShell"
 
 
 class _Scenes:
