@@ -183,3 +183,11 @@ def test_tiny_loads(load):
         text = str(failure)
     told = "the residual is rounding" in text and "give a larger load and scale the results" in text
     assert told or states[-1].deflection == pytest.approx(load / (3 * 1e9 * 0.01**4 / 12), rel=1e-2)
+
+
+def test_rotation_prescribed_twice():
+    """In a stage and as the load, which left the tangent singular."""
+    mesh = fx.read(lambda: fx.meshes.frame({"a": (0, 0), "b": (1, 0)}, {"l": ("a", "b", 2)}), 2)
+    with pytest.raises(ValueError, match="PrescribedRotation at 'b': the rotation is prescribed twice; keep one"):
+        fx.Scene([fx.Beam(mesh, SECTION, MATERIAL)], [fx.clamp(mesh, "a")], [fx.PrescribedRotation(mesh, "b", -0.05)],
+                 fx.Monitor(mesh, "b", "rz"), stages=[fx.Stage([fx.PrescribedRotation(mesh, "b", 0.1)], "bend")])

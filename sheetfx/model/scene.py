@@ -16,7 +16,7 @@ from .contact import Contact
 from .held import supports_that_hold
 from .interface import Interface
 from .joints import Compatible, Joint
-from .loads import Load, Moment, PrescribedDisplacement
+from .loads import Load, Moment, PrescribedDisplacement, PrescribedRotation
 from .shell import Shell
 from .supports import Support
 
@@ -143,7 +143,7 @@ class Scene:
                                      "meshes), or a part on this one")
 
     def _check_prescribed(self) -> None:
-        """Refuse loads that prescribe one displacement twice, but at common corners of edges that move alike."""
+        """Refuse loads that prescribe one displacement or rotation twice, but at corners of edges that move alike."""
         moved = [(load, stage.name) for stage in self.all_stages for load in stage.loads
                  if isinstance(load, PrescribedDisplacement)]
         for (load, stage), (other, earlier) in combinations(moved, 2):
@@ -155,6 +155,12 @@ class Scene:
             if (load.distance, stage) != (other.distance, earlier) and load.mesh.meet(load.at, other.at):
                 raise ValueError(f"{what} is {other.distance:g} where that of {load.at!r}, with which it has points in "
                                  f"common, is {load.distance:g}; give both the same distance in one stage")
+        turned = [load for load in self.all_loads if isinstance(load, PrescribedRotation)]
+        for one, two in combinations(turned, 2):
+            if one.mesh is two.mesh and (one.at == two.at or one.mesh.meet(one.at, two.at)):
+                there = "" if one.at == two.at else f", which has points in common with {two.at!r}"
+                raise ValueError(f"PrescribedRotation at {one.at!r}{there}: the rotation is prescribed twice; keep one "
+                                 "of the two")
 
     def require_free(self, monitor: Monitor) -> None:
         """Refuse to monitor what supports hold."""
