@@ -8,8 +8,11 @@ import sys
 import traceback
 import types
 from collections.abc import Callable
-from pathlib import Path
-from typing import Annotated, Union, get_args, get_origin
+from datetime import datetime
+from enum import Enum
+from pathlib import Path, PurePath
+from typing import Annotated, Literal, Union, get_args, get_origin
+from uuid import UUID
 
 REMEDY = "add `def case(size: float = 1.0) -> fx.Case`"
 SIMPLE = bool, int, float, str
@@ -78,23 +81,24 @@ def _check_option(where: str, parameter: inspect.Parameter) -> None:
         value = f" = {default!r}" if default is not parameter.empty else ""
         raise ValueError(f"{where}the parameter {name} has no annotation, so that its option has no type; write "
                          f"{name}: {kind}{value}")
-    import typer
-
-    def probe(**_):
-        pass
-
-    probe.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
-        [parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY)])
-    single = typer.Typer(add_completion=False)
-    single.command()(probe)
-    try:
-        typer.main.get_command(single)
-    except Exception as error:  # typer has no common kind of error for what it cannot do
+    if not _written_in_words(annotation):
         raise ValueError(f"{where}the parameter {name} is annotated {_words(annotation)}, which cannot be an option; "
-                         "take float, int, bool, str, or a tuple of these, and make the rest inside case") from error
+                         "take float, int, bool, str, or a tuple of these, and make the rest inside case")
     if default not in (parameter.empty, None) and not _fits(default, annotation):
         raise ValueError(f"{where}the default of {name} is {default!r}, but its annotation is {_words(annotation)}; "
                          "give both the same type")
+
+
+def _written_in_words(annotation) -> bool:
+    """Whether values are read from the command line: plain ones, choices, paths, and several or none of these."""
+    origin, inner = get_origin(annotation), get_args(annotation)
+    if origin is Annotated:
+        own = any(getattr(rule, "parser", None) or getattr(rule, "click_type", None) for rule in inner[1:])
+        return own or _written_in_words(inner[0])
+    if origin in (Union, types.UnionType, tuple, list):
+        return all(_written_in_words(kind) for kind in inner if kind is not Ellipsis)
+    written = isinstance(annotation, type) and issubclass(annotation, (Enum, PurePath, datetime, UUID))
+    return origin is Literal or written or annotation in (*SIMPLE, types.NoneType)
 
 
 def _words(annotation) -> str:

@@ -9,12 +9,11 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from click.shell_completion import CompletionItem
-from typer.core import TyperCommand
+from typer.core import TyperCommand, TyperGroup
 
 from ..checks import POSITIVE, Like, require
 from ..scenes import load_case, option_of, scene_names
-from .suggesting import Single, Suggesting, scripts
+from .suggesting import Completed, Single, scripts
 
 PLAIN = {"add_completion": False, "pretty_exceptions_enable": False}
 
@@ -36,7 +35,7 @@ ANIMATE = option("animate", bool, False, "Draw animation.gif, the motion along t
 TABLES = option("tables", bool, False, "Write reactions, energies and section forces of all states as CSV.", "--tables")
 
 
-class Scenes(Suggesting):
+class Scenes(TyperGroup):
     """Sub-commands of `run`, made from the signature of each scene's function.
 
     Attributes
@@ -70,7 +69,7 @@ class Scenes(Suggesting):
         """Names of scenes, and scripts, without importing any."""
         names = [name for name in scene_names() if name.startswith(incomplete)]
         options = TyperCommand.shell_complete(self, context, incomplete) if incomplete.startswith("-") else []
-        return [*map(CompletionItem, (*names, *scripts(incomplete))), *options]
+        return [*map(Completed, (*names, *scripts(incomplete))), *options]
 
     def format_help(self, context, formatter):
         self.epilog = ("A script of your own stands in place of a scene: it has a function `case` that returns a "

@@ -80,7 +80,7 @@ def _value(name: str, parameter, text: str) -> Any:
         raise ValueError(f"study of {name}: --vary {parameter.name}: a value is missing; say {parameter.name}="
                          "value,value")
     try:
-        return parameter.type(text.split() if parameter.nargs > 1 else text, parameter, None)
+        return parameter.process_value(None, text.split() if parameter.nargs > 1 else text)
     except typer.BadParameter as error:
         raise ValueError(f"study of {name}: --vary {parameter.name}: {error.message}") from None
 

@@ -2,21 +2,30 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
-import click
 from typer.core import TyperCommand, TyperGroup
 
 from ..scenes import meant
 
 
+@dataclass(frozen=True)
+class Completed:
+    """What a word may become, with the attributes that shells are told."""
+
+    value: str
+    help: str | None = None
+    type: str = "plain"
+
+
 class Single(TyperCommand):
     """A command that refuses an option given twice, but for one that takes several values."""
 
-    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+    def parse_args(self, ctx, args):
         order = self.make_parser(ctx).parse_args(args=list(args))[2]
         for n, parameter in enumerate(order):
-            if isinstance(parameter, click.Option) and not parameter.multiple and parameter in order[:n]:
+            if parameter.param_type_name == "option" and not parameter.multiple and parameter in order[:n]:
                 ctx.fail(f"option {max(parameter.opts, key=len)} is given twice; leave one out")
         return super().parse_args(ctx, args)
 
@@ -25,13 +34,10 @@ class Suggesting(TyperGroup):
     """A group of commands that asks whether another was meant."""
 
     def resolve_command(self, ctx, args):
-        try:
-            return super().resolve_command(ctx, args)
-        except click.UsageError as error:
-            if self.get_command(ctx, args[0]) is None:
-                known = self.list_commands(ctx)
-                ctx.fail(f"no command {args[0]!r}; {meant(args[0], known)}choose one of {', '.join(known)}")
-            raise error
+        known = self.list_commands(ctx)
+        if not ctx.resilient_parsing and args[0] not in known and not args[0].startswith("-"):
+            ctx.fail(f"no command {args[0]!r}; {meant(args[0], known)}choose one of {', '.join(known)}")
+        return super().resolve_command(ctx, args)
 
 
 def scripts(incomplete: str) -> list[str]:
