@@ -89,9 +89,11 @@ class Progress:
         return f", about {spent * (1 - share) / share:.0f} s to go" if share > 0 else ""
 
     def report(self, summary: dict) -> None:
-        """Print the result of a run."""
+        """Print the result of a run; why it stopped is an error, and goes where errors do."""
         self._tell()
-        self.console.print(f"{summary['status']}: {summary['message']}", soft_wrap=True)
+        stopped = summary["status"] != "finished"
+        console = Console(stderr=True, quiet=self.console.quiet, highlight=False) if stopped else self.console
+        console.print(f"{summary['status']}: {summary['message']}", soft_wrap=True)
         for sentence in summary["searched"]:
             self.console.print(f"  {sentence}", soft_wrap=True, style="dim")
         table = Table(show_header=False, box=None)
