@@ -80,7 +80,7 @@ class Path:
         require("Path", control=(control, StepRule | None), until=(until, Until | None), events=(events, list[Event]))
         self.scene, self.until = scene, until or Until()
         self._controls = [*map(_preloading, scene.stages), control or ArcLength()]
-        for monitor in filter(None, (getattr(one, "monitor", None) for one in self._controls)):
+        for monitor in (scene.monitor, *filter(None, (getattr(one, "monitor", None) for one in self._controls))):
             scene.require_free(monitor)
         self._ending = self.until.ending
         self.events = [*events, *([self._ending] if self._ending else [])]

@@ -198,7 +198,8 @@ def test_each_stage_has_its_control():
     scene = weighted_arch(True)
     mesh = scene.parts[0].mesh
     turn = fx.Monitor(mesh, "crown", "y", -1.0)
-    other = fx.Scene(scene.parts, scene.supports, scene.loads, fx.Monitor(mesh, "end", "rz"), symmetry_factor=2,
+    hinged = [fx.pin(mesh, "end"), fx.symmetry(mesh, "crown")]
+    other = fx.Scene(scene.parts, hinged, scene.loads, fx.Monitor(mesh, "end", "rz"), symmetry_factor=2,
                      stages=scene.stages)
     control = fx.DisplacementControl(0.5, monitor=turn, newton="modified", largest=1.0, iterations=100)
     record = fx.trace(fx.Case(other, control, fx.Until(steps=8)))

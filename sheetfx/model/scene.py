@@ -110,7 +110,6 @@ class Scene:
                              "a support")
         self._check_meshes()
         self._check_prescribed()
-        self.require_free(self.monitor)
         for mesh in self.meshes:
             self._check_spaces([part for part in self.parts if part.mesh is mesh])
         self._tell_unjoined()
