@@ -1,0 +1,323 @@
+"""Constants that are moved and guards that are switched off, in the running program.
+
+A constant of a module is set wherever it has been imported to, an unnamed float in the code of its function, a guard
+by compiling its function without the place that raises. `Watched` numbers stand in for constants in one run and keep
+how near each comparison with them came to another outcome: a constant that is only compared with changes nothing
+until it is moved by that much.
+"""
+
+from __future__ import annotations
+
+import ast
+import functools
+import importlib
+import inspect
+import sys
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from math import copysign, inf, isfinite
+from pathlib import Path
+
+import numpy as np
+from rows import PACKAGE, Row
+
+MISSING = object()
+
+
+@contextmanager
+def changed(row: Row, factor: float | None = None) -> Iterator[bool]:
+    """Move a constant by a factor, or switch a guard off.
+
+    Yields
+    ------
+    Whether that is possible: a constant that is no number, or whose function is wrapped, cannot be moved.
+    """
+    with ExitStack() as stack:
+        if row.kind == "guard":
+            yield _switched(row, stack)
+        else:
+            yield _set(row, lambda value: moved(value, factor), stack)
+
+
+def moved(value, factor: float):
+    """A constant times a factor; whole numbers move by one at least, and stay 1 or more."""
+    if isinstance(value, (tuple, list)):
+        return type(value)(moved(v, factor) for v in value)
+    if isinstance(value, (bool, str)) or not isinstance(value, (int, float, np.floating, np.ndarray)):
+        return value
+    if isinstance(value, int):
+        return value if value <= 0 else max(1, round(value * factor), (value + 1) * (factor > 1))
+    return type(value)(value * factor) if not isinstance(value, np.ndarray) else value * factor
+
+
+def _set(row: Row, change, stack: ExitStack) -> bool:
+    """Have another value of a constant; whether it differs."""
+    module = importlib.import_module(row.module)
+    if row.line:
+        return _in_code(_function(module, row.name.split(":")[0]), row.value, change, stack)
+    owner, _, name = row.name.rpartition(".")
+    if owner:
+        return _default(getattr(module, owner), name, change, stack)
+    value = getattr(module, name)
+    new = change(value)
+    for place in [m for key, m in sys.modules.items() if key.startswith("sheetfx") and vars(m).get(name) is value]:
+        _replace(place, name, new, stack)
+    return new is not value and repr(new) != repr(value)
+
+
+def _default(owner: type, name: str, change, stack: ExitStack) -> bool:
+    """Another default of a dataclass and of those that derive from it."""
+    value = getattr(owner, name)
+    new = change(value)
+    for cls in [c for c in (owner, *_derived(owner)) if getattr(c, name, MISSING) is value]:
+        if name in vars(cls):
+            _replace(cls, name, new, stack)
+        start = cls.__init__
+        names = list(inspect.signature(start).parameters)
+        if start.__defaults__ and name in names:
+            defaults, at = list(start.__defaults__), names.index(name) - len(names)
+            if -at <= len(defaults) and defaults[at] is value:
+                defaults[at] = new
+                _replace(start, "__defaults__", tuple(defaults), stack)
+    return repr(new) != repr(value)
+
+
+def _derived(owner: type) -> list[type]:
+    return [cls for sub in owner.__subclasses__() for cls in (sub, *_derived(sub))]
+
+
+def _in_code(function, value: float, change, stack: ExitStack) -> bool:
+    if function is None:
+        return False
+    code = _with_constant(function.__code__, value, change(value))
+    _replace(function, "__code__", code, stack)
+    return True
+
+
+def _with_constant(code, value: float, new):
+    """Code with another number, in functions and comprehensions inside too."""
+    constants = tuple(new if isinstance(c, float) and type(c) is float and c == value else
+                      _with_constant(c, value, new) if inspect.iscode(c) else c for c in code.co_consts)
+    return code.replace(co_consts=constants)
+
+
+def _function(module, title: str):
+    """The plain function of a title `name` or `Class.name` behind wrappers and properties; None: there is none."""
+    found = functools.reduce(lambda owner, name: vars(owner)[name], title.split("."), module)
+    for attribute in ("func", "fget", "__func__"):
+        found = getattr(found, attribute, None) or found
+    found = inspect.unwrap(found)
+    return found if inspect.isfunction(found) else None
+
+
+def _switched(row: Row, stack: ExitStack) -> bool:
+    module = importlib.import_module(row.module)
+    if not row.line:
+        owner, _, name = row.name.rpartition(".")
+        place = getattr(module, owner) if owner else module
+        function, value = vars(place)[name], row.value
+        places = [place] if owner else [m for key, m in sys.modules.items()
+                                        if key.startswith("sheetfx") and vars(m).get(name) is function]
+        for place in places:
+            _replace(place, name, lambda *_, **__: value, stack)
+        return True
+    function = _function(module, row.name.split(":")[0])
+    if function is None:
+        return False
+    _replace(function, "__code__", _without_raise(row, function), stack)
+    return True
+
+
+def _without_raise(row: Row, function):
+    """Code of a function that passes the place where it raises."""
+    path = PACKAGE / row.file
+    tree = ast.parse(path.read_text())
+
+    class Passing(ast.NodeTransformer):
+        def visit_Raise(self, node):
+            return ast.copy_location(ast.Pass(), node) if node.lineno == row.line else node
+
+    code = compile(ast.fix_missing_locations(Passing().visit(tree)), function.__code__.co_filename, "exec")
+    first = function.__code__.co_firstlineno
+    return next(c for c in _codes(code) if c.co_firstlineno == first and c.co_name == function.__name__)
+
+
+def _codes(code) -> Iterator:
+    for inner in filter(inspect.iscode, code.co_consts):
+        yield inner
+        yield from _codes(inner)
+
+
+def _replace(owner, name: str, new, stack: ExitStack) -> None:
+    stack.callback(setattr, owner, name, vars(owner)[name] if isinstance(owner, type) else getattr(owner, name))
+    setattr(owner, name, new)
+
+
+class Watched(float):
+    """A constant, or its product with numbers, that keeps how comparisons with it come out.
+
+    Attributes
+    ----------
+    seen : what it keeps: "margin", the factor nearest to 1 by which the constant would change a comparison, and
+        "compared", their number
+    power : of the constant in this number
+    """
+
+    __array_ufunc__ = None  # NumPy leaves arithmetic and comparisons to this class
+
+    def __new__(cls, value: float, seen: dict, power: float = 1.0):
+        made = super().__new__(cls, value)
+        made.seen, made.power = seen, power
+        return made
+
+    def _with(self, value, power: float):
+        if isinstance(value, np.ndarray) and value.ndim:
+            return _WatchedArray(value, self.seen, power)
+        return Watched(float(value), self.seen, power)
+
+    def __mul__(self, other):
+        return self._with(_plain(self) * _plain(other), self.power + getattr(other, "power", 0.0)
+                          * (getattr(other, "seen", None) is self.seen))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other):
+        return self._with(_plain(self) / _plain(other), self.power)
+
+    def __rtruediv__(self, other):
+        return self._with(_plain(other) / _plain(self), -self.power)
+
+    def __neg__(self):
+        return self._with(-_plain(self), self.power)
+
+    def __pow__(self, other):
+        return self._with(_plain(self) ** _plain(other), self.power * other)
+
+    def _compare(self, other, outcome):
+        note(self.seen, _plain(self), _plain(other), self.power)
+        return outcome
+
+    def __lt__(self, other):
+        return self._compare(other, _plain(self) < _plain(other))
+
+    def __le__(self, other):
+        return self._compare(other, _plain(self) <= _plain(other))
+
+    def __gt__(self, other):
+        return self._compare(other, _plain(self) > _plain(other))
+
+    def __ge__(self, other):
+        return self._compare(other, _plain(self) >= _plain(other))
+
+    __hash__ = float.__hash__
+    __eq__ = float.__eq__
+
+
+class _WatchedArray:
+    """An array of products with a constant, until it is compared or used otherwise."""
+
+    __array_ufunc__ = None
+
+    def __init__(self, value: np.ndarray, seen: dict, power: float):
+        self.value, self.seen, self.power = value, seen, power
+
+    def __array__(self, dtype=None, copy=None):
+        return np.asarray(self.value, dtype)
+
+    def __getattr__(self, name):
+        return getattr(self.value, name)
+
+    def __getitem__(self, place):
+        return self.value[place]
+
+    def __len__(self):
+        return len(self.value)
+
+
+def _through(name: str, compares: bool):
+    def method(self, other):
+        if compares:
+            note(self.seen, self.value, _plain(other), self.power)
+        found = getattr(self.value, name)(_plain(other))
+        keeps = name in ("__mul__", "__rmul__", "__truediv__")
+        return _WatchedArray(found, self.seen, self.power) if keeps else found
+    return method
+
+
+for _name in ("lt", "le", "gt", "ge"):
+    setattr(_WatchedArray, f"__{_name}__", _through(f"__{_name}__", True))
+for _name in ("mul", "rmul", "truediv", "rtruediv", "add", "radd", "sub", "rsub", "pow", "and", "or"):
+    setattr(_WatchedArray, f"__{_name}__", _through(f"__{_name}__", False))
+
+
+def _plain(value):
+    if isinstance(value, Watched):
+        return float(value)
+    return value.value if isinstance(value, _WatchedArray) else value
+
+
+def note(seen: dict, mine, other, power: float) -> None:
+    """Keep the factor on the constant that would turn a comparison of its product with another value."""
+    seen["compared"] = seen.get("compared", 0) + 1
+    try:
+        with np.errstate(all="ignore"):
+            ratios = np.ravel(np.asarray(other, dtype=float) / np.asarray(mine, dtype=float))
+    except (TypeError, ValueError):
+        return
+    ratios = ratios[np.isfinite(ratios) & (ratios > 0)]
+    if len(ratios) and power:
+        factors = np.abs(np.log(ratios) / power)
+        nearest = factors.argmin()
+        if factors[nearest] < seen.get("margin", inf):
+            seen["margin"] = float(factors[nearest])
+            seen["towards"] = copysign(1.0, np.log(ratios[nearest]) / power) if isfinite(ratios[nearest]) else 0.0
+
+
+def only_compared(row: Row) -> bool:
+    """Whether the source uses a constant in comparisons alone, directly or times and over other values."""
+    found = uses(row)
+    return bool(found) and all(_leads_to_comparison(_tree(file), node) for file, node in found)
+
+
+def uses(row: Row) -> list[tuple[Path, ast.AST]]:
+    """Files and nodes of the source that use a constant, or raise."""
+    if row.line:
+        file, title = PACKAGE / row.file, row.name.split(":")[0].rpartition(".")[2]
+        inside = [n for f in ast.walk(_tree(file)) if isinstance(f, ast.FunctionDef) and f.name == title
+                  for n in ast.walk(f) if getattr(n, "lineno", 0)]
+        same = [n for n in inside if isinstance(n, ast.Constant) and n.value == row.value]
+        return [(file, n) for n in (same if row.kind == "constant" else inside) if same or n.lineno == row.line]
+    return _loads().get(row.name.rpartition(".")[2], [])
+
+
+@functools.cache
+def _loads() -> dict[str, list[tuple[Path, ast.AST]]]:
+    """By name, where the package reads it."""
+    found: dict[str, list] = {}
+    for file in PACKAGE.rglob("*.py"):
+        for node in ast.walk(_tree(file)):
+            name = node.id if isinstance(node, ast.Name) else node.attr if isinstance(node, ast.Attribute) else None
+            if name and isinstance(node.ctx, ast.Load):
+                found.setdefault(name, []).append((file, node))
+    return found
+
+
+def _leads_to_comparison(tree: ast.AST, node: ast.AST) -> bool:
+    parents = _parents(tree)
+    while True:
+        parent = parents[node]
+        if isinstance(parent, ast.Compare):
+            return True
+        if not (isinstance(parent, ast.BinOp) and isinstance(parent.op, (ast.Mult, ast.Div))):
+            return False
+        node = parent
+
+
+@functools.cache
+def _tree(file: Path) -> ast.Module:
+    return ast.parse(file.read_text())
+
+
+@functools.cache
+def _parents(tree: ast.AST) -> dict[ast.AST, ast.AST]:
+    return {child: node for node in ast.walk(tree) for child in ast.iter_child_nodes(node)}
