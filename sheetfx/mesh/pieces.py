@@ -32,14 +32,14 @@ def loose_pieces(meshes: Sequence[NamedMesh], held: Sequence[Place], joined: Seq
     """
     pieces = _Pieces(meshes, joined, compatible)
     tied = set().union(*(pieces.at(mesh, mesh.vertices(at)) for mesh, at in held))
-    return pieces.named(set(pieces.all).difference(*pieces.comm.allgather(tied)))
+    return pieces.named(pieces.all.difference(*pieces.comm.allgather(tied)))
 
 
 def separate_pieces(meshes: Sequence[NamedMesh], joined: Sequence[Sequence[Place]] = (),
                     compatible: Sequence[tuple[NamedMesh, NamedMesh]] = ()) -> list[str]:
-    """Names on each piece of some meshes, see `loose_pieces`, whether held or not; one where all hangs together."""
+    """Names on each piece of some meshes, see `loose_pieces`, whether held or not; none where all hangs together."""
     pieces = _Pieces(meshes, joined, compatible)
-    return pieces.named(set(pieces.all))
+    return pieces.named(pieces.all) if len(pieces.all) > 1 else []
 
 
 class _Pieces:
@@ -67,7 +67,7 @@ class _Pieces:
         edges, size = np.concatenate(found).T, self._starts[-1] + len(joined)
         graph = coo_array((np.ones(edges.shape[1]), tuple(edges)), shape=(size, size))
         self._pieces = connected_components(graph, directed=False)[1]
-        self.all = self._pieces[:self._starts[-1]].tolist()
+        self.all = set(self._pieces[:self._starts[-1]].tolist())
 
     def _numbers(self, mesh: NamedMesh, local: np.ndarray) -> np.ndarray:
         index = self._meshes.index(mesh)

@@ -179,7 +179,7 @@ class Scene:
             touching.setdefault(contact.obstacle, []).append((contact.beam.mesh, None))
         pieces = separate_pieces(self.meshes, [*filter(None, others), *touching.values()],
                                  [(joint.mesh, joint.to) for joint in compatible])
-        if len(pieces) > 1 and all(others):
+        if pieces and all(others):
             warn(f"Scene: nothing joins the piece with {pieces[0]} and the piece with {pieces[1]}; they are solved "
                  "side by side. Join them (weld, hinge, Spring), mesh them together, or trace each in a scene of its "
                  "own")
