@@ -123,7 +123,7 @@ def test_finished_runs_are_not_repeated_and_others_go_on(traced, tmp_path, monke
     ([], "nothing is varied"),
     (["elemens=5,10"], "no option 'elemens'; did you mean 'elements'. choose from elements, degree, to, step"),
     (["output=a,b"], "no option 'output'"),
-    (["elements=5,x"], "elements: .*valid integer"),
+    (["elements=5,x"], "elements: 'x'.*valid integer"),
     (["elements=5,10,5"], "5 is there twice"),
     (["elements=5,10", "elements=20"], "elements is given twice"),
     (["elements"], "a value is missing"),

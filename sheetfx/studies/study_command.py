@@ -82,7 +82,8 @@ def _value(name: str, parameter, text: str) -> Any:
     try:
         return parameter.process_value(None, text.split() if parameter.nargs > 1 else text)
     except typer.BadParameter as error:
-        raise ValueError(f"study of {name}: --vary {parameter.name}: {error.message}") from None
+        said = error.message if repr(text) in error.message else f"{text!r}: {error.message}"  # as typer has it
+        raise ValueError(f"study of {name}: --vary {parameter.name}: {said}") from None
 
 
 def study_scene(name: str, function, parameters: dict[str, Any], vary: list[str] | None, jobs: int, pictures: bool,
