@@ -107,10 +107,11 @@ def run(case: Case, name: str, parameters: dict, folder: Folder, resume: bool,
     Raises
     ------
     ValueError
-        Where the folder holds files of others or another run, or no run of these parameters to resume.
+        Where the folder holds files of others or another run; to resume, also a run of another scene, of other
+        parameters or of another command.
     """
     archive = Archive(folder, MPI.COMM_WORLD)
-    with archive.opened(parameters, resume) as start:
+    with archive.opened({"command": "run", "scene": name} | parameters, resume) as start:
         try:
             record = trace(case, listeners, start, archive)
             status, message = "finished", record.path.message

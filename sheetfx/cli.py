@@ -118,15 +118,18 @@ def chart(
     folder = output or Path("results") / f"{title}-chart"
     folder.mkdir(parents=True, exist_ok=True)
     kept = folder / "runs.json"
+    earlier = json.loads(kept.read_text()) if resume and kept.exists() else {"scene": title, "runs": None}
+    if earlier.get("scene") != title:
+        raise ValueError(f"--resume: the chart in {folder} is of {earlier.get('scene', 'an older version')}, not of "
+                         f"{title}; choose another folder with -o")
 
     def keep(points, runs) -> None:
         write_table(points, folder / "chart.csv")
-        write_whole(kept, json.dumps(runs))
+        write_whole(kept, json.dumps({"scene": title, "runs": runs}))
         tell(lambda: f"{sum(map(len, runs.values()))} runs are kept in {folder}")
 
     points = measure(reference, members, [] if no_peers else peers, repeat,
-                     lambda line: console.print(line, soft_wrap=True, markup=False), keep,
-                     json.loads(kept.read_text()) if resume and kept.exists() else None)
+                     lambda line: console.print(line, soft_wrap=True, markup=False), keep, earlier["runs"])
     if not points:
         raise ValueError(f"chart of {name}: no method gave a result; the lines above say why")
     draw_chart(points, title).savefig(folder / "chart.png", dpi=150)
@@ -191,11 +194,11 @@ def main() -> None:
     atexit.register(gc.freeze)  # at the end, too, nothing needs to be looked through that goes with the process
     try:
         try:
-            app(prog_name="sheetfx")
+            sys.exit(app(prog_name="sheetfx", standalone_mode=False))
         finally:
             release()
     except Exception as error:
-        if os.environ.get("SHEETFX_TRACEBACK"):
+        if os.environ.get("SHEETFX_TRACEBACK") and not hasattr(error, "format_message"):
             raise
         said = _said(error)
         sys.stderr.write(f"sheetfx: error: {said}\n")
@@ -213,7 +216,13 @@ def _warn(message, category, filename, lineno, file=None, line=None) -> None:
 
 
 def _said(error: Exception) -> str:
-    """An error in one line; what passed through a script of the user's names its line."""
+    """An error in one line; what passed through a script of the user's names its line.
+
+    Errors of the words themselves, which typer finds, have a method `format_message` in all its versions.
+    """
+    if hasattr(error, "format_message"):
+        command = f"{error.ctx.command_path} --help" if error.ctx else "--help"
+        return f"{' '.join(error.format_message().split()).rstrip('.')}; {command} says more"
     files = {Path(frame.filename).resolve() for frame in traceback.extract_tb(error.__traceback__)}
     script = next((word for word in sys.argv if word.endswith(".py") and Path(word).resolve() in files), None)
     if script is not None and not isinstance(error, Stopped):

@@ -293,6 +293,20 @@ def test_state_that_is_not_whole_is_named(whole, how, said, tmp_path):
     assert (folder / "path.csv").read_text().count("\n") == len(loads) + 1
 
 
+def test_run_of_another_scene_is_not_resumed(whole, tmp_path):
+    """Neither with the same parameters nor by another command; nothing in the folder changes."""
+    from sheetfx.case import run
+    from sheetfx.studies.study import Study, trace_study
+
+    shutil.copytree(whole[0], tmp_path / "run")
+    before = content(tmp_path / "run")
+    with pytest.raises(ValueError, match="--resume: the run in .* has scene = arch, not frame; .*another folder"):
+        run(None, "frame", PARAMETERS, tmp_path / "run", resume=True)
+    with pytest.raises(ValueError, match="has command = run, not study"):
+        trace_study(Study("arch", PARAMETERS, {"friction": [0.0]}), tmp_path / "run", resume=True)
+    assert content(tmp_path / "run") == before
+
+
 def test_run_whose_first_state_is_lost_begins_again(whole, tmp_path):
     original, loads = whole
     shutil.copytree(original, tmp_path / "run")

@@ -70,10 +70,22 @@ def said(capfd, monkeypatch, *words) -> tuple[int, str, str]:
     (["run", "arch", "--elements", "3", "--elements", "4"], "option --elements is given twice; leave one out"),
     (["study", "arch", "--vary", "elemnts=3,4"], "no option 'elemnts'; did you mean 'elements'?"),
     (["map", "--traps", "a", "--traps", "b"], "option --traps is given twice; leave one out"),
+    (["run", "arch", "--elements", "three"], "'--elements'"),
+    (["run", "arch", "--elements"], "'--elements' requires an argument"),
+    (["run", "arch", "again"], "again"),
+    (["chart", "roof", "--repeat", "0"], "'--repeat': 0"),
+    (["chart"], "NAME"),
 ])
 def test_wrong_words(capfd, monkeypatch, words, answer):
     status, _, errors = said(capfd, monkeypatch, *words)
-    assert status == 2 and answer in errors and "Traceback" not in errors
+    assert status == 2 and answer in errors
+    assert errors.startswith("sheetfx: error: ") and errors.endswith("\n") and errors.count("\n") == 1
+
+
+def test_chart_does_not_go_on_with_that_of_another_scene(capfd, monkeypatch, tmp_path):
+    (tmp_path / "runs.json").write_text('{"scene": "bend", "runs": {}}')
+    status, _, errors = said(capfd, monkeypatch, "chart", "roof", "-o", tmp_path, "--resume")
+    assert status == 2 and f"--resume: the chart in {tmp_path} is of bend, not of roof; choose another folder" in errors
 
 
 def test_version_and_help(capfd, monkeypatch):

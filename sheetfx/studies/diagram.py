@@ -125,7 +125,8 @@ def trace_diagram(plan: Plan, folder: Folder, resume: bool = False,
     archive = Archive(folder, MPI.COMM_SELF, ("branches/*", "diagram.json", "diagram.csv", "diagram.png"),
                       lambda: f"{sum(1 for _ in Folder(folder).glob('branches/*/result.json'))} paths")
     primary = Traced(PRIMARY)
-    with archive.opened({"scene": plan.scene, "bounds": asdict(plan.bounds)} | plan.parameters, resume):
+    told = {"command": "diagram", "scene": plan.scene, "bounds": asdict(plan.bounds)} | plan.parameters
+    with archive.opened(told, resume):
         generation, listed = [primary], []
         for level in range(plan.levels + 1):
             known = [{"label": label(branch, point), "load": point["load"], "file": f"../{_magnitudes(branch, point)}"}

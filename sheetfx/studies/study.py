@@ -146,7 +146,7 @@ def trace_study(study: Study, folder: Folder, jobs: int = 1, resume: bool = Fals
             raise ValueError(f"study, run {run.name}: {error}") from None
     archive = Archive(folder, MPI.COMM_SELF, ("runs/*", "study.csv", "critical_points.csv", "study.png"),
                       lambda: f"{sum(run.finished for run in runs)} of {len(runs)} runs")
-    with archive.opened({"scene": study.scene} | study.fixed, resume):
+    with archive.opened({"command": "study", "scene": study.scene} | study.fixed, resume):
         for run in _ended(study, [run for run in runs if not run.finished], jobs, pictures):
             say(run)
     return runs
