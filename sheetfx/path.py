@@ -300,7 +300,7 @@ class Path:
             f"{self.tracer.reason()} after {len(history) - 1} iterations (relative residuals "
             f"{', '.join(f'{h:.1e}' for h in history[-4:])})")
         remedy = "try a smaller first step, another control or look at the structure at that state"
-        details, remedy = explained_failure(self.control, self.tracer.stepper, self._earlier, state, 2 * length) or (
+        details, remedy = explained_failure(self.control, self.tracer, self._earlier, state, 2 * length) or (
             details, remedy)
         if self._refusal:
             cause, details = f"is refused {shortest}", f"it converges, but {self._refusal}"

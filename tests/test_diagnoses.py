@@ -99,6 +99,42 @@ def test_tangent_without_numbers():
         "Shell on shell: its tangent in the first state is not a finite number in 9 of 9 cells, first in cell 0 at (")
 
 
+def locking(linear):
+    """A law whose first resultant grows as its strain nears 0.005, and is no real number beyond."""
+    def law(strains, stiffness):
+        found = [*linear(strains, stiffness)]
+        found[0] += 100.0 * (1 - ufl.sqrt(1 - 200 * strains[0])) - 1e4 * strains[0]
+        return ufl.as_vector(found)
+    return law
+
+
+def pulled(kind):
+    """A strip whose thin half locks under a tension of 100, before its load of 200 is reached."""
+    if kind is fx.Shell:
+        mesh = fx.read(lambda: fx.meshes.rectangle((2, 1)), 3, 2)
+        part = fx.Shell(mesh, fx.Plate(0.1), MATERIAL, law=locking(fx.forms.section.linear_shell))
+        return fx.Scene([part], [fx.Support(mesh, "west", "x y z rx ry rz")],
+                        [fx.EdgeForce(mesh, "east", (200.0, 0.0, 0.0))], fx.Monitor(mesh, "south-east", "x"))
+    mesh = fx.read(lambda: fx.meshes.frame({"a": (0, 0), "b": (1, 0), "c": (3, 0)},
+                                           {"thick": ("a", "b", 1), "thin": ("b", "c", 2)}), 2)
+    thick = fx.Beam(mesh, SECTION, fx.Elastic(1e7), group="thick")
+    thin = fx.Beam(mesh, SECTION, fx.Elastic(1e6), group="thin", law=locking(fx.forms.section.linear_elastic))
+    return fx.Scene([thick, thin], [fx.clamp(mesh, "a")], [fx.PointForce(mesh, "c", (200.0, 0.0))],
+                    fx.Monitor(mesh, "c", "x"))
+
+
+@pytest.mark.filterwarnings("ignore:invalid value")
+@pytest.mark.parametrize(("kind", "words"), [
+    (fx.Beam, r"Beam on thin: its tangent in step \d+ is not a finite number"),
+    (fx.Shell, r"Shell on shell: its forces in step \d+ are not finite numbers")])
+def test_numbers_that_end_in_a_later_step(kind, words):
+    with pytest.raises(fx.PathFailure, match=rf"{words} in [12] of 2 cells, first in cell \d at \(") as failure:
+        fx.trace(fx.Case(pulled(kind), fx.LoadControl(0.1)))
+    assert "look at the strains and the law of that part" in str(failure.value)
+    states = failure.value.record.states
+    assert states[-1].factor < 0.5 and len(states) > 2
+
+
 @pytest.mark.parametrize("size", [1e-6, 1.0, 1e6])
 def test_shell_too_thin_for_double_precision(size):
     text = refusal(plate(CLAMPED, 1e-9 * size, size))

@@ -74,6 +74,7 @@ class PathStep:
         not
     elimination : of contact forces from each step; None: they are part of the iteration
     viscosity : of forces against the increments, in the inner product's weights: those of a step of a slow motion
+    unfinished : increments (this process's part) at which the residual of the last step had no numbers; None: nowhere
     patient : whether it goes on where iterations lead nowhere for long, as where each peels off some points of contact
     """
 
@@ -83,6 +84,7 @@ class PathStep:
         self.history: list[float] = []
         self.start = self.load_increment = self.rounding = self.viscosity = 0.0
         self.behind, self.patient = inf, False
+        self.unfinished: np.ndarray | None = None
         self.elimination: Elimination | None = None
 
     def attach(self, snes: PETSc.SNES, system) -> None:
@@ -129,7 +131,7 @@ class PathStep:
         self._predict = False
 
     def solve(self, snes, b, x) -> None:
-        self.history = []
+        self.history, self.unfinished = [], None
         if self._predict:
             x.zeroEntries()
             self._step.zeroEntries()
@@ -164,6 +166,8 @@ class PathStep:
             if iteration > (self._guess is None) and self._at_rounding(x, self.history[-1]):
                 self.rounding = max(self.rounding, norm)
                 return Reason.CONVERGED_SNORM_RELATIVE
+            if norm != norm and np.isfinite(x.norm()):
+                self.unfinished = x.array.copy()
             if norm != norm or norm > 1e12 * max(size, 1.0) or self.tangent.inner(x, x) > FARTHEST**2:
                 return NOT_A_NUMBER
             if iteration == most or self._is_lost():

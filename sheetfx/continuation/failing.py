@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from .arclength import PathStep
+from ..discrete.free_motions import without_numbers
 from .control import LoadControl, StepRule
 from .state import State
+from .tracer import Tracer
 
 
-def explained_failure(control: StepRule, stepper: PathStep, before: State | None, state: State,
+def explained_failure(control: StepRule, tracer: Tracer, before: State | None, state: State,
                       length: float) -> tuple[str, str] | None:
     """Cause and remedy of a failure of steps from a state; None: nothing tells.
 
@@ -22,10 +23,24 @@ def explained_failure(control: StepRule, stepper: PathStep, before: State | None
                 "to zero; load control finds no state beyond it",
                 "follow the path through it by fx.ArcLength() or fx.DisplacementControl(...), or let the structure "
                 "fall from the last state by `record.snap(state)`")
-    if stepper.rounds:
-        return (f"the residual is rounding (relative residuals {stepper.history[-1]:.1e} at last), as the load is too "
-                "small beside the stiffness of the structure", "give a larger load and scale the results")
+    if found := _unfinished(tracer, state):
+        return found, "look at the strains and the law of that part, and at its numbers"
+    if tracer.stepper.rounds:
+        return (f"the residual is rounding (relative residuals {tracer.stepper.history[-1]:.1e} at last), as the load "
+                "is too small beside the stiffness of the structure", "give a larger load and scale the results")
     return None
+
+
+def _unfinished(tracer: Tracer, state: State) -> str:
+    """What had no numbers in the last step that has been tried from a state; "": nothing."""
+    stepper = tracer.stepper
+    if stepper.unfinished is None:
+        return ""
+    tracer.x.array[:] = stepper.unfinished
+    tracer.system.configure(tracer.x, stepper.factor_now)
+    found = without_numbers(tracer.discretisation, f"in step {state.step + 1}")
+    tracer.back_to(state)
+    return found
 
 
 def _limit_ahead(before: State, state: State, length: float) -> float | None:

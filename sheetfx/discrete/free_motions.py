@@ -23,8 +23,9 @@ MOST = 12  # motions that are looked for: the rigid ones of two pieces in space
 
 def why_singular(discretisation) -> str:
     """Why the tangent of the present state is singular, and what to do about it; called on all processes."""
-    if unfinished := _without_numbers(discretisation):
-        return unfinished
+    if unfinished := without_numbers(discretisation, "in the first state"):
+        return (f"{unfinished}; look at its strains and law there (a division by zero, or the root of zero, at rest) "
+                "and at its numbers")
     begin, advice = "the unloaded structure can move freely (its tangent is singular)", advice_on_supports(
         discretisation.scene)
     if discretisation.system.comm.size > 1:
@@ -108,10 +109,14 @@ def _too_thin(discretisation) -> str:
     return ""
 
 
-def _without_numbers(discretisation) -> str:
-    """Which contribution has infinite or no numbers in its forces or tangent now, and where; "": none."""
+def without_numbers(discretisation, when: str) -> str:
+    """Which contribution has infinite or no numbers in its forces or tangent now, and where; "": none.
+
+    Called on all processes; `when` says of which state it tells.
+    """
     system, scene = discretisation.system, discretisation.scene
     found, layout = "", discretisation.layout
+    sizes = [part.mesh.size for part in scene.parts]  # which all processes find together
     for number, work in enumerate(system.contributions):
         held, forces = (Forces(discretisation.unknowns, layout) for _ in range(2))
         work.residual(forces)
@@ -124,24 +129,27 @@ def _without_numbers(discretisation) -> str:
         if (len(wrong) or bent) and not found:
             part = scene.parts[number] if number < len(scene.parts) else None
             name = part_named(part) if part else work.called or type(work).__name__
-            what = "tangent" if len(wrong) else "forces"
-            found = f"{name}: its {what} in the first state is not a finite number" + (
-                _where(discretisation, part, wrong) if part and len(wrong) else "")
-    told = [text for text in system.comm.allgather(found) if text]
-    return (f"{told[0]}; look at its strains and law there (a division by zero, or the root of zero, at rest) and at "
-            "its numbers") if told else ""
+            what = f"tangent {when} is not a finite number" if len(wrong) else f"forces {when} are not finite numbers"
+            found = f"{name}: its {what}" + (
+                _where(discretisation, part, sizes[number], wrong, forces) if part else "")
+    return next(filter(None, system.comm.allgather(found)), "")
 
 
-def _where(discretisation, part, wrong: np.ndarray) -> str:
-    """A cell of a part all of whose free increments are among given rows, with its place."""
+def _where(discretisation, part, size: float, wrong: np.ndarray, forces: Forces) -> str:
+    """A cell of a part all of whose nodes have no numbers, in rows of the tangent or else in forces, and its place."""
     mesh, field = part.mesh, discretisation.kinematics(part.mesh).block.fields[0]
-    numbers = discretisation.layout.free_numbers[discretisation.unknowns.fields.index(field)]
+    layout, number = discretisation.layout, discretisation.unknowns.fields.index(field)
+    numbers = layout.free_numbers[number]
+    if len(wrong):
+        without = (np.isin(numbers, wrong) | (numbers < 0)).all(axis=1)
+    else:
+        without = ~np.isfinite(layout.fields(forces.spatial(layout))[number][1][field.dofs]).reshape(
+            numbers.shape).all(axis=1)
     cells = mesh.group(part.group)
-    nodes = field.value.function_space.dofmap.list[cells]
-    inside = (np.isin(numbers, wrong) | (numbers < 0)).all(axis=1)[nodes].all(axis=1)
+    inside = without[field.value.function_space.dofmap.list[cells]].all(axis=1)
     if not inside.any():
         return ""
     cell = cells[np.flatnonzero(inside)[:1]]
     place = compute_midpoints(mesh.domain, mesh.domain.topology.dim, cell.astype(np.int32))[0]
     return f" in {int(inside.sum())} of {len(cells)} cells, first in cell {cell[0]} at " + words_of_place(
-        place[:mesh.dimension], mesh.size)
+        place[:mesh.dimension], size)
