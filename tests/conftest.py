@@ -1,3 +1,5 @@
+import sys
+
 import pytest
 
 import sheetfx  # noqa: F401  before DOLFINx and PETSc, as the wheel of DOLFINx 0.11 needs
@@ -12,3 +14,20 @@ def pytest_collection_modifyitems(config, items):
         for item in items:
             if "slow" in item.keywords:
                 item.add_marker(pytest.mark.skip(reason="long study: add --slow"))
+
+
+@pytest.fixture
+def command(capfd, monkeypatch):
+    """Function (words of the command) -> status, output, errors; in this process, since a start takes seconds."""
+    from sheetfx import cli
+
+    def command(*words):
+        monkeypatch.setattr(sys, "argv", ["sheetfx", *map(str, words)])
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        told = capfd.readouterr()
+        return ended.value.code or 0, told.out, told.err
+
+    monkeypatch.setenv("COLUMNS", "400")
+    monkeypatch.setattr("atexit.register", lambda *_: None)
+    return command

@@ -72,16 +72,15 @@ def test_chart_of_a_script_beside_a_peer(script, tmp_path):
     (["nowhere"], ["nowhere", "choose one of"]),
     (["roll-up", "--repeat", 0], ["--repeat", "0"]),
 ])
-def test_errors_name_object_and_remedy(arguments, words):
-    result = chart(*arguments)
-    assert result.returncode == 2
+def test_errors_name_object_and_remedy(arguments, words, command):
+    status, _, errors = command("chart", *arguments)
+    assert status == 2 and errors.count("\n") == 1
     for word in words:
-        assert word in result.stderr
-    assert "Traceback" not in result.stderr
+        assert word in errors
 
 
-def test_help_lists_what_can_be_chosen():
-    shown = " ".join(chart("--help").stdout.split())
+def test_help_lists_what_can_be_chosen(command):
+    shown = " ".join(command("chart", "--help")[1].split())
     assert "hemisphere" in shown and "slit-annulus" in shown and "--resume" in shown and "roll-up" not in shown
 
 

@@ -49,19 +49,6 @@ def test_progress_off_a_terminal_is_a_line_by_time(tmp_path, capsys, monkeypatch
     assert steps == ["10", "20", "24"], "every 10 s, and the last state"
 
 
-def said(capfd, monkeypatch, *words) -> tuple[int, str, str]:
-    """Exit status, output and errors of a command."""
-    from sheetfx import cli
-
-    monkeypatch.setattr(sys, "argv", ["sheetfx", *map(str, words)])
-    monkeypatch.setenv("COLUMNS", "400")
-    monkeypatch.setattr("atexit.register", lambda *_: None)
-    with pytest.raises(SystemExit) as ended:
-        cli.main()
-    told = capfd.readouterr()
-    return ended.value.code or 0, told.out, told.err
-
-
 @pytest.mark.parametrize(("words", "answer"), [
     (["run", "arhc"], "did you mean 'arch'?"),
     (["run", "lee_frame"], "did you mean 'lee-frame'?"),
@@ -76,23 +63,23 @@ def said(capfd, monkeypatch, *words) -> tuple[int, str, str]:
     (["chart", "roof", "--repeat", "0"], "'--repeat': 0"),
     (["chart"], "NAME"),
 ])
-def test_wrong_words(capfd, monkeypatch, words, answer):
-    status, _, errors = said(capfd, monkeypatch, *words)
+def test_wrong_words(command, words, answer):
+    status, _, errors = command(*words)
     assert status == 2 and answer in errors
     assert errors.startswith("sheetfx: error: ") and errors.endswith("\n") and errors.count("\n") == 1
 
 
-def test_chart_does_not_go_on_with_that_of_another_scene(capfd, monkeypatch, tmp_path):
+def test_chart_does_not_go_on_with_that_of_another_scene(command, tmp_path):
     (tmp_path / "runs.json").write_text('{"scene": "bend", "runs": {}}')
-    status, _, errors = said(capfd, monkeypatch, "chart", "roof", "-o", tmp_path, "--resume")
+    status, _, errors = command("chart", "roof", "-o", tmp_path, "--resume")
     assert status == 2 and f"--resume: the chart in {tmp_path} is of bend, not of roof; choose another folder" in errors
 
 
-def test_version_and_help(capfd, monkeypatch):
-    assert said(capfd, monkeypatch, "--version")[1] == f"sheetfx {fx.__version__}\n"
-    helped = said(capfd, monkeypatch, "run", "--help")[1]
+def test_version_and_help(command):
+    assert command("--version")[1] == f"sheetfx {fx.__version__}\n"
+    helped = command("run", "--help")[1]
     assert "function `case`" in helped and "FOLDER/script.py" in helped
-    assert said(capfd, monkeypatch, "--quiet", "run", "--list")[1] == ""
+    assert command("--quiet", "run", "--list")[1] == ""
 
 
 @pytest.mark.parametrize(("text", "answer"), [
@@ -110,12 +97,12 @@ def test_version_and_help(capfd, monkeypatch):
      "case returns a Scene; return fx.Case(scene)"),
     ("import beside_it\ndef case(): return beside_it.three", "case returns 3, an int; return a sheetfx.Case"),
 ])
-def test_scripts_that_cannot_be_used(capfd, monkeypatch, tmp_path, text, answer):
+def test_scripts_that_cannot_be_used(command, monkeypatch, tmp_path, text, answer):
     script = tmp_path / "my_own.py"
     script.write_text(text)
     (tmp_path / "beside_it.py").write_text("three = 3")
     monkeypatch.setattr(sys, "path", list(sys.path))
-    status, _, errors = said(capfd, monkeypatch, "run", script, "-o", tmp_path / "out")
+    status, _, errors = command("run", script, "-o", tmp_path / "out")
     assert status == 2 and str(script) in errors and answer in errors and "Traceback" not in errors
 
 

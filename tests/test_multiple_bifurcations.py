@@ -69,7 +69,7 @@ def test_zeros_around_a_circle(force, zeros):
     assert np.exp(1j * np.sort(found)) == pytest.approx(np.exp(1j * np.array(zeros)), abs=1e-4)
 
 
-@pytest.mark.parametrize("count", [2, 3])
+@pytest.mark.parametrize("count", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_every_branch_of_a_multiple_bifurcation(count):
     """Each column stays straight or bends to either side, those that bend equally: 3^n - 1 half-branches.
 

@@ -78,7 +78,8 @@ def case(length: float = 1.0, steps: int = 4) -> fx.Case:
                      [fx.PointForce(mesh, "tip", (0.0, 1e-3))], fx.Monitor(mesh, "tip", "y"))
     return fx.Case(scene, fx.LoadControl(1 / steps, fixed=True))
 ''')
-    command = [sys.executable, "-m", "sheetfx", "run", str(script), "--length", "2", "-o", str(tmp_path / "out")]
+    command = [sys.executable, "-m", "sheetfx", "run", str(script), "--length", "2", "--no-pictures",
+               "-o", str(tmp_path / "out")]
     result = subprocess.run(command, capture_output=True, text=True, timeout=100)
     assert result.returncode == 0, result.stderr
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())

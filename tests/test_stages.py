@@ -182,9 +182,9 @@ def test_stages_on_two_processes():
     script = '''
 import sheetfx as fx
 from test_stages import weighted_arch, first_limit
-print(first_limit(fx.trace(fx.Case(weighted_arch(True), fx.ArcLength(0.005), fx.Until(deflection=15.0)))).load)
+print(first_limit(fx.trace(fx.Case(weighted_arch(True), fx.ArcLength(0.02), fx.Until(deflection=15.0)))).load)
 '''
-    record = fx.trace(fx.Case(weighted_arch(True), fx.ArcLength(0.005), fx.Until(deflection=15.0)))
+    record = fx.trace(fx.Case(weighted_arch(True), fx.ArcLength(0.02), fx.Until(deflection=15.0)))
     assert float(on_two_processes(script)[0]) == pytest.approx(first_limit(record).load, rel=1e-8)
 
 

@@ -32,6 +32,7 @@ RESUME = option("resume", bool, False, "Go on with an interrupted run in that fo
 BALANCE = option("balance", float | None, None, "Accuracy of the energy balance, such as 1e-6; finds more states "
                  "within steps, in about the time of the path.", "--balance", rules=[POSITIVE])
 ANIMATE = option("animate", bool, False, "Draw animation.gif, the motion along the path.", "--animate")
+NO_PICTURES = option("no_pictures", bool, False, "Draw no pictures, and write no files for ParaView.", "--no-pictures")
 TABLES = option("tables", bool, False, "Write reactions, energies and section forces of all states as CSV.", "--tables")
 
 
@@ -47,10 +48,10 @@ class Scenes(TyperGroup):
     def runner(name: str, function):
         """A command with the options of a scene's function and those of every run."""
         def command(output: str | None, resume: bool, tables: bool, balance: float | None, animate: bool,
-                    **parameters):
-            run_scene(name, function, parameters, output, resume, tables, balance, animate)
+                    no_pictures: bool, **parameters):
+            run_scene(name, function, parameters, output, resume, tables, balance, animate, no_pictures)
 
-        return with_options(command, function, [OUTPUT, RESUME, TABLES, BALANCE, ANIMATE])
+        return with_options(command, function, [OUTPUT, RESUME, TABLES, BALANCE, ANIMATE, NO_PICTURES])
 
     def list_commands(self, context):
         return scene_names()
@@ -112,7 +113,7 @@ def folder_of(name: str, output: str | None, ending: str = "") -> Path:
 
 
 def run_scene(name: str, function, parameters: dict, output: str | None, resume: bool, with_tables: bool,
-              balance: float | None, animate: bool = False) -> None:
+              balance: float | None, animate: bool, no_pictures: bool) -> None:
     """Run one scene with progress on the terminal."""
     from ..case import run
     from ..show.animating import animation
@@ -122,7 +123,8 @@ def run_scene(name: str, function, parameters: dict, output: str | None, resume:
     folder = folder_of(name, output)
     with Progress(Path(name).stem, folder) as progress:
         case = function(**parameters)
-        pictures = [*case.pictures, *([tables] if with_tables else []), *([animation] if animate else [])]
+        pictures = [*(() if no_pictures else case.pictures), *([tables] if with_tables else []),
+                    *([animation] if animate else [])]
         case = replace(case, pictures=pictures, balance=balance or case.balance)
         progress.begin(case)
         summary = run(case, Path(name).stem, parameters, folder, resume, [progress])
