@@ -83,6 +83,7 @@ def test_every_branch_of_a_multiple_bifurcation(count):
     assert rises / rises[0] == pytest.approx(expected, rel=2e-3)
 
 
+@pytest.mark.slow
 def test_nearly_double_bifurcation_keeps_its_branches():
     """Two columns that a spring joins, which parts their loads by 4e-8: eight half-branches, and no continuum.
 
