@@ -70,7 +70,7 @@ def test_chart_of_a_script_beside_a_peer(script, tmp_path):
 @pytest.mark.parametrize(("arguments", "words"), [
     (["roll-up"], ["roll-up", "REFERENCE"]),
     (["nowhere"], ["nowhere", "choose one of"]),
-    (["roll-up", "--repeat", 0], ["--repeat", "0"]),
+    (["roll-up", "--repeat", 0], ["--repeat", "1"]),
 ])
 def test_errors_name_object_and_remedy(arguments, words, command):
     status, _, errors = command("chart", *arguments)
