@@ -1,29 +1,29 @@
 """The bench: golden figures, and which structure needs which constant or guard of the path follower.
 
-    docker/run python3 tests/golden/bench.py count               rows by room
-    docker/run python3 tests/golden/bench.py figures             golden figures, figures.json
-    docker/run python3 tests/golden/bench.py table --minutes 120 trials, trials.jsonl, and the table, table.csv
+    docker/run python3 tests/golden/bench.py count                rows by room
+    docker/run python3 tests/golden/bench.py figures              golden figures, figures.json
+    docker/run python3 tests/golden/bench.py table --minutes 120  trials, trials.jsonl, and the table, table.csv
+    docker/run python3 tests/golden/bench.py check                outcomes of the present source against the figures
 
-A trial that is there is not run again; `--again` begins anew. README.md beside this file has more.
+What is there is not computed again; `--again` begins anew. README.md beside this file has more.
 """
 
 from __future__ import annotations
 
 import argparse
 import csv
-import functools
 import json
 import multiprocessing
 import os
 import sys
 import time
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack
 from dataclasses import asdict
-from math import exp, inf, log
+from math import inf
 from pathlib import Path
 
 import moved
@@ -31,71 +31,61 @@ import rows
 from rows import PACKAGE, Row
 
 HERE = Path(__file__).parent
-FIGURES, WATCHED = HERE / "figures.json", HERE / "watched.json"
+FIGURES, LINES = HERE / "figures.json", HERE / "lines.json"
 TRIALS, TABLE = HERE / "trials.jsonl", HERE / "table.csv"
-FACTORS = 2.0, 0.5, 4.0, 0.25, 10.0, 0.1  # tried in this order, until an outcome changes
-OVERRUN = 5.0  # times its CPU time, after which a trial's path is ended
-LEAST = 1e-6  # relative change of a load that is an outcome's
+OFF = 0.0  # the factor of a guard
+FACTORS = OFF, 2.0, 0.5, 4.0, 0.25, 10.0, 0.1, 1.4, 0.7  # in this order; the last two for rows of margin 2 alone
+TOGETHER = {2.0: 16, 4.0: 8, 10.0: 4, 1.4: 1, OFF: 8}  # rows that are first changed at once
+OVERRUN, LEAST_SECONDS = 4.0, 2.0  # CPU time of a trial over that of the golden run, and at least
+LEAST, WIDE = 1e-6, 3.0  # accuracy of loads at least, and over what halved steps show
 COLUMNS = "name", "kind", "file", "needed_by", "margin"
 
 
 def figures(which: str, jobs: int, again: bool) -> dict:
     """Golden outcomes of all structures, each with the change of its loads by steps of half the length."""
     kept = {} if again or not FIGURES.exists() else json.loads(FIGURES.read_text())
+    lines = {} if again or not LINES.exists() else json.loads(LINES.read_text())
     from structures import names
 
-    wanted = [name for name in names(which) if name not in kept]
-    for name, found in spread(golden, [(name,) for name in wanted], jobs):
-        kept[name[0]] = found
+    wanted = [name for name in names(which) if name not in kept or name not in lines]
+    for (name,), (found, reached) in spread(golden, [(name,) for name in wanted], jobs):
+        kept[name], lines[name] = found, reached
+        print(f"{name}: {found['seconds']:.2f} CPU s, {len(found['points'])} points, {found['ended']}", flush=True)
         write_json(FIGURES, kept)
-    return kept
+        write_json(LINES, lines)
+    return {name: kept[name] for name in names(which) if name in kept}
 
 
-def golden(name: str) -> dict:
+def golden(name: str) -> tuple[dict, dict]:
+    """Outcome with its accuracy, and the lines of the source that are reached."""
     from structures import outcome
 
-    outcome(name)  # compiles
+    reached: dict[str, set] = defaultdict(set)
+    with reaching(reached):
+        outcome(name)  # compiles
     found, halved = outcome(name), outcome(name, shorter=0.5)
-    return asdict(found) | {"accuracy": accuracy(found, halved)}
+    return (asdict(found) | {"accuracy": accuracy(found, halved)},
+            {file: sorted(numbers) for file, numbers in reached.items()})
 
 
 def accuracy(one, other) -> float | None:
-    """Largest change of a critical load over the largest load; None: the points are others."""
+    """Largest change of a load over the largest load; None: the points are others."""
     if [(p.kind, p.multiplicity) for p in one.points] != [(p.kind, p.multiplicity) for p in other.points]:
         return None
-    largest = max((abs(p.load) for p in one.points), default=1.0) or 1.0
-    return max((abs(p.load - q.load) / largest for p, q in zip(one.points, other.points, strict=True)), default=0.0)
+    largest = max([abs(p.load) for p in one.points] + [abs(one.load)]) or 1.0
+    changes = [abs(p.load - q.load) for p, q in zip(one.points, other.points, strict=True)]
+    return max([*changes, abs(one.load - other.load) if "reached" in one.ended else 0.0]) / largest
 
 
-def watch(name: str) -> dict:
-    """Follow a path with constants that keep how near their comparisons came to another outcome.
+def kept_outcome(kept: dict):
+    from structures import Outcome, Point
 
-    Returns
-    -------
-    "margins": row -> factor, "lines": file -> lines of the source that are reached, "same": whether the outcome is
-    """
-    from structures import difference, outcome
-
-    golden_one, reached = outcome(name), defaultdict(set)
-    seen: dict[str, dict] = {}
-    with ExitStack() as stack, reaching(reached):
-        for row in watchable():
-            seen[row.key] = {}
-            moved._set(row, lambda value, kept=seen[row.key]: moved.Watched(value, kept)
-                       if isinstance(value, float) else value, stack)
-        found = outcome(name, within=20 * OVERRUN * max(golden_one.seconds, 1.0))
-    margins = {key: exp(kept["margin"]) for key, kept in seen.items() if "margin" in kept}
-    return {"margins": margins, "lines": {file: sorted(lines) for file, lines in reached.items()},
-            "same": difference(golden_one, found)}
-
-
-@functools.cache
-def watchable() -> list[Row]:
-    return [row for row in rows.rows() if row.kind == "constant" and moved.only_compared(row)]
+    known = {key: value for key, value in kept.items() if key != "accuracy"}
+    return Outcome(**known | {"points": tuple(Point(**p) for p in kept["points"])})
 
 
 class reaching:
-    """Keep which lines of files with rows are reached."""
+    """Keep which lines of the package are reached."""
 
     TOOL = 4
 
@@ -120,102 +110,151 @@ class reaching:
         sys.monitoring.free_tool_id(self.TOOL)
 
 
-def places(row: Row) -> dict[str, set[int]]:
-    """File -> lines of the source that use a constant, or raise."""
-    found = defaultdict(set)
-    for file, node in moved.uses(row):
-        found[str(file.relative_to(PACKAGE))].add(node.lineno)
+def touches(row: Row, lines: dict) -> bool:
+    """Whether a run reaches a line where a constant, or the condition of a guard, stands."""
+    return any(node.lineno in lines.get(str(file.relative_to(PACKAGE)), ()) for file, node in moved.uses(row))
+
+
+def trials(name: str, factor: float, keys: list[str], kept: dict, together: int) -> dict:
+    """Change rows of one structure's run in groups, and halve each group that changes the outcome (Dorfman 1943).
+
+    Returns
+    -------
+    "differing": row -> how; "together": groups that change an outcome only as a whole; "impossible": rows that cannot
+    be changed
+    """
+    from structures import difference, outcome
+
+    first, every = kept_outcome(kept), {row.key: row for row in rows.rows()}
+    allowed = max(LEAST, WIDE * (kept["accuracy"] if kept["accuracy"] is not None else LEAST))
+    found = {"structure": name, "factor": factor, "tried": keys, "differing": {}, "together": [], "impossible": [],
+             "runs": 0}
+
+    def told(group: list[str]) -> str:
+        with ExitStack() as stack:
+            possible = {key: stack.enter_context(moved.changed(every[key], factor or None)) for key in group}
+            found["impossible"] = sorted({*found["impossible"], *(key for key in group if not possible[key])})
+            found["runs"] += 1
+            return difference(first, outcome(name, max(OVERRUN * first.seconds, LEAST_SECONDS)), allowed)
+
+    def halve(group: list[str], how: str) -> bool:
+        if len(group) == 1:
+            found["differing"][group[0]] = how
+            return True
+        half = len(group) // 2
+        parts = [(part, said) for part in (group[:half], group[half:]) if (said := told(part))]
+        if not parts:
+            found["together"].append(group)
+        return any([halve(part, said) for part, said in parts])
+
+    for n in range(0, len(keys), together):
+        group = keys[n:n + together]
+        if how := told(group):
+            halve(group, how)
     return found
-
-
-def touched(row: Row, factor: float | None, watched: dict, seconds: dict) -> list[str]:
-    """Structures whose outcome a trial may change, the cheapest first."""
-    lines, found = places(row), []
-    compared = row.kind == "constant" and row.key in {r.key for r in watchable()}
-    for name, kept in watched.items():
-        if not any(lines[file] & set(kept["lines"].get(file, ())) for file in lines):
-            continue
-        near = kept["margins"].get(row.key, inf)
-        if compared and factor and not kept["same"] and abs(log(factor)) < log(near):
-            continue
-        found.append(name)
-    return sorted(found, key=lambda name: seconds[name])
-
-
-def trial(key: str, factor: float | None, structures: list[str], figures: dict) -> dict:
-    """Follow paths with one row changed."""
-    from structures import Outcome, Point, difference, outcome
-
-    row = next(r for r in rows.rows() if r.key == key)
-    differing, cost = {}, []
-    with moved.changed(row, factor) as possible:
-        if not possible:
-            return {"row": key, "factor": factor, "tried": 0, "differing": {}, "cost": 1.0, "possible": False}
-        for name in structures:
-            kept = {k: v for k, v in figures[name].items() if k != "accuracy"}
-            first = Outcome(**kept | {"points": tuple(Point(**p) for p in kept["points"])})
-            found = outcome(name, within=max(OVERRUN * first.seconds, 2.0))
-            if told := difference(first, found, max(LEAST, 2 * (figures[name]["accuracy"] or 0.0))):
-                differing[name] = told
-            cost.append(found.factorisations / max(first.factorisations, 1))
-    return {"row": key, "factor": factor, "tried": len(structures), "differing": differing,
-            "cost": round(sum(cost) / max(len(cost), 1), 3), "possible": True}
 
 
 def table(which: str, jobs: int, minutes: float, again: bool) -> None:
     """Run the trials that are missing, and write the table of what is there."""
-    end, golden_ones = time.monotonic() + 60 * minutes, figures(which, jobs, False)
-    watched = {} if again or not WATCHED.exists() else json.loads(WATCHED.read_text())
-    for (name,), found in spread(watch, [(n,) for n in golden_ones if n not in watched], jobs):
-        watched[name] = found
-        write_json(WATCHED, watched)
-    done = {} if again else kept_trials()
-    seconds = {name: kept["seconds"] for name, kept in golden_ones.items()}
-    for factors in [(None,), *((f,) for f in FACTORS)]:
-        tasks = [task for row in rows.rows() if (task := task_of(row, factors[0], done, watched, seconds))]
-        print(f"factor {factors[0]}: {len(tasks)} trials, "
-              f"{sum(seconds[n] for t in tasks for n in t[2]):.0f} CPU s at most", flush=True)
-        for (key, factor, names, _), found in spread(trial, [(*t, golden_ones) for t in tasks], jobs, end):
-            done[key, factor] = found
+    end = time.monotonic() + 60 * minutes
+    golden_ones = figures(which, jobs, False)
+    lines = json.loads(LINES.read_text())
+    if again:
+        TRIALS.unlink(missing_ok=True)
+    done = kept_trials()
+    order = sorted(golden_ones, key=lambda name: golden_ones[name]["seconds"])
+    begun = time.monotonic()
+    for factor in FACTORS:
+        factors = [f for f in FACTORS if f and max(f, 1 / f) == max(factor, 1 / factor)] if factor else [OFF]
+        wanted = [row for row in rows.rows() if is_wanted(row, factor, done)]
+        tasks = []
+        for name in order:
+            missing = [row.key for row in wanted if touches(row, lines[name]) and not tried(done, name, factor, row.key)]
+            if missing:
+                size = next(n for f, n in TOGETHER.items() if f in factors)
+                tasks.append((name, factor, missing, golden_ones[name], size))
+        print(f"factor {factor}: {sum(len(task[2]) for task in tasks)} changes on {len(tasks)} structures", flush=True)
+        for task, found in spread(trials, tasks, jobs, end, lambda task: sorted_by_need(task, done)):
+            done.append(found)
             with TRIALS.open("a") as file:
                 file.write(json.dumps(found) + "\n")
-            print(f"{key} x{factor}: {len(found['differing'])} of {len(names)} differ", flush=True)
+            print(f"{(time.monotonic() - begun) / 60:5.1f} min  x{factor} {task[0]}: {len(found['differing'])} of "
+                  f"{len(task[2])} differ, {found['runs']} runs", flush=True)
         write_table(done)
         if time.monotonic() > end:
             print("time is up; the same command goes on")
             return
 
 
-def task_of(row: Row, factor: float | None, done: dict, watched: dict, seconds: dict) -> tuple | None:
-    """What a trial of a row needs; None where there is none to be run."""
-    if (row.kind == "guard") != (factor is None) or (row.key, factor) in done:
-        return None
-    if any(found["differing"] or not found["possible"] for (key, _), found in done.items() if key == row.key):
-        side = [f for (key, f), found in done.items() if key == row.key and found["differing"] and f]
-        if not side or factor in (4.0, 0.25, 10.0, 0.1):
-            return None
-    names = touched(row, factor, watched, seconds)
-    return (row.key, factor, names) if names else None
+def tried(done: list[dict], name: str, factor: float, key: str) -> bool:
+    return any(t["structure"] == name and t["factor"] == factor and key in t["tried"] for t in done)
 
 
-def kept_trials() -> dict:
-    """Trials on disk by row and factor."""
-    lines = TRIALS.read_text().splitlines() if TRIALS.exists() else []
-    return {(t["row"], t["factor"]): t for t in map(json.loads, lines)}
+def is_wanted(row: Row, factor: float, done: list[dict]) -> bool:
+    """Whether a row is changed by a factor: a constant until a smaller one has changed an outcome."""
+    if (row.kind == "guard") != (factor == OFF):
+        return False
+    if factor == OFF:
+        return True
+    margin, moved_by = margin_of(row, done), max(factor, 1 / factor)
+    return margin in (2.0, moved_by) if moved_by < 2 else margin >= moved_by
 
 
-def write_table(done: dict) -> None:
+def margin_of(row: Row, done: list[dict]) -> float:
+    return min((max(t["factor"], 1 / t["factor"]) for t in done if row.key in t["differing"] and t["factor"]),
+               default=inf)
+
+
+def sorted_by_need(task: tuple, done: list[dict]) -> tuple:
+    """A task with the rows together that changed other structures, so that fewer groups are halved."""
+    name, factor, keys, kept, size = task
+    need = Counter(key for t in done if t["factor"] == factor for key in t["differing"])
+    return name, factor, sorted(keys, key=lambda key: -need[key]), kept, size
+
+
+def kept_trials() -> list[dict]:
+    return [json.loads(line) for line in TRIALS.read_text().splitlines()] if TRIALS.exists() else []
+
+
+def write_table(done: list[dict]) -> None:
     with TABLE.open("w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(COLUMNS)
         for row in rows.rows():
-            mine = [t for (key, _), t in done.items() if key == row.key]
-            needed = sorted({name for t in mine for name in t["differing"]})
-            margins = [max(t["factor"], 1 / t["factor"]) for t in mine if t["differing"] and t["factor"]]
-            writer.writerow((row.name, row.kind, row.file, ";".join(needed), f"{min(margins):g}" if margins else ""))
+            margin = margin_of(row, done)
+            needed = sorted({t["structure"] for t in done if row.key in t["differing"]})
+            writer.writerow((row.name, row.kind, row.file, ";".join(needed), "" if margin == inf else f"{margin:g}"))
 
 
-def spread(function, tasks: list[tuple], jobs: int, end: float = inf) -> Iterator[tuple[tuple, dict]]:
+def check(which: str, jobs: int) -> int:
+    """Compare outcomes with the golden figures; the number that differ."""
+    kept, differing = json.loads(FIGURES.read_text()), 0
+    from structures import names
+
+    costs = []
+    for (name, *_), (how, cost, seconds) in spread(against, [(n, kept[n]) for n in names(which) if n in kept], jobs):
+        costs.append(seconds)
+        if how:
+            differing += 1
+            print(f"{name}: {how}; {cost:.2f} of the factorisations", flush=True)
+    costs.sort()
+    print(f"{differing} of {len(costs)} differ; CPU time over the golden one: median {costs[len(costs) // 2]:.3f}")
+    return differing
+
+
+def against(name: str, kept: dict) -> tuple[str, float, float]:
+    from structures import difference, outcome
+
+    first = kept_outcome(kept)
+    outcome(name)
+    found = outcome(name)
+    allowed = max(LEAST, WIDE * (kept["accuracy"] if kept["accuracy"] is not None else LEAST))
+    return (difference(first, found, allowed), found.factorisations / max(first.factorisations, 1),
+            found.seconds / first.seconds)
+
+
+def spread(function: Callable, tasks: list[tuple], jobs: int, end: float = inf,
+           prepare: Callable[[tuple], tuple] = lambda task: task) -> Iterator[tuple[tuple, dict]]:
     """Results as they come from several processes; a task whose process dies twice is left out, and told."""
     os.environ["OMP_NUM_THREADS"] = "1"
     waiting, died = list(tasks), Counter()
@@ -226,14 +265,14 @@ def spread(function, tasks: list[tuple], jobs: int, end: float = inf) -> Iterato
                 while (waiting or running) and (running or time.monotonic() < end):
                     while waiting and len(running) < jobs and time.monotonic() < end:
                         task = waiting.pop(0)
-                        running[pool.submit(function, *task)] = task
+                        running[pool.submit(function, *prepare(task))] = task
                     for future in wait(running, return_when=FIRST_COMPLETED).done:
                         yield running[future], future.result()
                         del running[future]
             except BrokenProcessPool:
                 for task in running.values():
-                    died[task[:2]] += 1
-                    if died[task[:2]] < 2:
+                    died[task[0]] += 1
+                    if died[task[0]] < 2:
                         waiting.insert(0, task)
                     else:
                         print(f"{task[:2]} ends its process", flush=True)
@@ -250,9 +289,9 @@ def count(found: Iterable[Row]) -> None:
         print(f"{room:14} {kind:9} {number:4}")
 
 
-def main() -> None:
+def main() -> int:
     options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    options.add_argument("what", choices=["count", "figures", "table"])
+    options.add_argument("what", choices=["count", "figures", "table", "check"])
     options.add_argument("--set", default="all", choices=["all", "quick"])
     options.add_argument("--jobs", type=int, default=2)
     options.add_argument("--minutes", type=float, default=120.0)
@@ -262,9 +301,12 @@ def main() -> None:
         count(rows.rows())
     elif given.what == "figures":
         figures(given.set, given.jobs, given.again)
-    else:
+    elif given.what == "table":
         table(given.set, given.jobs, given.minutes, given.again)
+    else:
+        return check(given.set, given.jobs)
+    return 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -1,9 +1,7 @@
 """Constants that are moved and guards that are switched off, in the running program.
 
 A constant of a module is set wherever it has been imported to, an unnamed float in the code of its function, a guard
-by compiling its function without the place that raises. `Watched` numbers stand in for constants in one run and keep
-how near each comparison with them came to another outcome: a constant that is only compared with changes nothing
-until it is moved by that much.
+by compiling its function without the place that raises.
 """
 
 from __future__ import annotations
@@ -15,7 +13,6 @@ import inspect
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from math import copysign, inf, isfinite
 from pathlib import Path
 
 import numpy as np
@@ -153,132 +150,6 @@ def _replace(owner, name: str, new, stack: ExitStack) -> None:
     setattr(owner, name, new)
 
 
-class Watched(float):
-    """A constant, or its product with numbers, that keeps how comparisons with it come out.
-
-    Attributes
-    ----------
-    seen : what it keeps: "margin", the factor nearest to 1 by which the constant would change a comparison, and
-        "compared", their number
-    power : of the constant in this number
-    """
-
-    __array_ufunc__ = None  # NumPy leaves arithmetic and comparisons to this class
-
-    def __new__(cls, value: float, seen: dict, power: float = 1.0):
-        made = super().__new__(cls, value)
-        made.seen, made.power = seen, power
-        return made
-
-    def _with(self, value, power: float):
-        if isinstance(value, np.ndarray) and value.ndim:
-            return _WatchedArray(value, self.seen, power)
-        return Watched(float(value), self.seen, power)
-
-    def __mul__(self, other):
-        return self._with(_plain(self) * _plain(other), self.power + getattr(other, "power", 0.0)
-                          * (getattr(other, "seen", None) is self.seen))
-
-    __rmul__ = __mul__
-
-    def __truediv__(self, other):
-        return self._with(_plain(self) / _plain(other), self.power)
-
-    def __rtruediv__(self, other):
-        return self._with(_plain(other) / _plain(self), -self.power)
-
-    def __neg__(self):
-        return self._with(-_plain(self), self.power)
-
-    def __pow__(self, other):
-        return self._with(_plain(self) ** _plain(other), self.power * other)
-
-    def _compare(self, other, outcome):
-        note(self.seen, _plain(self), _plain(other), self.power)
-        return outcome
-
-    def __lt__(self, other):
-        return self._compare(other, _plain(self) < _plain(other))
-
-    def __le__(self, other):
-        return self._compare(other, _plain(self) <= _plain(other))
-
-    def __gt__(self, other):
-        return self._compare(other, _plain(self) > _plain(other))
-
-    def __ge__(self, other):
-        return self._compare(other, _plain(self) >= _plain(other))
-
-    __hash__ = float.__hash__
-    __eq__ = float.__eq__
-
-
-class _WatchedArray:
-    """An array of products with a constant, until it is compared or used otherwise."""
-
-    __array_ufunc__ = None
-
-    def __init__(self, value: np.ndarray, seen: dict, power: float):
-        self.value, self.seen, self.power = value, seen, power
-
-    def __array__(self, dtype=None, copy=None):
-        return np.asarray(self.value, dtype)
-
-    def __getattr__(self, name):
-        return getattr(self.value, name)
-
-    def __getitem__(self, place):
-        return self.value[place]
-
-    def __len__(self):
-        return len(self.value)
-
-
-def _through(name: str, compares: bool):
-    def method(self, other):
-        if compares:
-            note(self.seen, self.value, _plain(other), self.power)
-        found = getattr(self.value, name)(_plain(other))
-        keeps = name in ("__mul__", "__rmul__", "__truediv__")
-        return _WatchedArray(found, self.seen, self.power) if keeps else found
-    return method
-
-
-for _name in ("lt", "le", "gt", "ge"):
-    setattr(_WatchedArray, f"__{_name}__", _through(f"__{_name}__", True))
-for _name in ("mul", "rmul", "truediv", "rtruediv", "add", "radd", "sub", "rsub", "pow", "and", "or"):
-    setattr(_WatchedArray, f"__{_name}__", _through(f"__{_name}__", False))
-
-
-def _plain(value):
-    if isinstance(value, Watched):
-        return float(value)
-    return value.value if isinstance(value, _WatchedArray) else value
-
-
-def note(seen: dict, mine, other, power: float) -> None:
-    """Keep the factor on the constant that would turn a comparison of its product with another value."""
-    seen["compared"] = seen.get("compared", 0) + 1
-    try:
-        with np.errstate(all="ignore"):
-            ratios = np.ravel(np.asarray(other, dtype=float) / np.asarray(mine, dtype=float))
-    except (TypeError, ValueError):
-        return
-    ratios = ratios[np.isfinite(ratios) & (ratios > 0)]
-    if len(ratios) and power:
-        factors = np.abs(np.log(ratios) / power)
-        nearest = factors.argmin()
-        if factors[nearest] < seen.get("margin", inf):
-            seen["margin"] = float(factors[nearest])
-            seen["towards"] = copysign(1.0, np.log(ratios[nearest]) / power) if isfinite(ratios[nearest]) else 0.0
-
-
-def only_compared(row: Row) -> bool:
-    """Whether the source uses a constant in comparisons alone, directly or times and over other values."""
-    found = uses(row)
-    return bool(found) and all(_leads_to_comparison(_tree(file), node) for file, node in found)
-
-
 def uses(row: Row) -> list[tuple[Path, ast.AST]]:
     """Files and nodes of the source that use a constant, or raise."""
     if row.line:
@@ -287,7 +158,20 @@ def uses(row: Row) -> list[tuple[Path, ast.AST]]:
                   for n in ast.walk(f) if getattr(n, "lineno", 0)]
         same = [n for n in inside if isinstance(n, ast.Constant) and n.value == row.value]
         return [(file, n) for n in (same if row.kind == "constant" else inside) if same or n.lineno == row.line]
-    return _loads().get(row.name.rpartition(".")[2], [])
+    found = _loads().get(row.name.rpartition(".")[2], [])
+    return found if "." in row.name else [(file, node) for file, node in found if row.name in _known(file, row.module)]
+
+
+@functools.cache
+def _known(file: Path, module: str) -> set[str]:
+    """Names of a module that a file knows: its own, or those that it imports from there."""
+    if "sheetfx." + str(file.relative_to(PACKAGE)).removesuffix(".py").replace("/", ".") == module:
+        return {node.id for node in ast.walk(_tree(file)) if isinstance(node, ast.Name)}
+    last = module.rpartition(".")[2]
+    imported = [node for node in ast.walk(_tree(file)) if isinstance(node, ast.ImportFrom)]
+    return {alias.name for node in imported if (node.module or "").rpartition(".")[2] == last for alias in node.names} | {
+        node.attr for node in ast.walk(_tree(file)) if isinstance(node, ast.Attribute)
+        and isinstance(node.value, ast.Name) and node.value.id == last}
 
 
 @functools.cache
@@ -302,22 +186,6 @@ def _loads() -> dict[str, list[tuple[Path, ast.AST]]]:
     return found
 
 
-def _leads_to_comparison(tree: ast.AST, node: ast.AST) -> bool:
-    parents = _parents(tree)
-    while True:
-        parent = parents[node]
-        if isinstance(parent, ast.Compare):
-            return True
-        if not (isinstance(parent, ast.BinOp) and isinstance(parent.op, (ast.Mult, ast.Div))):
-            return False
-        node = parent
-
-
 @functools.cache
 def _tree(file: Path) -> ast.Module:
     return ast.parse(file.read_text())
-
-
-@functools.cache
-def _parents(tree: ast.AST) -> dict[ast.AST, ast.AST]:
-    return {child: node for node in ast.walk(tree) for child in ast.iter_child_nodes(node)}

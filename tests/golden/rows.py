@@ -1,7 +1,7 @@
 """Rows of the table: constants and guards of the path follower and of contact, as the source has them.
 
-A constant is an upper-case number (or numbers) of a module, a number in a dataclass of options, or an unnamed float
-in a function, 0, 1, -1, 0.5 and 2 excepted. A guard is a place that raises a result of a step (`SIGNALS`), a
+A constant is an upper-case number (or numbers) of a module, a number in a dataclass of options other than 0, or an
+unnamed float in a function, 0, 1, -1, 0.5 and 2 excepted; rules of quadrature, bases and tables of indices are none. A guard is a place that raises a result of a step (`SIGNALS`), a
 predicate that refuses one, or a retry that is tried where one fails (`SWITCHES`).
 """
 
@@ -16,6 +16,7 @@ PACKAGE = Path(__file__).parents[2] / "sheetfx"
 ROOMS = ("continuation/*.py", "stability/*.py", "path.py", "*/*contact*.py", "*/*pair*.py", "*/obstacle*.py",
          "*/zones.py", "*/layer.py", "*/growth.py", "*/surface_*.py", "*/partners.py", "*/closest_point.py")
 TRIVIAL = 0.0, 1.0, -1.0, 0.5, 2.0
+OPTIONS = "continuation/control.py", "continuation/until.py", "model/"  # files whose dataclasses are a user's
 SIGNALS = "Jump", "Missed", "Hidden", "Uncounted", "Unsettled"
 # What each predicate, retry or homotopy gives where it is switched off.
 SWITCHES = {
@@ -80,9 +81,10 @@ def _rows_of(file: Path) -> Iterator[Row]:
     for node in tree.body:
         if isinstance(node, ast.Assign):
             yield from (Row(name, "constant", place, 0, value) for name, value in _assigned(node))
-        if isinstance(node, ast.ClassDef):
+        if isinstance(node, ast.ClassDef) and place.startswith(OPTIONS):
             yield from (Row(f"{node.name}.{f.target.id}", "constant", place, 0, f.value.value) for f in node.body
-                        if isinstance(f, ast.AnnAssign) and isinstance(f.target, ast.Name) and _is_number(f.value))
+                        if isinstance(f, ast.AnnAssign) and isinstance(f.target, ast.Name) and _is_number(f.value)
+                        and f.value.value)
     seen: dict[str, int] = {}
     for title, function in _functions(tree):
         for node in _own_nodes(function):
@@ -98,11 +100,17 @@ def _rows_of(file: Path) -> Iterator[Row]:
 
 
 def _is_number(node) -> bool:
-    return isinstance(node, ast.Constant) and isinstance(node.value, (int, float)) and not isinstance(node.value, bool)
+    return isinstance(node, ast.Constant) and type(node.value) in (int, float)
 
 
 def _holds_number(node) -> bool:
     return _is_number(node) or any(_holds_number(child) for child in ast.iter_child_nodes(node))
+
+
+def _is_rule(node) -> bool:
+    """Whether a value is a rule of quadrature, a basis or a table of indices: its numbers follow from one another."""
+    return any(isinstance(part, ast.Subscript) or isinstance(part, ast.Call)
+               and not ast.unparse(part.func).endswith("finfo") for part in ast.walk(node))
 
 
 def _assigned(node: ast.Assign) -> Iterator[tuple[str, object]]:
@@ -113,13 +121,8 @@ def _assigned(node: ast.Assign) -> Iterator[tuple[str, object]]:
         names = target.elts if isinstance(target, ast.Tuple) else [target]
         parts = node.value.elts if isinstance(target, ast.Tuple) and isinstance(node.value, ast.Tuple) else [node.value]
         for name, part in zip(names, parts if len(parts) == len(names) else parts * len(names), strict=True):
-            if isinstance(name, ast.Name) and name.id.isupper() and _holds_number(part) and not _is_check(part):
+            if isinstance(name, ast.Name) and name.id.isupper() and name.id != "ROWS" and _holds_number(part) and not _is_rule(part):
                 yield name.id, ast.unparse(part)
-
-
-def _is_check(node) -> bool:
-    """Whether a value is an annotation's check, a name or an index rather than a number."""
-    return isinstance(node, ast.Call) and getattr(node.func, "id", "") in ("Like", "Also", "Range", "Choice")
 
 
 def _functions(tree: ast.Module) -> Iterator[tuple[str, ast.FunctionDef]]:

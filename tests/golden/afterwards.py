@@ -1,0 +1,115 @@
+"""What is computed of a path when it is there: Koiter's coefficients, branches, falls, buckling, vibrations."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from math import radians
+
+import numpy as np
+from helpers import hinged_arch, whole_arch
+
+import sheetfx as fx
+from sheetfx.record import Record
+from sheetfx.studies.traps import TRAPS, contact
+
+FALLS = 2  # of a path, at most
+
+
+def bifurcations(record: Record) -> dict[str, float]:
+    """Koiter's coefficients and the starts of all branches."""
+    found = {}
+    for n, point in enumerate(p for p in record.critical_points if p.kind == "bifurcation"):
+        found |= {f"{key} {n}": value for key, value in (("a", point.slope), ("b", point.curvature))
+                  if value is not None}
+        starts = record.branches(point)
+        found[f"branches {n}"] = len(starts)
+        found |= {f"branch {n} {k}": load for k, load in enumerate(sorted(branch.start.load for branch in starts))}
+    return found
+
+
+def falls(record: Record, hold: str) -> dict[str, float]:
+    """Where a test falls to from the first unstable states."""
+    found: dict[str, float] = {}
+    for snap in fx.snaps(record.path, record.states[:_enough(record)], hold):
+        found |= {f"fall {len(found)}": snap.after.deflection, f"released {len(found)}": snap.energy_released}
+    return found
+
+
+def _enough(record: Record) -> int:
+    """Number of states up to the second unstable piece."""
+    pieces, before = 0, False
+    for n, state in enumerate(record.states):
+        now = bool(state.unstable_modes)
+        pieces, before = pieces + (now and not before), now
+        if pieces == FALLS:
+            return n + 1
+    return len(record.states)
+
+
+def fall_with_friction(record: Record) -> dict[str, float]:
+    """The fall from the first unstable state, by a viscous motion."""
+    fall = record.snap(next(state for state in record.states if state.unstable_modes))
+    return {"fall": fall.after.deflection, "released": fall.energy_released}
+
+
+def linear(record: Record) -> dict[str, float]:
+    """Buckling about the unloaded and a loaded state, and vibrations where there is mass."""
+    found = {f"buckling {n}": load.factor for n, load in enumerate(record.buckling(record.states[0])[:3])}
+    return found | {f"loaded {n}": load.factor for n, load in enumerate(record.buckling(record.states[1])[:2])}
+
+
+def vibrations(record: Record) -> dict[str, float]:
+    return {f"squared {k} {n}": v.squared for k in (0, -1)
+            for n, v in enumerate(record.frequencies(record.states[k], 4))}
+
+
+def imperfect_arch(record: Record) -> dict[str, float]:
+    """Koiter's two-thirds law for a hinged shallow arch, see tests/test_sensitivity.py."""
+    point = next(p for p in record.critical_points if p.kind == "bifurcation")
+    before, after = record.states[point.step - 1: point.step + 1]
+
+    def deviation(x):
+        return np.sin(np.pi * np.arctan2(x[:, 0], x[:, 1]) / radians(7.338))
+
+    def scene(amplitude):
+        return hinged_arch(fx.imperfect(whole_arch(20), deviation, amplitude))
+
+    rho = fx.imperfection_sensitivity(record.path, before, after, point, scene, 5e-3)
+    return {"sensitivity": rho, "limit": fx.limit_of_imperfect(point, 0.05, rho)}
+
+
+def heavy_column() -> fx.Case:
+    """A column with mass on two hinges."""
+    mesh = fx.read(lambda: fx.meshes.frame({"base": (0, 0), "tip": (1.0, 0)}, {"beam": ("base", "tip", 8)}), 2)
+    beam = fx.Beam(mesh, fx.Rectangle(0.02, 0.01), fx.Elastic(1e7, 0.3, density=2.0))
+    scene = fx.Scene([beam], [fx.pin(mesh, "base"), fx.Support(mesh, "tip", "y")],
+                     [fx.PointForce(mesh, "tip", (-1.0, 0.0))], fx.Monitor(mesh, "tip", "x", -1.0))
+    return fx.Case(scene, until=fx.Until(load=0.2))
+
+
+def trap(name: str) -> Callable[[], fx.Case]:
+    return lambda: TRAPS[name].case()
+
+
+BY_LOAD, BY_DISPLACEMENT = partial(falls, hold="load"), partial(falls, hold="displacement")
+
+AFTERWARDS: dict[str, tuple[Callable[[], fx.Case], Callable[[Record], dict[str, float]]]] = {
+    "branches-truss": (trap("von-mises-truss"), bifurcations),
+    "branches-sinusoidal-arch": (trap("sinusoidal-arch-before"), bifurcations),
+    "branches-frame": (trap("roorda-frame"), bifurcations),
+    "branches-star-dome": (trap("star-dome"), bifurcations),
+    "branches-augusti": (trap("augusti-exact"), bifurcations),
+    "branches-close": (trap("close-modes-0.1-percent"), bifurcations),
+    "branches-column": (trap("column"), bifurcations),
+    "falls-roof": (trap("roof-12.7"), BY_LOAD),
+    "falls-lee-frame": (trap("lee-frame"), BY_DISPLACEMENT),
+    "falls-truss": (trap("von-mises-truss"), BY_LOAD),
+    "falls-punch": (trap("punch-arch"), BY_LOAD),
+    "falls-friction": (lambda: contact.along_wall(0.02, 0.1, 2e-3 / contact.SLIPS, 0.5), fall_with_friction),
+    "falls-star-dome": (trap("star-dome"), BY_LOAD),
+    "buckling-roorda": (trap("roorda-frame"), linear),
+    "buckling-panel": (trap("cylinder-panel"), linear),
+    "vibrations": (heavy_column, vibrations),
+    "imperfect-arch": (lambda: fx.Case(hinged_arch(whole_arch(20)), until=fx.Until(deflection=10.0)), imperfect_arch),
+}
