@@ -137,15 +137,16 @@ def trials(name: str, factor: float, keys: list[str], kept: dict, together: int)
             found["runs"] += 1
             return difference(first, outcome(name, max(OVERRUN * first.seconds, LEAST_SECONDS)), allowed)
 
-    def halve(group: list[str], how: str) -> bool:
+    def halve(group: list[str], how: str) -> None:
         if len(group) == 1:
             found["differing"][group[0]] = how
-            return True
+            return
         half = len(group) // 2
         parts = [(part, said) for part in (group[:half], group[half:]) if (said := told(part))]
         if not parts:
             found["together"].append(group)
-        return any([halve(part, said) for part, said in parts])
+        for part, said in parts:
+            halve(part, said)
 
     for n in range(0, len(keys), together):
         group = keys[n:n + together]
@@ -169,7 +170,8 @@ def table(which: str, jobs: int, minutes: float, again: bool) -> None:
         wanted = [row for row in rows.rows() if is_wanted(row, factor, done)]
         tasks = []
         for name in order:
-            missing = [row.key for row in wanted if touches(row, lines[name]) and not tried(done, name, factor, row.key)]
+            missing = [row.key for row in wanted
+                       if touches(row, lines[name]) and not tried(done, name, factor, row.key)]
             if missing:
                 size = next(n for f, n in TOGETHER.items() if f in factors)
                 tasks.append((name, factor, missing, golden_ones[name], size))
@@ -287,6 +289,10 @@ def write_json(file: Path, content) -> None:
 def count(found: Iterable[Row]) -> None:
     for (room, kind), number in sorted(Counter((r.file.split("/")[0], r.kind) for r in found).items()):
         print(f"{room:14} {kind:9} {number:4}")
+    with TABLE.open() as file:
+        for row in csv.DictReader(file):
+            if row["margin"] and float(row["margin"]) < 2:
+                print(f"margin {row['margin']:4} {row['file']}: {row['name']}")
 
 
 def main() -> int:

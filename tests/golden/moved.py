@@ -167,11 +167,11 @@ def _known(file: Path, module: str) -> set[str]:
     """Names of a module that a file knows: its own, or those that it imports from there."""
     if "sheetfx." + str(file.relative_to(PACKAGE)).removesuffix(".py").replace("/", ".") == module:
         return {node.id for node in ast.walk(_tree(file)) if isinstance(node, ast.Name)}
-    last = module.rpartition(".")[2]
-    imported = [node for node in ast.walk(_tree(file)) if isinstance(node, ast.ImportFrom)]
-    return {alias.name for node in imported if (node.module or "").rpartition(".")[2] == last for alias in node.names} | {
-        node.attr for node in ast.walk(_tree(file)) if isinstance(node, ast.Attribute)
-        and isinstance(node.value, ast.Name) and node.value.id == last}
+    last, nodes = module.rpartition(".")[2], list(ast.walk(_tree(file)))
+    imported = {alias.name for node in nodes if isinstance(node, ast.ImportFrom)
+                and (node.module or "").rpartition(".")[2] == last for alias in node.names}
+    return imported | {node.attr for node in nodes if isinstance(node, ast.Attribute)
+                       and isinstance(node.value, ast.Name) and node.value.id == last}
 
 
 @functools.cache

@@ -1,8 +1,9 @@
 """Rows of the table: constants and guards of the path follower and of contact, as the source has them.
 
 A constant is an upper-case number (or numbers) of a module, a number in a dataclass of options other than 0, or an
-unnamed float in a function, 0, 1, -1, 0.5 and 2 excepted; rules of quadrature, bases and tables of indices are none. A guard is a place that raises a result of a step (`SIGNALS`), a
-predicate that refuses one, or a retry that is tried where one fails (`SWITCHES`).
+unnamed float in a function, 0, 1, -1, 0.5 and 2 excepted; rules of quadrature, bases and tables of indices are none.
+A guard is a place that raises a result of a step (`SIGNALS`), a predicate that refuses one, or a retry that is tried
+where one fails (`SWITCHES`).
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ ROOMS = ("continuation/*.py", "stability/*.py", "path.py", "*/*contact*.py", "*/
          "*/zones.py", "*/layer.py", "*/growth.py", "*/surface_*.py", "*/partners.py", "*/closest_point.py")
 TRIVIAL = 0.0, 1.0, -1.0, 0.5, 2.0
 OPTIONS = "continuation/control.py", "continuation/until.py", "model/"  # files whose dataclasses are a user's
+TABLES = ("ROWS",)  # sizes that follow from a formulation
 SIGNALS = "Jump", "Missed", "Hidden", "Uncounted", "Unsettled"
 # What each predicate, retry or homotopy gives where it is switched off.
 SWITCHES = {
@@ -109,8 +111,8 @@ def _holds_number(node) -> bool:
 
 def _is_rule(node) -> bool:
     """Whether a value is a rule of quadrature, a basis or a table of indices: its numbers follow from one another."""
-    return any(isinstance(part, ast.Subscript) or isinstance(part, ast.Call)
-               and not ast.unparse(part.func).endswith("finfo") for part in ast.walk(node))
+    return any(isinstance(part, ast.Subscript)
+               or (isinstance(part, ast.Call) and not ast.unparse(part.func).endswith("finfo")) for part in ast.walk(node))
 
 
 def _assigned(node: ast.Assign) -> Iterator[tuple[str, object]]:
@@ -121,7 +123,8 @@ def _assigned(node: ast.Assign) -> Iterator[tuple[str, object]]:
         names = target.elts if isinstance(target, ast.Tuple) else [target]
         parts = node.value.elts if isinstance(target, ast.Tuple) and isinstance(node.value, ast.Tuple) else [node.value]
         for name, part in zip(names, parts if len(parts) == len(names) else parts * len(names), strict=True):
-            if isinstance(name, ast.Name) and name.id.isupper() and name.id != "ROWS" and _holds_number(part) and not _is_rule(part):
+            if (isinstance(name, ast.Name) and name.id.isupper() and name.id not in TABLES
+                    and _holds_number(part) and not _is_rule(part)):
                 yield name.id, ast.unparse(part)
 
 
