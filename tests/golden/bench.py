@@ -38,6 +38,7 @@ FACTORS = OFF, 2.0, 0.5, 4.0, 0.25, 10.0, 0.1, 1.4, 0.7  # in this order; the la
 TOGETHER = {2.0: 16, 4.0: 8, 10.0: 4, 1.4: 1, OFF: 8}  # rows that are first changed at once
 OVERRUN, LEAST_SECONDS = 4.0, 2.0  # CPU time of a trial over that of the golden run, and at least
 LEAST, WIDE = 1e-6, 3.0  # accuracy of loads at least, and over what halved steps show
+UNSTEADY = 1e-3  # accuracy of loads where halved steps show other points
 COLUMNS = "name", "kind", "file", "needed_by", "margin"
 
 
@@ -69,12 +70,22 @@ def golden(name: str) -> tuple[dict, dict]:
 
 
 def accuracy(one, other) -> float | None:
-    """Largest change of a load over the largest load; None: the points are others."""
-    if [(p.kind, p.multiplicity) for p in one.points] != [(p.kind, p.multiplicity) for p in other.points]:
+    """Largest change of a load over the largest load; None: the points are others.
+
+    Of paths that the number of steps ends the points count that both reach.
+    """
+    kinds = [[(p.kind, p.multiplicity) for p in found.points] for found in (one, other)]
+    common = min(map(len, kinds)) if one.counted or other.counted else None
+    if kinds[0][:common] != kinds[1][:common]:
         return None
     largest = max([abs(p.load) for p in one.points] + [abs(one.load)]) or 1.0
-    changes = [abs(p.load - q.load) for p, q in zip(one.points, other.points, strict=True)]
-    return max([*changes, abs(one.load - other.load) if "reached" in one.ended else 0.0]) / largest
+    changes = [abs(p.load - q.load) for p, q in zip(one.points, other.points, strict=False)]
+    return max([*changes, abs(one.load - other.load) if common is None else 0.0]) / largest
+
+
+def tolerance(kept: dict) -> float:
+    """Relative change of a load that is no other outcome."""
+    return UNSTEADY if kept["accuracy"] is None else max(LEAST, WIDE * kept["accuracy"])
 
 
 def kept_outcome(kept: dict):
@@ -126,7 +137,6 @@ def trials(name: str, factor: float, keys: list[str], kept: dict, together: int)
     from structures import difference, outcome
 
     first, every = kept_outcome(kept), {row.key: row for row in rows.rows()}
-    allowed = max(LEAST, WIDE * (kept["accuracy"] if kept["accuracy"] is not None else LEAST))
     found = {"structure": name, "factor": factor, "tried": keys, "differing": {}, "together": [], "impossible": [],
              "runs": 0}
 
@@ -135,7 +145,8 @@ def trials(name: str, factor: float, keys: list[str], kept: dict, together: int)
             possible = {key: stack.enter_context(moved.changed(every[key], factor or None)) for key in group}
             found["impossible"] = sorted({*found["impossible"], *(key for key in group if not possible[key])})
             found["runs"] += 1
-            return difference(first, outcome(name, max(OVERRUN * first.seconds, LEAST_SECONDS)), allowed)
+            return difference(first, outcome(name, max(OVERRUN * first.seconds, LEAST_SECONDS)),
+                              tolerance(kept))
 
     def halve(group: list[str], how: str) -> None:
         if len(group) == 1:
@@ -250,8 +261,7 @@ def against(name: str, kept: dict) -> tuple[str, float, float]:
     first = kept_outcome(kept)
     outcome(name)
     found = outcome(name)
-    allowed = max(LEAST, WIDE * (kept["accuracy"] if kept["accuracy"] is not None else LEAST))
-    return (difference(first, found, allowed), found.factorisations / max(first.factorisations, 1),
+    return (difference(first, found, tolerance(kept)), found.factorisations / max(first.factorisations, 1),
             found.seconds / first.seconds)
 
 

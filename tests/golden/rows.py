@@ -112,7 +112,8 @@ def _holds_number(node) -> bool:
 def _is_rule(node) -> bool:
     """Whether a value is a rule of quadrature, a basis or a table of indices: its numbers follow from one another."""
     return any(isinstance(part, ast.Subscript)
-               or (isinstance(part, ast.Call) and not ast.unparse(part.func).endswith("finfo")) for part in ast.walk(node))
+               or (isinstance(part, ast.Call) and not ast.unparse(part.func).endswith("finfo"))
+               for part in ast.walk(node))
 
 
 def _assigned(node: ast.Assign) -> Iterator[tuple[str, object]]:

@@ -111,7 +111,7 @@ def outcome(name: str, within: float = 600.0, shorter: float = 1.0) -> Outcome:
             warnings.simplefilter("ignore")
             case = case_of(name)
             if shorter != 1.0:
-                case = replace(case, control=_shorter(case, shorter))
+                case = _shorter(case, shorter)
             record = fx.trace(case)
             ended = record.path.message
             if name.startswith("after:"):
@@ -131,10 +131,13 @@ def outcome(name: str, within: float = 600.0, shorter: float = 1.0) -> Outcome:
                    seconds, ended, numbers)
 
 
-def _shorter(case: fx.Case, factor: float) -> StepRule:
-    """The control of a case with steps that are shorter throughout: the first one that it takes, and their bound."""
+def _shorter(case: fx.Case, factor: float) -> fx.Case:
+    """A case with steps that are shorter throughout, the first one that it takes and their bound, and more of them."""
     first = next((s for s in fx.Path(case.scene, case.control, fx.Until(steps=1)) if s.step), None)
-    return replace(case.control, step=factor * first.length) if first else case.control
+    if not first:
+        return case
+    until = replace(case.until, steps=round(case.until.steps / factor))
+    return replace(case, control=replace(case.control, step=factor * first.length), until=until)
 
 
 @contextmanager
