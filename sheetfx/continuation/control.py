@@ -13,7 +13,8 @@ from typing import Annotated, Any, ClassVar
 
 from petsc4py import PETSc
 
-from ..checks import Choice, Count, Like, Positive, Unbounded, check
+from ..checks import Choice, Like, Unbounded
+from .options import Options
 from .state import State
 
 SIGNS: dict[str, Callable[[State], Any]] = {
@@ -27,31 +28,14 @@ ACROSS = 0.1  # cosine of the angle of load responses with the step, below which
 
 
 @dataclass(frozen=True)
-class StepRule:
+class StepRule(Options):
     """How steps are taken, whatever they are measured in.
 
     Attributes
     ----------
-    step : first step, in the control's own measure; None: the control's default
-    smallest, largest : bounds, as multiples of the first step
-    iterations : number of iterations that a step should take; steps grow and shrink with the
-        square root of this over the number taken
-    turn : largest angle in radians between the increment of a step and the tangents at its start and its end (with
-        contact, the tangent at its start or the increment before); pi: any
-    newton : "full", a new tangent for each iteration, or "modified", the tangent at the start of the step for all
     default : of the class, the first step where none is given
     passes_limits : of the class, whether a step can go through an extremum of the load
     """
-
-    step: Positive | None = None
-    smallest: Positive = 1e-4
-    largest: Positive = 8.0
-    iterations: Count = 7
-    turn: Positive = 0.8
-    newton: Annotated[str, Choice(("full", "modified"))] = "full"
-
-    def __post_init__(self):
-        check(self)
 
     @property
     def first(self) -> float:
@@ -59,9 +43,9 @@ class StepRule:
         return self.default if self.step is None else self.step
 
     @property
-    def most_iterations(self) -> int:
+    def iterations_allowed(self) -> int:
         """Iterations after which a step is cut."""
-        return 20 if self.newton == "full" else 100
+        return self.most_iterations or (20 if self.newton == "full" else 100)
 
     def usual(self, size: float) -> float:
         """Length of the first step for a structure of a size, where nothing asks for a shorter one."""

@@ -15,9 +15,7 @@ from petsc4py import PETSc
 
 from .segment import Segment
 
-OFF = 0.006  # of the length of a piece, correction off the path
 INSIDE = 0.875  # of a piece, the place of that: near the end whose tangent is factored
-LOAD = 0.065  # of what the steeper tangent makes of a piece, correction of the load in its middle
 MINOR = 1e-6  # of the load itself, correction that matters little
 ROUNDED = 1e-6  # of the structure's size, correction off the path that rounding may ask for
 
@@ -34,7 +32,7 @@ def _is_near(segment: Segment, left: float, right: float) -> bool:
     tracer, system = segment.tracer, segment.tracer.system
     place, residual = _out_of_balance(segment, left, right, left + INSIDE * (right - left))
     response = system.create_vector(segment.states[right].response)
-    small = OFF * segment.distance(left, right)
+    small = tracer.control.off_path * segment.distance(left, right)
     off = _across(tracer, residual, response)
     if off > max(small, ROUNDED):
         off = _across(tracer, residual, _response_at(tracer, place))
@@ -49,7 +47,7 @@ def _load_is_near(segment: Segment, left: float, right: float) -> bool:
     place, residual = _out_of_balance(segment, left, right, middle)
     along = system.create_vector(segment.curve(left, right).derivative()(middle)[:-1])
     steepest = max(abs(segment.states[s].load_rate) for s in (left, right))
-    small = LOAD * segment.distance(left, right) * steepest + MINOR * abs(system.factor)
+    small = tracer.control.off_load * segment.distance(left, right) * steepest + MINOR * abs(system.factor)
     near = abs(residual.dot(along)) <= small * abs(tracer.load_vector().dot(along))
     if not near:
         response, correction, inner = _response_at(tracer, place), residual.duplicate(), tracer.tangent.inner

@@ -9,8 +9,6 @@ from .condensation import Condensation
 from .elimination import Elimination
 from .linear import DirectSolver
 
-AUGMENTATIONS = 30
-
 
 class Enforcement:
     """Solves a step: approach through stronger regularisation, then augmentation, until all contributions hold."""
@@ -55,15 +53,20 @@ class Enforcement:
         return sorted({1.0, *(times for c in self._rough for times in c.approaches if times > 1)},
                       reverse=True)
 
-    def solve(self, solve: Callable[[], bool], multiples: Sequence[float]) -> bool:
-        """Call `solve`, which corrects from where it ended last, until all contributions hold."""
+    def solve(self, solve: Callable[[], bool], multiples: Sequence[float], augmentations: int) -> bool:
+        """Call `solve`, which corrects from where it ended last, until all contributions hold.
+
+        Parameters
+        ----------
+        augmentations : of contact forces, at most
+        """
         for times in multiples:
             self.regularise(times)
             if not solve():
                 self.regularise(1.0)
                 self._system.history.rewind()
                 return False
-        for _ in range(AUGMENTATIONS):
+        for _ in range(augmentations):
             if self._augmented():
                 return True
             if not solve():

@@ -15,7 +15,6 @@ from .segment import Missed, Segment
 from .state import CriticalPoint, State
 
 TOLD = Like("a number, or True or False", lambda value: isinstance(value, Real))
-EXACT = 1e-10  # relative error of the load at an event
 SHORTEST = 1e-6  # of a step, within which a test that is only true or false changes
 COARSE = 1 / 64  # of the usual first step, way without states that an event may lie on: refusing it would lead nowhere
 
@@ -117,7 +116,7 @@ def _length(segment: Segment, event: Event) -> float:
 
     if event.near:
         return float(brentq(value, 0.0, end, xtol=1e-12 * end))
-    segment.close_in(value, 0.0, end, EXACT)
+    segment.close_in(value, 0.0, end, segment.tracer.control.exact_event)
     return min(reversed(_around(segment, event)), key=lambda s: abs(value(s)))
 
 

@@ -10,9 +10,6 @@ from petsc4py import PETSc
 
 from .segment import Segment
 
-TURNING = 0.4  # radians between chord and tangents of a piece of path, from which its middle is looked at
-UNEXPLAINED = 0.25  # of the load or the reactions by the steeper tangent, likewise
-STEEPEST = 2.5  # rate of the load over that of the chord, likewise
 MINOR = 1e-6  # of the forces that an increment adds, reactions that matter little: those of ties that are not pulled
 NOISE = 1e-12  # of reactions, over what the stiffest unknown would take: structures that move without strain
 
@@ -22,11 +19,12 @@ def explained(segment: Segment, left: float, right: float) -> bool:
     tracer, distance = segment.tracer, segment.distance(left, right)
     load, x = segment.chord(left, right)
     rates, motions = zip(*(segment.states[s].tangent for s in (left, right)), strict=True)
-    return (all(tracer.angle((load, x), tangent) <= TURNING for tangent in zip(rates, motions, strict=True))
-            and _follows(load, rates, distance)
-            and not _bulges(load, rates, distance)
-            and _follows(_reactions(tracer, x), [_reactions(tracer, motion) for motion in motions], distance,
-                         _reaction_noise(tracer, load, x)))
+    options = tracer.control
+    return (all(tracer.angle((load, x), tangent) <= options.turning for tangent in zip(rates, motions, strict=True))
+            and _follows(load, rates, distance, options.unexplained)
+            and not _bulges(load, rates, distance, options.steepest)
+            and _follows(_reactions(tracer, x), [_reactions(tracer, motion) for motion in motions],
+                         distance, options.unexplained, _reaction_noise(tracer, load, x)))
 
 
 def _reactions(tracer, increment: np.ndarray) -> np.ndarray:
@@ -45,16 +43,16 @@ def _reaction_noise(tracer, load_increment: float, increment: np.ndarray) -> flo
         PETSc.NormType.INFINITY)
 
 
-def _follows(change, rates: Sequence, distance: float, noise: float = 0.0) -> bool:
-    """Whether a change along a piece is what the mean of its rates at both ends makes of it, but for noise."""
+def _follows(change, rates: Sequence, distance: float, share: float, noise: float = 0.0) -> bool:
+    """Whether a change along a piece is what the mean of its rates makes of it, but for a share of the steeper one."""
     error = np.linalg.norm(change - distance * (rates[0] + rates[1]) / 2)
-    return error <= UNEXPLAINED * distance * max(map(np.linalg.norm, rates)) + noise
+    return error <= share * distance * max(map(np.linalg.norm, rates)) + noise
 
 
-def _bulges(change: float, rates: Sequence[float], distance: float) -> bool:
+def _bulges(change: float, rates: Sequence[float], distance: float, most: float) -> bool:
     """Whether a value that changes to one side at both ends may turn twice between (Fritsch and Carlson 1980).
 
     A cubic with a rate beyond three times that of the chord can; a parabola has twice that rate at one end.
     """
     steepest = max(rates, key=abs)
-    return rates[0] * rates[1] > 0 and abs(steepest) * distance > STEEPEST * change * np.sign(steepest)
+    return rates[0] * rates[1] > 0 and abs(steepest) * distance > most * change * np.sign(steepest)

@@ -22,8 +22,6 @@ from .state import State
 
 PROBE = 1e-6  # distance along the response at which the change of the tangent is looked at
 NEAR = 1e-9  # of a step, distance of a state from where the tangent was factored that serves as its own
-FIRST_WITH_CONTACT = 1 / 8  # of the usual length
-BEFORE = 0.38  # of the way to the first critical point, first step; twice as long steps then do not end on it
 
 
 class Tracer(Measuring):
@@ -37,7 +35,7 @@ class Tracer(Measuring):
 
     def __init__(self, discretisation: Discretisation, control: StepRule, prefix: str):
         self.discretisation, self.system, self.control = discretisation, discretisation.system, control
-        self.snes = create(self.system.comm, self.system, prefix, control.most_iterations)
+        self.snes = create(self.system.comm, self.system, prefix, control.iterations_allowed)
         self.stepper = self.snes.getPythonContext()
         self.enforcement = Enforcement(self.system)
         self._elimination = self.enforcement.elimination(self.stepper.linear)
@@ -115,7 +113,7 @@ class Tracer(Measuring):
                 self.factorise_at(start)
             first = guess or (control.predict(length, sign or control.direction(start), tangent),)
             self.stepper.begin(control, tangent, length, *first)
-            if self.enforcement.solve(self.correct, multiples):
+            if self.enforcement.solve(self.correct, multiples, self.control.augmentations):
                 try:
                     factored = self.stepper.behind <= NEAR * self.tangent.inner(self.x, self.x) ** 0.5
                     self.state = self._converged(start, self.iterations - spent, length, before, factored)
@@ -171,7 +169,7 @@ class Tracer(Measuring):
     def enter(self, stage: int, control: StepRule) -> State:
         """Begin a load stage at the current state: its load factor varies from zero, that of the last one stays."""
         if control.newton != self.control.newton:
-            self.snes.setTolerances(max_it=control.most_iterations)
+            self.snes.setTolerances(max_it=control.iterations_allowed)
         self.control, self.tangent.functional = control, self._controlled(control)
         before, spent = self.state, self.total_factorisations
         self.system.factors.enter(stage, 0.0)
@@ -194,11 +192,12 @@ class Tracer(Measuring):
         control, system = self.control, self.system
         self.usual = self.first = self.shortest = control.usual(self.discretisation.scene.meshes[0].size)
         if control.guarded and not system.smooth and control.step is None:
-            self.first = FIRST_WITH_CONTACT * self.usual
+            self.first = control.with_contact * self.usual
         if not control.guarded or not system.smooth:
             return
         estimate = first_critical(system, self.stepper.linear, self._response, PROBE / sqrt(self.tangent.norm2))
-        self.shortest = min(self.usual, BEFORE * estimate / abs(control.predict(1.0, 1.0, self.tangent)))
+        self.shortest = min(self.usual, control.before_critical * estimate
+                            / abs(control.predict(1.0, 1.0, self.tangent)))
         if control.step is None:
             self.first = self.shortest
 

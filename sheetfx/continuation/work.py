@@ -11,7 +11,6 @@ import numpy as np
 from .segment import Segment
 from .state import State
 
-UNBALANCED = 0.1  # of the work by the changes of load of this step and the one before
 WAVER = 1e-3  # of the work by the whole load, that loads which waver may be off
 ASIDE = 0.1  # of the motion of the step before, least one that counts: others go on where the load's own stands still
 POINTS = 5  # of integration of residuals along a straight way: exact for energies of degree 10
@@ -35,7 +34,7 @@ def work_matches(segment: Segment, earlier: State | None) -> bool:
         expected += (bends[0] * way - bends[1] * rise) / 6
         steepest = max(steepest, share * abs(before.load_increment))
         farthest = max(farthest, share * abs(way_before))
-    allowed = UNBALANCED * steepest + WAVER * abs(after.factor)
+    allowed = tracer.control.unbalanced * steepest + WAVER * abs(after.factor)
     return abs(change - expected) <= allowed * max(abs(way), ASIDE * farthest)
 
 

@@ -13,14 +13,12 @@ from ..continuation.segment import Jump, Missed, Segment
 from ..continuation.state import CriticalPoint, State
 from ..continuation.tracer import tracer_of
 from ..continuation.work import work_matches
-from .crossings import EXACT, Crossing, pass_zero, unresolved
+from .crossings import Crossing, pass_zero, unresolved
 from .koiter import postbuckling
 from .stationary import returning, stationary_loads, surround, turns
 from .turning import leads_back, turning_loads
 
-SAME = 2e-6  # relative difference of loads of one multiple point, which rounding of a mesh can split by
 TOGETHER = 1e-3  # of a step, distance of the crossings of one multiple point
-CROWDED = 4  # bifurcations, more of which are too many for one step
 CLUSTER = 0.01  # relative difference of the loads of a step that may hold any number
 SHORTEST = 1 / 64  # of a step, piece that must be explained
 SINGULAR = 0.05  # eigenvalues of a bifurcation, over those nearest to zero at the ends of the step
@@ -54,7 +52,7 @@ def locate(tracer, earlier: State | None, before: State, after: State,
         If the states of the step do not lie on one smooth piece of path.
     """
     segment = Segment(tracer, before, after)
-    if segment.guarded and _crowded(before, after):
+    if segment.guarded and _crowded(before, after, tracer.control.crowded):
         raise Jump("too many bifurcations lie in one step")
     if segment.wavering:
         if tracer.control.guarded and not work_matches(segment, earlier):
@@ -72,7 +70,8 @@ def locate(tracer, earlier: State | None, before: State, after: State,
     points = dict(_limit(*found) for found in limits)
     crossings = _bifurcations(segment, [length for s, length, _ in limits if s is segment])
     crossings += [returning(segment, length) for length in returns]
-    points |= (_bifurcation(segment, cluster) for cluster in _clusters(crossings, TOGETHER * after.length))
+    clusters = _clusters(crossings, TOGETHER * after.length, tracer.control.same_load)
+    points |= (_bifurcation(segment, cluster) for cluster in clusters)
     if tracer.control.guarded and turns(segment) > sum(limit[0] is segment for limit in limits) + len(returns):
         raise Jump("the load turns beside a bifurcation that the step passes")
     for other in others:
@@ -197,10 +196,10 @@ def _hidden(one: State, other: State, limit: bool) -> int:
     return abs(change - 1) if limit else change
 
 
-def _crowded(before: State, after: State) -> bool:
-    """Whether so many bifurcations lie between two states that these should be nearer to each other."""
+def _crowded(before: State, after: State, most: int) -> bool:
+    """Whether more than so many bifurcations lie between two states that these should be nearer to each other."""
     apart = abs(after.factor - before.factor) > CLUSTER * max(abs(after.factor), abs(before.factor))
-    return apart and _hidden(before, after, before.load_rate * after.load_rate < 0) > CROWDED
+    return apart and _hidden(before, after, before.load_rate * after.load_rate < 0) > most
 
 
 def _crossings(segment: Segment, left: float, right: float, near: float, limit: bool) -> list[Crossing]:
@@ -223,14 +222,19 @@ def _crossings(segment: Segment, left: float, right: float, near: float, limit: 
             + _crossings(segment, middle, right, near, not before))
 
 
-def _clusters(crossings: list[Crossing], near: float) -> list[list[Crossing]]:
-    """Crossings at equal loads together, in the order of their lengths, unless these differ by more than `near`."""
+def _clusters(crossings: list[Crossing], near: float, same: float) -> list[list[Crossing]]:
+    """Crossings at equal loads together, in the order of their lengths, unless these differ by more than `near`.
+
+    Parameters
+    ----------
+    same : relative difference of equal loads
+    """
     clusters: list[list[Crossing]] = []
     for crossing in sorted(crossings, key=lambda c: c.length):
         last = clusters[-1][-1] if clusters else None
         if (last and (crossing.spread, crossing.corner) == (last.spread, last.corner)
                 and crossing.length - last.length <= near
-                and abs(crossing.load - last.load) <= SAME * abs(crossing.load)):
+                and abs(crossing.load - last.load) <= same * abs(crossing.load)):
             clusters[-1].append(crossing)
         else:
             clusters.append([crossing])
@@ -244,7 +248,7 @@ def _agree(segment: Segment, *loads: float) -> bool:
     what lies between them is no equilibrium.
     """
     rise = np.ptp([s.load for s in segment.states.values()])
-    return np.ptp(loads) <= AGREE * rise + EXACT * max(map(abs, loads))
+    return np.ptp(loads) <= AGREE * rise + segment.tracer.control.exact * max(map(abs, loads))
 
 
 def _bifurcation(segment: Segment, crossings: list[Crossing]) -> tuple[CriticalPoint, State | None]:

@@ -21,7 +21,7 @@ from .leaping import leads_around_corner, require_convergence, require_path
 
 REACHES = (0.1, 0.03, 0.01, 0.003)  # of a piece of path, distances from crossings of the states that are looked at
 ALTERNATELY = (0.1, (-1,)), (0.03, (1,)), (0.01, (-1,))  # likewise, first on one side each
-EXACT, ROUGH = 1e-8, 1e-5  # relative error of the load at which to stop, and which is too large
+ROUGH = 1e-5  # relative error of the load, which is too large
 SAMPLES = 6  # states that are interpolated between
 HALVED = 0.3  # of a step, piece that is not divided any more where vectors miss a mode
 CLOSEST, CORNERED = 1e-4, 1 / 64  # of a step, piece that is not divided any more, in general and with contact
@@ -84,7 +84,7 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
     Jump
         If the path does not lead through one of them, or they are not found.
     """
-    border, lengths = Border(segment, left, right, count), [left, right]
+    border, lengths, exact = Border(segment, left, right, count), [left, right], segment.tracer.control.exact
     if len(border.numbers) != count and segment.guarded and right - left < HALVED * segment.after.length:
         raise Jump(f"{count} eigenvalues pass zero in the step, of which {len(border.numbers)} are found")
     if len(border.numbers) != count:
@@ -109,10 +109,10 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
         if not _counted(segment, lengths, finer):
             return _pieces(segment, left, right)
         between, drift = (_load_change(segment, samples[0], _moved(finer, other, close)) for other in (coarser, roots))
-        roots, error = finer, between if between <= EXACT else max(between, drift)
+        roots, error = finer, between if between <= exact else max(between, drift)
         worse = segment.wavering and best[0] <= min(ROUGH, error)
         best = min(best, (error, roots, samples), key=itemgetter(0))
-        if error <= EXACT or worse:
+        if error <= exact or worse:
             break
     error, roots, samples = best
     if not error <= ROUGH or (segment.wavering and not _counted(segment, lengths, roots)):
@@ -124,7 +124,7 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
     found = _at_loads(segment, _together(border, roots, lengths, close), samples, border)
     for crossing in found if segment.wavering else []:
         require_path(segment, *segment.neighbours(crossing.length))
-    if segment.wavering and error > EXACT:
+    if segment.wavering and error > exact:
         return [replace(c, corner=_jumps(segment, border, *segment.neighbours(c.length))) for c in found]
     return found
 
@@ -171,7 +171,8 @@ def _at_loads(segment: Segment, roots: np.ndarray, samples: Sequence[float], bor
         off, doubt = finer - found, finer - coarser
         if np.ptp(roots) < CLOSEST * segment.after.length:
             off, doubt = (np.tile(v.mean(axis=0), (len(roots), 1)) for v in (off, doubt))
-        noisy = np.abs(off[:, 0]) > DOUBT * np.maximum(np.abs(doubt[:, 0]), EXACT * np.abs(found[:, 0]))
+        exact = segment.tracer.control.exact * np.abs(found[:, 0])
+        noisy = np.abs(off[:, 0]) > DOUBT * np.maximum(np.abs(doubt[:, 0]), exact)
         found[noisy] += off[noisy]
     return [Crossing(float(s), *map(float, values)) for s, values in zip(roots, found, strict=True)]
 

@@ -29,7 +29,6 @@ from .vibration import is_complex, mass_matrix
 
 COUNT = 12  # squares of frequencies, those nearest to zero, that are followed beside those that flutter already
 KNOWN = 1 - 1e-6  # of the largest square that is found, size up to which all are known
-EXACT = 1e-8  # relative error of the load at which frequencies meet
 ROUNDED = 1e-5  # of the load, distance of points between which rounding parts squares that have met, or joins them
 JUST_MET = 0.01  # imaginary part over the size, at most, of a pair that has begun there
 NEAR = 0.01  # of a piece of path, distance from where a pair seems to begin of the states that are looked at
@@ -118,7 +117,7 @@ class Flutter:
         if not lengths:
             return []
         size = max(abs(segment.after.factor), abs(segment.after.load_increment))
-        if segment.load_change(segment[left], right - left) <= EXACT * size:
+        if segment.load_change(segment[left], right - left) <= segment.tracer.control.exact * size:
             return _met(segment, left, right, ends)
         near = NEAR * (right - left)
         first, last = ([s for s, other in neighbours if abs(s - other) > 2 * near] for neighbours in (

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from ..continuation.segment import SAMPLES, Jump, Segment
 from ..continuation.state import State
 from ..continuation.work import WAVER
-from .crossings import EXACT, REACHES, Crossing
+from .crossings import REACHES, Crossing
 from .turning import SHORT
 
 EXACTLY, ROUGHLY = 1e-12, 1e-6  # relative error of the load at a limit point, and where that may be a return
@@ -101,7 +101,7 @@ def turns(segment: Segment) -> int:
 def returning(segment: Segment, length: float) -> Crossing:
     """The bifurcation that the path returns to, interpolated between states on both sides."""
     coarser, finer = (_stationary(segment, length, count) for count in (SAMPLES - 2, SAMPLES))
-    if abs(finer.load - coarser.load) > EXACT * abs(finer.load):
+    if abs(finer.load - coarser.load) > segment.tracer.control.exact * abs(finer.load):
         surround(segment, length, REACHES[-1:])
         finer = _stationary(segment, length, SAMPLES)
     return finer

@@ -156,8 +156,9 @@ def uses(row: Row) -> list[tuple[Path, ast.AST]]:
         file, title = PACKAGE / row.file, row.name.split(":")[0].rpartition(".")[2]
         inside = [n for f in ast.walk(_tree(file)) if isinstance(f, ast.FunctionDef) and f.name == title
                   for n in ast.walk(f) if getattr(n, "lineno", 0)]
-        same = [n for n in inside if isinstance(n, ast.Constant) and n.value == row.value]
-        return [(file, n) for n in (same if row.kind == "constant" else inside) if same or n.lineno == row.line]
+        if row.kind == "constant":
+            return [(file, n) for n in inside if isinstance(n, ast.Constant) and n.value == row.value]
+        return [(file, n) for n in inside if n.lineno == row.line]
     found = _loads().get(row.name.rpartition(".")[2], [])
     return found if "." in row.name else [(file, node) for file, node in found if row.name in _known(file, row.module)]
 

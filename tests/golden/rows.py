@@ -17,7 +17,8 @@ PACKAGE = Path(__file__).parents[2] / "sheetfx"
 ROOMS = ("continuation/*.py", "stability/*.py", "path.py", "*/*contact*.py", "*/*pair*.py", "*/obstacle*.py",
          "*/zones.py", "*/layer.py", "*/growth.py", "*/surface_*.py", "*/partners.py", "*/closest_point.py")
 TRIVIAL = 0.0, 1.0, -1.0, 0.5, 2.0
-OPTIONS = "continuation/control.py", "continuation/until.py", "model/"  # files whose dataclasses are a user's
+# files whose dataclasses are a user's
+OPTIONS = "continuation/options.py", "continuation/control.py", "continuation/until.py", "model/"
 TABLES = ("ROWS",)  # sizes that follow from a formulation
 SIGNALS = "Jump", "Missed", "Hidden", "Uncounted", "Unsettled"
 # What each predicate, retry or homotopy gives where it is switched off.

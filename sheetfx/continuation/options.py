@@ -1,0 +1,73 @@
+"""Every number of the path follower that is a user's: keywords of each control, such as `ArcLength(turn=pi)`."""
+
+from __future__ import annotations
+
+from dataclasses import KW_ONLY, dataclass
+from typing import Annotated
+
+from ..checks import Choice, Count, Positive, Range, check
+
+Share = Annotated[float, Range(above=0, most=1)]
+
+
+@dataclass(frozen=True)
+class Options:
+    """Lengths of steps, accuracies of critical points, and what a step may leave unexplained.
+
+    Smaller `turning`, `unexplained`, `steepest`, `off_path` and `off_load` make a path take more states and miss less.
+
+    Attributes
+    ----------
+    step : first step, in the control's own measure; None: the control's default
+    smallest, largest : bounds on steps, as multiples of the first step
+    iterations : number of iterations that a step should take; steps grow and shrink with the square root of this over
+        the number taken (Ramm 1981)
+    turn : largest angle in radians between the increment of a step and the tangents at its start and its end (with
+        contact, the tangent at its start or the increment before); pi: any
+    newton : "full", a new tangent for each iteration, or "modified", the tangent at the start of the step for all
+    most_iterations : after which a step is cut; None: 20 with new tangents, 100 with one
+    before_critical : first step where none is given, over the way to the first critical point as the tangent tells it
+    with_contact : first step where none is given, over the control's default, where something may touch
+    turning : angle in radians between the chord of a piece of path and the tangents at its ends, from which its middle
+        is looked at
+    unexplained : share of a piece's change of load, or of its reactions, that the mean of the tangents at its ends may
+        leave, over what the steeper one gives, likewise
+    steepest : rate of the load at an end of a piece over that of the chord, likewise; a cubic may turn twice from 3 on
+        (Fritsch and Carlson 1980)
+    off_path : correction off the interpolated path inside of a piece, over its length, likewise (Kierzenka and Shampine
+        2001)
+    off_load : correction of the interpolated load in the middle of a piece, over what the steeper tangent gives,
+        likewise
+    unbalanced : work of a step with contact that is neither stored nor dissipated, over that of its change of load,
+        from which the step is refused
+    crowded : bifurcations in one step, more of which make it too long
+    same_load : relative difference of the loads of a multiple bifurcation
+    exact : relative error of the load at a bifurcation, and at flutter
+    exact_event : relative error of the load at an event
+    augmentations : of contact forces in one step, at most
+    """
+
+    step: Positive | None = None
+    smallest: Positive = 1e-4
+    largest: Positive = 8.0
+    iterations: Count = 7
+    turn: Positive = 0.8
+    newton: Annotated[str, Choice(("full", "modified"))] = "full"
+    _: KW_ONLY
+    most_iterations: Count | None = None
+    before_critical: Share = 0.38
+    with_contact: Share = 1 / 8
+    turning: Positive = 0.4
+    unexplained: Share = 0.25
+    steepest: Annotated[float, Range(above=1)] = 2.5
+    off_path: Positive = 0.006
+    off_load: Positive = 0.065
+    unbalanced: Positive = 0.1
+    crowded: Count = 4
+    same_load: Positive = 2e-6
+    exact: Positive = 1e-8
+    exact_event: Positive = 1e-10
+    augmentations: Count = 30
+
+    def __post_init__(self):
+        check(self)
