@@ -238,10 +238,6 @@ class Segment:
             found = self._spectra[length] = self.tracer.spectrum(count, tolerance)
         return found
 
-    def softest_beside(self, length: float) -> float:
-        """Largest size of the eigenvalue nearest to zero, over other states whose spectra are known; infinite: none."""
-        return max((min(map(abs, values)) for s, (values, _) in self._spectra.items() if s != length), default=np.inf)
-
     def close_in(self, function: Callable[[float], float], left: float, right: float, exact: float) -> None:
         """Have states that close in on the root of a function of the length between two others.
 

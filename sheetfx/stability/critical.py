@@ -16,13 +16,11 @@ from ..continuation.work import work_matches
 from .crossings import Crossing, pass_zero, unresolved
 from .koiter import postbuckling
 from .stationary import returning, stationary_loads, surround, turns
-from .turning import leads_back, turning_loads
+from .turning import turning_loads
 
 TOGETHER = 1e-3  # of a step, distance of the crossings of one multiple point
 CLUSTER = 0.01  # relative difference of the loads of a step that may hold any number
 SHORTEST = 1 / 64  # of a step, piece that must be explained
-SINGULAR = 0.05  # eigenvalues of a bifurcation, over those nearest to zero at the ends of the step
-AGREE = 0.01  # of the load that a step adds, difference between two interpolations of a bifurcation's load
 
 
 def locate(tracer, earlier: State | None, before: State, after: State,
@@ -58,15 +56,11 @@ def locate(tracer, earlier: State | None, before: State, after: State,
         if tracer.control.guarded and not work_matches(segment, earlier):
             raise Jump("the work done along the step is not what is stored and dissipated")
         limits, returns = [limit for limit in turning_loads(segment, earlier) if limit[0].wavering], []
-        if not limits and tracer.control.guarded and leads_back(segment):
-            raise Jump("the load turns within the step, and back")
     else:
         if segment.guarded:
             _check(segment)
         limits, returns = stationary_loads(segment)
         limits = _turned_before(segment, earlier) + limits
-    if limits + returns and segment.guarded and not tracer.control.passes_limits:
-        raise Jump("a limit point lies in a step that prescribes the load")
     points = dict(_limit(*found) for found in limits)
     crossings = _bifurcations(segment, [length for s, length, _ in limits if s is segment])
     crossings += [returning(segment, length) for length in returns]
@@ -214,8 +208,6 @@ def _crossings(segment: Segment, left: float, right: float, near: float, limit: 
     if right - left <= 3 * near:
         return unresolved(segment, left, right, count)
     if not segment.reach(middle):
-        if segment.guarded:
-            raise Jump("the states about a limit point do not converge")
         return unresolved(segment, left, right, count)
     before = one.load_rate * segment[middle].load_rate < 0
     return (_crossings(segment, left, middle, near, before)
@@ -241,16 +233,6 @@ def _clusters(crossings: list[Crossing], near: float, same: float) -> list[list[
     return clusters
 
 
-def _agree(segment: Segment, *loads: float) -> bool:
-    """Whether loads of a bifurcation agree: that of its state, and where eigenvalues and where tangents have it.
-
-    Where a path turns onto another one nearby, states that look like neighbours are not: their tangents lead away, and
-    what lies between them is no equilibrium.
-    """
-    rise = np.ptp([s.load for s in segment.states.values()])
-    return np.ptp(loads) <= AGREE * rise + segment.tracer.control.exact * max(map(abs, loads))
-
-
 def _bifurcation(segment: Segment, crossings: list[Crossing]) -> tuple[CriticalPoint, State | None]:
     """A simple or multiple bifurcation, classified, and its state.
 
@@ -265,19 +247,12 @@ def _bifurcation(segment: Segment, crossings: list[Crossing]) -> tuple[CriticalP
         tracer.back_to(segment.states[min(s for s in segment.states if s >= first.length)])
         solid = tracer.system.history.moved
         return replace(point, name="comparison solid" if solid else "corner" if first.corner else ""), None
-    led, _ = segment.seen(first.length)
     try:
         state = segment.on_path(first.length)
     except Missed:
-        if segment.guarded:
-            raise Jump("the state of a bifurcation does not converge") from None
         return point, None
-    if segment.guarded and not _agree(segment, state.load, first.load, led):
-        raise Jump("the load at a bifurcation is not that of the path around it")
     values, modes = segment.spectrum(first.length, count)
     tracer.factorise_at(state)
     nearest = np.argsort(np.abs(values))[:count]
-    if segment.guarded and np.abs(values)[nearest].max() > SINGULAR * segment.softest_beside(first.length):
-        raise Jump("the tangent is not singular where eigenvalues seem to pass zero")
     null = [modes[i] for i in nearest]
     return postbuckling(tracer, state, null, point, [segment.before, segment.after]), state

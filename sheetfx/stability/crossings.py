@@ -17,13 +17,12 @@ from scipy.interpolate import KroghInterpolator
 
 from ..continuation.segment import Jump, Segment
 from .border import Border
-from .leaping import leads_around_corner, require_convergence, require_path
+from .leaping import leads_around_corner, require_convergence
 
 REACHES = (0.1, 0.03, 0.01, 0.003)  # of a piece of path, distances from crossings of the states that are looked at
 ALTERNATELY = (0.1, (-1,)), (0.03, (1,)), (0.01, (-1,))  # likewise, first on one side each
 ROUGH = 1e-5  # relative error of the load, which is too large
 SAMPLES = 6  # states that are interpolated between
-HALVED = 0.3  # of a step, piece that is not divided any more where vectors miss a mode
 CLOSEST, CORNERED = 1e-4, 1 / 64  # of a step, piece that is not divided any more, in general and with contact
 STEEP = 4  # of an even change over the step, that of eigenvalues between two neighbouring states where they jump
 APART = 0.1  # of a piece of path, distance of crossings that are looked for one by one
@@ -49,14 +48,8 @@ class Crossing:
 
 def unresolved(segment: Segment, left: float, right: float, count: int) -> list[Crossing]:
     """Crossings that are known to lie between two lengths, and no more; those of a step around a corner: its start.
-
-    Raises
-    ------
-    Jump
-        If the states there are far apart for their lengths, so that no path leads from one to the other.
     """
     one, other = segment[left], segment[right]
-    require_path(segment, left, right)
     low, high = sorted((one.load, other.load))
     corner = segment.wavering and _jumps(segment, Border(segment, left, right, count), left, right)
     load, deflection = (one.load + other.load) / 2, (one.deflection + other.deflection) / 2
@@ -85,8 +78,6 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
         If the path does not lead through one of them, or they are not found.
     """
     border, lengths, exact = Border(segment, left, right, count), [left, right], segment.tracer.control.exact
-    if len(border.numbers) != count and segment.guarded and right - left < HALVED * segment.after.length:
-        raise Jump(f"{count} eigenvalues pass zero in the step, of which {len(border.numbers)} are found")
     if len(border.numbers) != count:
         return _halves(segment, left, right)
     roots, samples, between, close = border.roots(lengths), lengths, np.inf, CLOSEST * segment.after.length
@@ -116,14 +107,10 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
             break
     error, roots, samples = best
     if not error <= ROUGH or (segment.wavering and not _counted(segment, lengths, roots)):
-        if segment.guarded:
-            raise Jump("eigenvalues pass zero in the step, but not smoothly")
         return _halves(segment, left, right)
     if segment.guarded:
         _compare_sides(segment, roots, samples, border)
     found = _at_loads(segment, _together(border, roots, lengths, close), samples, border)
-    for crossing in found if segment.wavering else []:
-        require_path(segment, *segment.neighbours(crossing.length))
     if segment.wavering and error > exact:
         return [replace(c, corner=_jumps(segment, border, *segment.neighbours(c.length))) for c in found]
     return found

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.interpolate import KroghInterpolator
 from scipy.optimize import brentq
 
-from ..continuation.segment import SAMPLES, Jump, Segment
+from ..continuation.segment import SAMPLES, Segment
 from ..continuation.state import State
 from ..continuation.work import WAVER
 from .crossings import REACHES, Crossing
@@ -16,7 +16,6 @@ from .turning import SHORT
 
 EXACTLY, ROUGHLY = 1e-12, 1e-6  # relative error of the load at a limit point, and where that may be a return
 ONWARD = 0.1  # rate of a displacement at a limit point, over the larger one beside it
-STATIONARY = 1e-3  # load rate at a limit point, over those where it is looked for
 TURNED = 1e-5  # of the change of the load in a step, that by which it has turned, not wavered
 
 
@@ -39,9 +38,6 @@ def stationary_loads(segment: Segment) -> tuple[list[tuple[Segment, float, bool]
             returns.append(length)
             continue
         length = segment.stationary(left, right, EXACTLY)
-        steepest = max(abs(segment[s].load_rate) for s in (left, right))
-        if segment.guarded and abs(segment[length].load_rate) > STATIONARY * steepest:
-            raise Jump("the load turns between two states without being stationary")
         limits.append((segment, length, segment[left].load_rate > 0))
     return limits, returns
 

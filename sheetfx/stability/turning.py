@@ -8,7 +8,7 @@ import numpy as np
 
 from ..continuation.segment import Segment
 from ..continuation.state import State
-from .leaping import require_convergence, require_path
+from .leaping import require_convergence
 
 SEARCHED, RESOLUTION = 12, 0.02  # states at which the load is searched, and part of a step that they are apart
 SHORT = 1 / 16  # of the usual first step, a step of which rates say little
@@ -26,7 +26,7 @@ def turning_loads(segment: Segment, earlier: State | None) -> list[tuple[Segment
     Raises
     ------
     Jump
-        If the step leads from that state to another path, or those beside it do not converge.
+        If the states beside it do not converge.
     """
     before, after = segment.before, segment.after
     if not before.load_increment * after.load_increment < 0 or not segment.tracer.control.passes_limits:
@@ -62,22 +62,7 @@ def turning_loads(segment: Segment, earlier: State | None) -> list[tuple[Segment
             break
         known[place] = one, place - start
     one, length = known[max(known, key=load)]
-    if one is segment:
-        for left, right in segment.pairs():
-            if length in (left, right):
-                require_path(segment, left, right)
     return [(one, length, sign > 0)]
-
-
-def leads_back(segment: Segment) -> bool:
-    """Whether the load rises over a step that begins where it falls, or the other way, and the stability changes.
-
-    So it does where a limit point lies in the step before, and another one in this one. Of short steps nothing is said:
-    rates waver.
-    """
-    before, after = segment.before, segment.after
-    return (before.load_rate * after.load_increment < 0 < after.load_rate * after.load_increment
-            and before.unstable_modes != after.unstable_modes and after.length > SHORT * segment.tracer.usual)
 
 
 def _behind_corner(places: Sequence[float], loads: Sequence[float], rates: Sequence[float]) -> float | None:

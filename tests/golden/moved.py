@@ -70,12 +70,12 @@ def _default(owner: type, name: str, change, stack: ExitStack) -> bool:
         if name in vars(cls):
             _replace(cls, name, new, stack)
         start = cls.__init__
-        names = list(inspect.signature(start).parameters)
-        if start.__defaults__ and name in names:
-            defaults, at = list(start.__defaults__), names.index(name) - len(names)
-            if -at <= len(defaults) and defaults[at] is value:
-                defaults[at] = new
-                _replace(start, "__defaults__", tuple(defaults), stack)
+        positional, defaults = start.__code__.co_varnames[:start.__code__.co_argcount], list(start.__defaults__ or ())
+        if name in (start.__kwdefaults__ or {}):
+            _replace(start, "__kwdefaults__", start.__kwdefaults__ | {name: new}, stack)
+        elif defaults and name in positional[-len(defaults):]:
+            defaults[positional.index(name) - len(positional)] = new
+            _replace(start, "__defaults__", tuple(defaults), stack)
     return repr(new) != repr(value)
 
 

@@ -19,7 +19,11 @@ ROOMS = ("continuation/*.py", "stability/*.py", "path.py", "*/*contact*.py", "*/
 TRIVIAL = 0.0, 1.0, -1.0, 0.5, 2.0
 # files whose dataclasses are a user's
 OPTIONS = "continuation/options.py", "continuation/control.py", "continuation/until.py", "model/"
-TABLES = ("ROWS",)  # sizes that follow from a formulation
+# Sizes and indices that follow from a formulation, and what a user says: a load, a number of repeated parts.
+NO_CONSTANTS = ("discrete/closest_point.py:ROWS", "discrete/obstacle_work.py:BEFORE", "discrete/obstacle_work.py:SLIPPED",
+                "discrete/zones.py:SAMPLES", "discrete/zones.py:POINTS", "continuation/work.py:POINTS",
+                "stability/descent.py:POINTS", "stability/descent.py:WEIGHTS", "stability/branches.py:TURN",
+                "continuation/control.py:LoadControl.target")
 SIGNALS = "Jump", "Missed", "Hidden", "Uncounted", "Unsettled"
 # What each predicate, retry or homotopy gives where it is switched off.
 SWITCHES = {
@@ -27,8 +31,6 @@ SWITCHES = {
     "continuation/explained.py:explained": True,
     "continuation/defect.py:interpolates": True,
     "continuation/work.py:work_matches": True,
-    "stability/turning.py:leads_back": False,
-    "stability/leaping.py:require_path": None,
     "stability/leaping.py:require_convergence": None,
     "path.py:Path._past_corner": None,
     "path.py:Path._by_change": None,
@@ -72,7 +74,7 @@ def files() -> list[Path]:
 
 def rows() -> list[Row]:
     """All rows, by file and place."""
-    found = list({row.key: row for file in files() for row in _rows_of(file)}.values())
+    found = list({row.key: row for file in files() for row in _rows_of(file) if row.key not in NO_CONSTANTS}.values())
     for switch, off in SWITCHES.items():
         file, name = switch.split(":")
         found.append(Row(name, "guard", file, 0, off))
@@ -125,8 +127,7 @@ def _assigned(node: ast.Assign) -> Iterator[tuple[str, object]]:
         names = target.elts if isinstance(target, ast.Tuple) else [target]
         parts = node.value.elts if isinstance(target, ast.Tuple) and isinstance(node.value, ast.Tuple) else [node.value]
         for name, part in zip(names, parts if len(parts) == len(names) else parts * len(names), strict=True):
-            if (isinstance(name, ast.Name) and name.id.isupper() and name.id not in TABLES
-                    and _holds_number(part) and not _is_rule(part)):
+            if isinstance(name, ast.Name) and name.id.isupper() and _holds_number(part) and not _is_rule(part):
                 yield name.id, ast.unparse(part)
 
 

@@ -12,7 +12,7 @@ import pytest
 import rows
 import structures
 
-from sheetfx import ArcLength
+from sheetfx import ArcLength, DisplacementControl
 from sheetfx.continuation import defect, explained
 
 ROWS = rows.rows()
@@ -30,18 +30,19 @@ def test_rows_are_told_apart():
 @pytest.mark.parametrize("factor", [0.5, 2.0])
 def test_constant_is_moved_wherever_it_is_and_put_back(factor):
     def now():
-        return vars(explained)["STEEPEST"]
+        return vars(explained)["MINOR"]
 
     usual = now()
-    with moved.changed(row("STEEPEST", "continuation/explained.py"), factor) as possible:
+    with moved.changed(row("MINOR", "continuation/explained.py"), factor) as possible:
         assert possible and now() == factor * usual
     assert now() == usual
 
 
 def test_default_of_an_option_is_moved():
-    with moved.changed(row("StepRule.largest", "continuation/control.py"), 2.0) as possible:
-        assert possible and ArcLength().largest == 16.0
-    assert ArcLength().largest == 8.0
+    for name, usual in (("largest", 8.0), ("steepest", 2.5)):
+        with moved.changed(row(f"Options.{name}", "continuation/options.py"), 2.0) as possible:
+            assert possible and getattr(ArcLength(), name) == getattr(DisplacementControl(), name) == 2 * usual
+        assert getattr(ArcLength(), name) == usual
 
 
 def test_every_place_that_raises_can_be_switched_off():

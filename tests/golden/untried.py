@@ -7,9 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from math import pi
+from math import pi, radians
 
 import numpy as np
+from helpers import hinged_arch, whole_arch
 
 import sheetfx as fx
 from sheetfx.scenes import load_case
@@ -188,6 +189,27 @@ def lying_plate() -> fx.Case:
     return fx.Case(scene, fx.ArcLength(), fx.Until(deflection=0.08, steps=30))
 
 
+def prop() -> fx.Case:
+    """A clamped column that is pressed against a prop, which lets go at a load of 100 (Timoshenko and Gere 1961)."""
+    column = frame({"start": (0.0, 0.0), "end": (1.0, 0.0)}, {"bar": ("start", "end", 8)})
+    wall = frame({"start": (0.9, 0.0), "end": (1.1, 0.0)}, {"wall": ("start", "end", 2)})
+    beams = [fx.Beam(mesh, fx.Rectangle(0.1, 0.1), fx.Elastic(1.2e6, 0.0)) for mesh in (column, wall)]
+    touch = fx.PairContact(column, "end", (wall, None), moving=False, toward=(0.0, -1.0))
+    scene = fx.Scene(beams, [fx.clamp(column, "start"), fx.clamp(wall, "start"), fx.clamp(wall, "end")],
+                     [fx.PointForce(column, "end", (-1.0, 0.01))], fx.Monitor(column, "end", "y"), joints=[touch],
+                     stages=[fx.Stage([fx.PointForce(column, "end", (0.0, -1.0))])])
+    return fx.Case(scene, fx.ArcLength(step=0.02), fx.Until(deflection=0.02))
+
+
+def imperfect_arch(amplitude: float, step: float | None) -> fx.Case:
+    """A hinged arch whose path bends away from the perfect one's beside its bifurcation at 129.761."""
+    def deviation(x):
+        return np.sin(pi * np.arctan2(x[:, 0], x[:, 1]) / radians(7.338))
+
+    mesh = fx.imperfect(whole_arch(40), deviation, amplitude * 4.7625)
+    return fx.Case(hinged_arch(mesh), fx.ArcLength(step), fx.Until(deflection=20.0))
+
+
 def scene(name: str, steps: int | None = None, **options) -> Callable[[], fx.Case]:
     """A built-in scene, or its first steps."""
     def case() -> fx.Case:
@@ -214,6 +236,10 @@ CASES: dict[str, Callable[[], fx.Case]] = {
     "drawn-tip-uzawa": lambda: drawn_tip(enforcement="uzawa"),
     "wedge": lambda: wedge(None),
     "wedge-stiff": lambda: wedge(1e4),
+    "prop": prop,
+    "imperfect-arch": lambda: imperfect_arch(1e-4, None),
+    "imperfect-arch-short": lambda: imperfect_arch(1e-4, 4.672885757e-3),
+    "imperfect-arch-shorter": lambda: imperfect_arch(3e-6, 2.871219167e-3),
     "plastic-bar": plastic_bar,
     "plastic-portal": plastic_portal,
     "lying-plate": lying_plate,
