@@ -20,7 +20,8 @@ TRIVIAL = 0.0, 1.0, -1.0, 0.5, 2.0
 # files whose dataclasses are a user's
 OPTIONS = "continuation/options.py", "continuation/control.py", "continuation/until.py", "model/"
 # Sizes and indices that follow from a formulation, and what a user says: a load, a number of repeated parts.
-NO_CONSTANTS = ("discrete/closest_point.py:ROWS", "discrete/obstacle_work.py:BEFORE", "discrete/obstacle_work.py:SLIPPED",
+NO_CONSTANTS = ("discrete/closest_point.py:ROWS",
+                "discrete/obstacle_work.py:BEFORE", "discrete/obstacle_work.py:SLIPPED",
                 "discrete/zones.py:SAMPLES", "discrete/zones.py:POINTS", "continuation/work.py:POINTS",
                 "stability/descent.py:POINTS", "stability/descent.py:WEIGHTS", "stability/branches.py:TURN",
                 "continuation/control.py:LoadControl.target")
