@@ -55,7 +55,7 @@ def imperfect(mesh: NamedMesh, displacement: Shape | Sequence[Shape],
     x = old.x[:, :old.dim].copy()
     for shape, factor in zip(shapes, np.broadcast_to(amplitudes, len(shapes)), strict=True):
         x += factor * _moved(mesh, shape)
-    moved = NamedMesh(moved_mesh(mesh.domain, x), mesh.cells, mesh.edges, mesh.points)
+    moved = NamedMesh(moved_mesh(mesh.domain, x), mesh.cells, mesh.edges, mesh.points, mesh.opposed)
     _refuse_bad_cells(moved)
     return moved
 

@@ -15,7 +15,9 @@ from mpi4py import MPI
 
 from ..checks import Choice, checked
 from ..compat import geometry_degree, geometry_nodes, gmsh_mesh
+from ..notices import warn
 from .gmsh_model import Cells, Model, Source, read_model
+from .orientation import run_alike
 from .partition import keep_junctions_whole
 
 RULES = 8
@@ -33,12 +35,14 @@ class NamedMesh:
     cells : name -> owned cells of this process
     edges : name -> facets of this process, for surfaces
     points : name -> vertices of this process (may be empty on some)
+    opposed : group (None: all cells) -> a place where two of its cells run against each other; empty: nowhere
     """
 
     domain: Mesh
     cells: dict[str, np.ndarray]
     edges: dict[str, np.ndarray]
     points: dict[str, np.ndarray]
+    opposed: dict[str | None, np.ndarray] = field(default_factory=dict)
     _rules: list = field(default_factory=list)
     _measures: dict = field(default_factory=dict)
 
@@ -138,6 +142,16 @@ class NamedMesh:
             raise ValueError(f"{owner}: the mesh has no {what} named {name!r}{other}; it has "
                              f"{', '.join(known) or 'none'}")
 
+    def require_alike(self, owner: str, group: str | None) -> None:
+        """Refuse a group (None: all cells) whose cells run against each other, for what goes by their direction."""
+        if group in self.opposed:
+            place = ", ".join(f"{x:.6g}" for x in self.opposed[group][:self.dimension])
+            one, remedy = "", "join those that run alike in a group, or turn one"
+            if self.domain.topology.dim == 2:
+                one, remedy = " (it has no two sides, as a Möbius strip)", "divide it in two groups"
+            raise ValueError(f"{owner}: cells of group {group or 'all'!r} run against each other at ({place}){one}; "
+                             f"{remedy}, and give each a part of its own")
+
     def at(self, name: str) -> tuple[int, np.ndarray]:
         """Dimension and entities of a named point or edge (empty where another process has it)."""
         if name in self.points:
@@ -220,7 +234,10 @@ def named_mesh(model: Model, cells: Cells, edges: Cells, dimension: int, comm: M
     edges : curves on the edges of surfaces; what is not there is left out
     partitioner : where there are several processes
     """
-    nodes, x = cells.table(), model.x
+    alike, x = run_alike(model, cells), model.x
+    nodes = alike.nodes
+    if alike.said and not comm.rank:
+        warn(alike.said)
     used = x[np.unique(nodes)]
     if dimension == 2 and (off := np.abs(used[:, 2]).max()) > ROUNDING * np.linalg.norm(np.ptp(used, axis=0)):
         raise ValueError(f"{model.what}: the structure has places out of the x-y plane, by up to {off:.3g}; read it "
@@ -239,7 +256,7 @@ def named_mesh(model: Model, cells: Cells, edges: Cells, dimension: int, comm: M
     if edges.groups:
         sides = model.pairs(numbers[topology.connectivity(1, 0).array.reshape(-1, 2)])
         along = {name: _where(np.isin(sides, model.pairs(edges.corners(on)))) for name, on in edges.groups.items()}
-    return NamedMesh(domain, inside, along, points)
+    return NamedMesh(domain, inside, along, points, alike.opposed)
 
 
 def _nodes_of_vertices(domain: Mesh) -> np.ndarray:

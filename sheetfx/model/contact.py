@@ -41,3 +41,5 @@ class Contact:
 
     def __post_init__(self):
         check(self)
+        if self.side:
+            self.beam.mesh.require_alike("Contact: side", self.beam.group)

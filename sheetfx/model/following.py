@@ -61,6 +61,7 @@ class Pressure(Load):
 
     def __post_init__(self):
         check(self)
+        self.shell.mesh.require_alike("Pressure", self.shell.group)
 
     def work(self, fields):
         frame, u = self.shell.frame(), fields.displacement(self.shell.mesh)
@@ -93,6 +94,7 @@ class LinePressure(Load):
         check(self)
         if self.beam.mesh.dimension != 2:
             raise ValueError("LinePressure: the mesh is in space, where a curve has no one normal; use a LineForce")
+        self.beam.mesh.require_alike("LinePressure", self.beam.group)
 
     def work(self, fields):
         frame, u = self.beam.frame(), fields.displacement(self.beam.mesh)

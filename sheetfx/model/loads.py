@@ -120,6 +120,8 @@ class LineForce(Load):
             require_components("LineForce: force", self.force, self.beam.mesh.dimension)
         if self.follower and isinstance(self.beam, Bar):
             raise ValueError("LineForce: follower is True, but bars have no cross-section that turns; make it False")
+        if self.follower:
+            self.beam.mesh.require_alike("LineForce: follower is True", self.beam.group)
 
     @property
     def conservative(self) -> bool:  # type: ignore[override]

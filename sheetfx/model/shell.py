@@ -154,6 +154,9 @@ class Shell:
         if self.axis is None and not stiffness.isotropic:
             raise ValueError(f"Shell: axis is None, but the stiffness of its {type(self.section).__name__} differs by "
                              "direction; give the direction of its first axis, as axis=(1, 0, 0)")
+        if self.offset or not stiffness.isotropic or np.any(stiffness.coupling):
+            self.mesh.require_alike("Shell: offset" if self.offset else f"Shell: section {type(self.section).__name__}",
+                                    self.group)
         _ = self._axis
 
     @cached_property
