@@ -17,6 +17,7 @@ from .held import supports_that_hold
 from .interface import Interface
 from .joints import Compatible, Joint
 from .loads import Load, Moment, PrescribedDisplacement, PrescribedRotation
+from .overlap import refuse_overlap
 from .shell import Shell
 from .supports import Support
 
@@ -112,6 +113,7 @@ class Scene:
         self._check_prescribed()
         for mesh in self.meshes:
             self._check_spaces([part for part in self.parts if part.mesh is mesh])
+        refuse_overlap(self.parts)
         self._tell_unjoined()
         self._tell_points()
 
