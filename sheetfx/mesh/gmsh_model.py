@@ -201,8 +201,16 @@ def _check_groups(model, what: str) -> None:
 
 
 def _name(model, dimension: int, tag: int) -> str:
-    """Of a physical group; its number where it has none."""
-    return model.getPhysicalName(dimension, tag) or str(tag)
+    """Of a physical group; its number where it has none, with its dimension where another one's has that number.
+
+    gmsh counts the groups of each dimension from 1.
+    """
+    if name := model.getPhysicalName(dimension, tag):
+        return name
+    groups = model.getPhysicalGroups()
+    numbers = [number for d, number in groups if not model.getPhysicalName(d, number)]
+    clash = len(set(numbers)) < len(numbers) and any(d == 2 for d, _ in groups)
+    return f"{DIMENSIONS[dimension][:-1]} {tag}" if clash else str(tag)
 
 
 def _cells(model, dimension: int, what: str) -> Cells:

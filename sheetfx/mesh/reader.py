@@ -20,7 +20,6 @@ from .gmsh_model import Cells, Model, Source, read_model
 from .orientation import run_alike
 from .partition import keep_junctions_whole
 
-RULES = 8
 ROUNDING = 1e-6  # place out of a plane, over the size of the structure, by which drawings are off
 COMPONENTS = {2: ("x", "y", "rz"), 3: ("x", "y", "z", "rx", "ry", "rz")}  # of displacement and rotation, by dimension
 
@@ -36,6 +35,7 @@ class NamedMesh:
     edges : name -> facets of this process, for surfaces
     points : name -> vertices of this process (may be empty on some)
     opposed : group (None: all cells) -> a place where two of its cells run against each other; empty: nowhere
+    size : diagonal of the box around the structure; known to each process, so that any may ask alone
     """
 
     domain: Mesh
@@ -45,20 +45,19 @@ class NamedMesh:
     opposed: dict[str | None, np.ndarray] = field(default_factory=dict)
     _rules: list = field(default_factory=list)
     _measures: dict = field(default_factory=dict)
+    size: float = field(init=False)
+
+    def __post_init__(self):
+        x, comm = self.domain.geometry.x, self.domain.comm
+        low, high = np.empty(3), np.empty(3)
+        comm.Allreduce(x.min(axis=0, initial=np.inf), low, op=MPI.MIN)
+        comm.Allreduce(x.max(axis=0, initial=-np.inf), high, op=MPI.MAX)
+        self.size = float(np.linalg.norm(high - low))
 
     @property
     def dimension(self) -> int:
         return self.domain.geometry.dim
 
-    @property
-    def size(self) -> float:
-        """Diagonal of the box around the structure."""
-        x = self.domain.geometry.x
-        comm = self.domain.comm
-        low, high = np.empty(3), np.empty(3)
-        comm.Allreduce(x.min(axis=0, initial=np.inf), low, op=MPI.MIN)
-        comm.Allreduce(x.max(axis=0, initial=-np.inf), high, op=MPI.MAX)
-        return float(np.linalg.norm(high - low))
 
     @property
     def measure(self) -> float:
@@ -103,21 +102,14 @@ class NamedMesh:
         """Measure over the cells of a group (default all) with a quadrature rule.
 
         Each pair of group and rule has an own subdomain number: DOLFINx 0.9 may mix up several
-        rules that are integrated over one subdomain.
+        rules that are integrated over one subdomain. All measures of the mesh share the list of these.
         """
         key = (group, tuple(sorted(rule.items())))
         if key not in self._rules:
-            if len(self._rules) == RULES:
-                raise ValueError(f"more than {RULES} pairs of cell group and quadrature rule in one mesh")
             self._rules.append(key)
-            cells = self.group(group)
-            self._subdomains()[self._rules.index(key)] = (self._rules.index(key), cells)
-        return ufl.Measure("dx", domain=self.domain, subdomain_data=self._subdomains(),
+            self._measures.setdefault("dx", []).append((len(self._rules) - 1, self.group(group)))
+        return ufl.Measure("dx", domain=self.domain, subdomain_data=self._measures["dx"],
                            subdomain_id=self._rules.index(key), metadata=dict(rule))
-
-    def _subdomains(self) -> list:
-        """The list that all measures of the mesh share."""
-        return self._measures.setdefault("dx", [(i, np.empty(0, dtype=np.int32)) for i in range(RULES)])
 
     def edge_length(self, name: str) -> float:
         """Length of a named edge."""

@@ -1,4 +1,4 @@
-"""Parts that have cells in common: their stiffness would count twice."""
+"""Groups of a mesh: parts that have cells in common, names where gmsh has none, and any number of them."""
 
 from __future__ import annotations
 
@@ -66,3 +66,39 @@ def test_layers_on_the_same_cells_are_told():
         fx.Scene([beam, replace(beam, material=fx.Elastic(1e3), group="one")], *rest)
     with pytest.raises(ValueError, match="Beam on all cells and Beam on group 'one' have 3 cells in common"):
         fx.Scene([beam, replace(beam, group="one")], *rest)
+
+
+@pytest.mark.parametrize("named", [False, True])
+def test_groups_without_names_are_told_by_their_dimension(named, tmp_path):
+    """gmsh counts groups of each dimension from 1."""
+    gmsh.initialize()
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        squares(one=[0, 1], two=[2, 3])()
+        gmsh.model.removePhysicalGroups()
+        for name in ("one", "two", "place"):
+            gmsh.model.removePhysicalName(name)
+        for dimension, tags in ((2, [1, 2]), (2, [3, 4]), (1, [1]), (0, [1])):
+            gmsh.model.addPhysicalGroup(dimension, tags, 1 + (tags == [3, 4]))
+        if named:
+            gmsh.model.setPhysicalName(2, 1, "plate")
+        gmsh.model.mesh.generate(2)
+        gmsh.write(str(tmp_path / "groups.msh"))
+    finally:
+        gmsh.finalize()
+    mesh = fx.read(str(tmp_path / "groups.msh"), 3)
+    assert list(mesh.cells) == ["plate" if named else "surface 1", "surface 2"]
+    assert (list(mesh.edges), list(mesh.points)) == (["curve 1"], ["point 1"])
+
+
+def test_any_number_of_groups_carry_loads():
+    """Twelve members with a load each bend as one part with one load does."""
+    nodes = {f"p{i}": (float(i), 0.1 * (i % 2)) for i in range(13)}
+    mesh = fx.read(lambda: fx.meshes.frame(nodes, {f"m{i}": (f"p{i}", f"p{i + 1}", 1) for i in range(12)}), 2)
+    found = []
+    for groups in ([None], [f"m{i}" for i in range(12)]):
+        parts = [fx.Beam(mesh, fx.Rectangle(0.1, 0.1), fx.Elastic(2e11), group=g) for g in groups]
+        scene = fx.Scene(parts, [fx.clamp(mesh, "p0"), fx.clamp(mesh, "p12")],
+                         [fx.LineForce(p, (0.0, -7.7e2)) for p in parts], fx.Monitor(mesh, "p6", "y", -1.0))
+        found.append(fx.trace(fx.Case(scene, fx.LoadControl(1.0, fixed=True))).states[-1].deflection)
+    assert found[1] == pytest.approx(found[0], rel=1e-8)
