@@ -14,6 +14,7 @@ from typing import Annotated, Any, ClassVar
 from petsc4py import PETSc
 
 from ..checks import Choice, Like, Unbounded
+from .functional import Functional
 from .options import Options
 from .state import State
 
@@ -171,22 +172,22 @@ class DisplacementControl(TwoWayRule):
         return self.first if self.step is not None else self.default * size
 
     def measure(self, tangent, increment, load_increment):
-        return abs(tangent.controlled(increment))
+        return abs(tangent.functional.of(increment))
 
     def predict(self, length, sign, tangent):
-        rate = abs(tangent.controlled(tangent.solution))
+        rate = abs(tangent.functional.rate(tangent.solution))
         if not rate:
             raise ValueError("DisplacementControl: the controlled displacement does not respond to the load; give the "
                              "control a `monitor` that does")
         return sign * length / rate
 
     def gradient(self, tangent, increment, load_increment):
-        return tangent.functional, 0.0
+        return tangent.functional.vector, 0.0
 
     def correct(self, length, tangent, increment, load_increment, residual_part):
-        target = copysign(length, tangent.controlled(increment))
-        missing = target - tangent.controlled(increment) - tangent.controlled(residual_part)
-        return missing / tangent.controlled(tangent.solution), 1.0
+        functional, made = tangent.functional, tangent.functional.of(increment)
+        missing = copysign(length, made) - made - functional.rate(residual_part)
+        return missing / functional.rate(tangent.solution), 1.0
 
 
 @dataclass(frozen=True)
@@ -273,14 +274,14 @@ class LoadResponse:
     ----------
     solution : displacement by a unit of load with the current factor
     weights : diagonal of the inner product
-    functional : vector whose product with an increment is the controlled displacement
+    functional : the controlled displacement
     initial_norm2 : squared norm of the first state's solution
     current_stiffness : Bergan's current stiffness parameter
     """
 
     solution: PETSc.Vec
     weights: PETSc.Vec
-    functional: PETSc.Vec
+    functional: Functional
     initial_norm2: float = 1.0
     current_stiffness: float = 1.0
 
@@ -294,6 +295,3 @@ class LoadResponse:
     @property
     def norm2(self) -> float:
         return self.inner(self.solution, self.solution)
-
-    def controlled(self, increment: PETSc.Vec) -> float:
-        return self.functional.dot(increment)

@@ -11,6 +11,7 @@ from ..discrete.discretisation import Discretisation
 from ..discrete.system import System
 from ..model.scene import Monitor
 from .control import StepRule
+from .functional import Functional, Turn
 from .state import State
 
 STILL = 1e-14  # of the structure's size, motion that is none, as of what rests on something rigid
@@ -26,23 +27,31 @@ class Measuring:
 
     discretisation: Discretisation
     system: System
-    _monitor: PETSc.Vec
+    _monitor: Functional
 
     def _load_weight(self) -> float:
         """Weight of the load's square in the square of a length."""
         return 0.0
 
-    def _functional(self, monitor: Monitor) -> PETSc.Vec:
-        """Vector whose product with increments is a displacement."""
-        return self.system.functional(*self.discretisation.monitored(monitor), monitor.sign)
+    def _functional(self, monitor: Monitor) -> Functional:
+        """A displacement, or a rotation."""
+        block, dofs = self.discretisation.monitored(monitor)
+        vector = self.system.functional(block, dofs, monitor.sign)
+        if (monitor.component or "").startswith("r") and block.fields[1].curved:
+            return Turn(vector, self.discretisation.layout, block.fields[1], dofs, monitor.sign)
+        return Functional(vector)
 
-    def _controlled(self, control: StepRule) -> PETSc.Vec:
-        """Vector whose product with increments is the displacement that a control goes by."""
+    def _controlled(self, control: StepRule) -> Functional:
+        """The displacement that a control goes by."""
         return self._functional(getattr(control, "monitor", None) or self.discretisation.scene.monitor)
 
     def monitored(self, increment: PETSc.Vec) -> float:
-        """Change of the monitored displacement by an increment of the unknowns."""
-        return self._monitor.dot(increment)
+        """Change of the monitored displacement by an increment of the unknowns since the last converged state."""
+        return self._monitor.of(increment)
+
+    def monitored_rate(self, increment: PETSc.Vec) -> float:
+        """Change of the monitored displacement by a small increment of the unknowns."""
+        return self._monitor.rate(increment)
 
     def turn(self, before: State, after: State) -> float:
         """Largest angle in radians between the increment of a step and what it should go on from and lead to.

@@ -67,7 +67,7 @@ class Tracer(Measuring):
     def rate(self, name: str) -> float:
         """Change of the monitored "deflection", or of the "load", by a unit of the load factor; 0: not known."""
         if name == "deflection":
-            return self.monitored(self._response)
+            return self.monitored_rate(self._response)
         return self.discretisation.load_of_unit() or 0.0
 
     def attempt(self, length: float, guess: tuple[float, np.ndarray] | None = None, part: float = 1.0) -> State | None:

@@ -193,11 +193,14 @@ class QuaternionField(AdditiveField):
             self.axes[nodes] = self.partly_fixed.axes(self.previous.x.array.reshape(-1, 4)[nodes])
 
     def _increment(self) -> np.ndarray:
-        """Rodrigues vectors: where the node is on an edge, that of a turn about the edge before one across both."""
-        increment = self.outward(self._components.ravel()).reshape(-1, 3)
+        return self.rodrigues(self._components)
+
+    def rodrigues(self, components: np.ndarray) -> np.ndarray:
+        """Rodrigues vectors, on an edge that of a turn about it before one across both; shape (nodes, 3)."""
+        increment = self.outward(components.ravel()).reshape(-1, 3)
         if self.partly_fixed is not None:
             nodes, twist, normals = self._edge()
-            x = self._components[nodes]
+            x = components[nodes]
             increment = increment.copy()
             increment[nodes] += normals * (np.einsum("ni,nij,nj->n", x, twist, x) / 2)[:, None]
         return increment

@@ -23,7 +23,7 @@ def monitored(record: Shown, states: Sequence[State]) -> tuple[np.ndarray, np.nd
 
 def _deflection_rate(record: Shown, state: State) -> float:
     tracer = record.path.tracer
-    return tracer.monitored(tracer.system.create_vector(state.tangent[1]))
+    return tracer.monitored_rate(tracer.system.create_vector(state.tangent[1]))
 
 
 def _load_rate(record: Shown, state: State) -> float:

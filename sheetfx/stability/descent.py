@@ -165,7 +165,7 @@ class Fall:
 
     def _monitor_rate(self, state: State) -> float:
         self._step.array[:] = state.response
-        return self.tracer.monitored(self._step)
+        return self.tracer.monitored_rate(self._step)
 
     def _assemble(self) -> None:
         """Forces and tangent of the current configuration, and its entry in the history."""

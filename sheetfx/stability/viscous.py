@@ -25,6 +25,7 @@ from math import copysign
 from petsc4py import PETSc
 
 from ..continuation.control import DisplacementControl, LoadControl
+from ..continuation.functional import Functional
 from ..continuation.spectrum import diagonal, nearest_to_zero
 from ..continuation.state import State
 from .descent import AMPLITUDE, LARGEST_SHIFT, MOST, NEARLY_CRITICAL, POOR, SMALLEST_PART, Fall, SnapFailure, unstable
@@ -130,7 +131,7 @@ class ViscousFall(Fall):
         """One step of the motion, with an increment of the load factor to begin with; whether it is one."""
         tracer, system, x = self.tracer, self.system, self.tracer.x
         stepper, start = tracer.stepper, system.factor
-        tangent = replace(tracer.tangent, functional=self._load.copy())
+        tangent = replace(tracer.tangent, functional=Functional(self._load.copy()))
         control = LoadControl() if self.hold == "load" else DisplacementControl()
         length = control.measure(tangent, pushed * tangent.solution, pushed)
         x.zeroEntries()

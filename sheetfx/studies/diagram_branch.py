@@ -172,7 +172,7 @@ class Task:
         nodes = len(places) / self.case.scene.meshes[0].dimension
         return {"step": state.step, "load": state.load, "deflection": state.deflection, "norm": size,
                 "unstable": state.unstable_modes, "length": state.length, "chord": tracer.distance(*state.direction),
-                "rates": {"deflection": tracer.monitored(rate),
+                "rates": {"deflection": tracer.monitored_rate(rate),
                           "norm": float(places @ moves) / (nodes * size) if size else 0.0}}
 
     def _arrival(self, state: State) -> dict[str, Any] | None:

@@ -33,7 +33,7 @@ def initial_stiffness(record: Record) -> dict[str, float]:
     first, *others = [state for state in record.states if state.stage == record.states[-1].stage]
     tracer = record.path.tracer
     response = tracer.system.create_vector(first.response)
-    moved = tracer.monitored(response)
+    moved = tracer.monitored_rate(response)
     if abs(moved) <= NO_MOTION * response.norm():
         return {}
     if (load := record.path.discretisation.load_of_unit()) is None:
