@@ -14,6 +14,7 @@ from .checks import Positive, check, require
 from .continuation.control import ArcLength, StepRule
 from .continuation.events import Event
 from .continuation.state import State
+from .model.reported import AXES, counted, meaning
 from .model.scene import Scene
 from .notices import warn
 from .path import Path, PathFailure, Until
@@ -45,7 +46,7 @@ class Case:
     quantities : function (record) -> name and value of what the scene is known for
     pictures : functions (record, folder), each draws one picture; what it writes moves to the run's folder when it
         is whole. By default curve, shapes, files for ParaView, and with `Until(steps=0)` buckling modes
-    axes : names of deflection and load on plots
+    axes : names of deflection and load on plots; None: in mm and N, with what the load is
     mixed_points : large-step tangent
     buckling : function (path, state) -> buckling loads, for `Record.buckling`; with `Until(steps=0)` they are those
         of the unloaded structure and the only result
@@ -58,7 +59,7 @@ class Case:
     until: Until = field(default_factory=Until)
     quantities: Callable[[Record], dict[str, float]] = lambda record: {}
     pictures: Sequence[Callable[[Record, Folder], None]] = STANDARD
-    axes: tuple[str, str] = ("deflection (mm)", "load (N)")
+    axes: tuple[str, str] | None = None
     mixed_points: bool = True
     buckling: Callable[[Path, State], list] = _linear_buckling
     events: Sequence[Event] = ()
@@ -66,6 +67,8 @@ class Case:
 
     def __post_init__(self):
         check(self)
+        if self.axes is None:
+            object.__setattr__(self, "axes", ("deflection (mm)", AXES[counted(self.scene.loads)[0]]))
 
 
 def trace(case: Case, listeners: Sequence[Callable[[State], None]] = (), start: Sequence[State] = (),
@@ -127,6 +130,7 @@ def run(case: Case, name: str, parameters: dict, folder: Folder, resume: bool,
                     picture(record, unfinished)
         summary = {
             "scene": name, "parameters": parameters, "axes": case.axes,
+            "load": meaning(counted(case.scene.loads)[0], case.scene.symmetry_factor),
             "stages": [stage.name for stage in case.scene.all_stages],
             "status": status, "message": message,
             "unknowns": record.path.unknowns, "steps": record.states[-1].step,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import pi
+
 import pytest
 from helpers import on_two_processes
 
@@ -76,6 +78,59 @@ def test_edges_with_a_corner_in_common_that_are_lifted_differently():
     with pytest.raises(ValueError, match=r"'c-d'.* 0\.002 .*'b-c'.* 0\.001"):
         lifted("b-c", "c-d", distances=(1e-3, 2e-3))
     lifted("b-c", "d-e", distances=(1e-3, 2e-3))
+
+
+class Own(fx.Load):
+    """A load of one's own on a shell, by what it says of itself."""
+
+    def __init__(self, shell):
+        self.shell = shell
+
+    def work(self, fields):
+        return fields.factor * fields.vary(fields.displacement(self.shell.mesh)[2]) * self.shell.measure()
+
+
+class OwnPressure(Own):
+    reports = "pressure"
+
+    def total(self, fields):
+        return 7.0
+
+
+LOADS = [  # what, of both halves; the load of a quarter, and what it is called
+    (lambda m, one, two: [fx.Pressure(one, 3.0)], 3.0, "pressure (N/mm²)"),
+    (lambda m, one, two: [fx.Pressure(one, 3.0), fx.Pressure(two, -3.0)], 3.0, "pressure (N/mm²)"),
+    (lambda m, one, two: [fx.Pressure(one, 3.0), fx.Pressure(two, 5.0)], 5.0, "pressure (N/mm²)"),
+    (lambda m, one, two: [Own(one)], 1.0, "load factor"),
+    (lambda m, one, two: [Own(one), Own(two)], 1.0, "load factor"),
+    (lambda m, one, two: [OwnPressure(one), Own(two)], 7.0, "pressure (N/mm²)"),
+    (lambda m, one, two: [fx.PointForce(m, "c", (0.0, 0.0, 2.0)), fx.Pressure(two, 3.0)], 8.0, "load (N)"),
+    (lambda m, one, two: [fx.PointForce(m, n, (0.0, 0.0, 2.0)) for n in "cd"], 16.0, "load (N)"),
+    (lambda m, one, two: [fx.Moment(m, "c", (0.0, 2.0, 0.0)), Own(one)], 8.0, "moment (N mm)"),
+    (lambda m, one, two: [fx.SurfaceForce(p, (0.0, 0.0, 2.0)) for p in (one, two)], 8.0, "load (N)"),
+]
+
+
+@pytest.mark.parametrize(("loads", "size", "name"), LOADS)
+def test_what_is_no_force_is_neither_multiplied_nor_added(loads, size, name):
+    """A quarter of a structure in two groups: forces and moments count four times, all of them."""
+    mesh = two_fields(0.25)
+    parts = [fx.Shell(mesh, fx.Plate(0.1), fx.Elastic(1e4, 0.3), group=group) for group in ("left", "right")]
+    scene = fx.Scene(parts, [fx.clamp(mesh, "f-a")], loads(mesh, *parts), fx.Monitor(mesh, "c", "z"), symmetry_factor=4)
+    case = fx.Case(scene, until=fx.Until(steps=0))
+    assert fx.Path(scene).discretisation.load_of_unit() == pytest.approx(size, rel=1e-12)
+    assert case.axes == ("deflection (mm)", name)
+
+
+def test_pressure_of_a_quarter_of_a_ring_is_that_of_the_ring():
+    """Critical at 3 E I / R^3 (Levy 1884), where linear buckling has it and a path that is bounded by it ends."""
+    mesh = fx.read(lambda: fx.meshes.arc(1.0, 0.0, pi / 2, 8), 2, 2)
+    ring = fx.Beam(mesh, fx.Rectangle(1.0, 0.05), fx.Elastic(1e4, 0.0))
+    scene = fx.Scene([ring], [fx.symmetry(mesh, "start", "x"), fx.symmetry(mesh, "end", "y")],
+                     [fx.LinePressure(ring, -1.0)], fx.Monitor(mesh, "start", "y", -1.0), symmetry_factor=4)
+    record = fx.trace(fx.Case(scene, until=fx.Until(load=0.2)))
+    assert (record.states[-1].load, record.states[-1].factor) == pytest.approx((0.2, 0.2), rel=1e-5)
+    assert record.buckling(record.states[0])[0].load == pytest.approx(3 * 1e4 * 0.05**3 / 12, rel=1e-2)
 
 
 def test_totals_on_two_processes():

@@ -25,7 +25,7 @@ from sheetfx.scenes.arch import case as arch_case
 
 SMALL = {"ratio": 1.0, "elements": 40, "layer": 10.8, "to": 12.0}
 CONTRACT = {"axes", "scene", "parameters", "status", "message", "unknowns", "steps", "iterations", "factorisations",
-            "critical_points", "quantities", "energy", "timings", "stages", "searched"}
+            "critical_points", "quantities", "energy", "timings", "stages", "searched", "load"}
 PARTS = {"compile", "assembly", "factorisation", "solve", "contact", "path", "output", "total"}
 
 

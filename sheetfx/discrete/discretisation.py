@@ -13,6 +13,7 @@ from mpi4py import MPI
 from ..mesh.reader import NamedMesh
 from ..model.contact import Contact
 from ..model.obstacles import add_travel
+from ..model.reported import combined, counted
 from ..model.scene import Monitor, Scene
 from .contact import ContactFields, eliminates
 from .contact_work import ContactWork
@@ -76,8 +77,8 @@ class Discretisation:
         self.layout = layout
         self.follower = look_for_potentials(loads, self.unknowns, layout, fields.factors, self.clock)
         self.system = System(self.unknowns, contributions, layout, fields.factors, self.clock)
-        self._totals = [[load.total(fields.at_stage(n)) for load in stage.loads]
-                        for n, stage in enumerate(scene.all_stages)]
+        self._totals = [(kind, [load.total(fields.at_stage(n)) for load in counting])
+                        for n, (kind, counting) in enumerate(counted(stage.loads) for stage in scene.all_stages)]
 
     @property
     def works_of_parts(self) -> list[ElementWork]:
@@ -162,19 +163,20 @@ class Discretisation:
         return part.mesh.domain.comm.allreduce(self.work_of(part).energy())
 
     def total_load(self) -> float:
-        """Load of the present stage on the whole structure: the sum of the magnitudes of its loads, or the reaction."""
+        """Load of the present stage on the whole structure, of the magnitudes of its loads or the reaction.
+
+        See `model.reported`.
+        """
         unit = self.load_of_unit()
         if unit is not None:
             return unit * self.system.factor
-        return self.scene.symmetry_factor * sum(total() for total in self._present_totals() if callable(total))
+        kind, totals = self._totals[self.system.factors.stage]
+        return combined(kind, [total() for total in totals if callable(total)], self.scene.symmetry_factor)
 
     def load_of_unit(self) -> float | None:
         """Total load of the present stage for a load factor of 1; None where it is a reaction."""
-        totals = self._present_totals()
-        return None if any(map(callable, totals)) else self.scene.symmetry_factor * sum(totals)
-
-    def _present_totals(self) -> list:
-        return self._totals[self.system.factors.stage]
+        kind, totals = self._totals[self.system.factors.stage]
+        return None if any(map(callable, totals)) else combined(kind, totals, self.scene.symmetry_factor)
 
     @contextmanager
     def visiting(self, snapshot: dict[str, np.ndarray]) -> Iterator[None]:

@@ -10,7 +10,7 @@ from .. import forms
 from ..checks import check, require_components
 from ..mesh.reader import NamedMesh
 from .beam import Beam
-from .loads import Load
+from .loads import LINE_PRESSURE, PRESSURE, Load
 from .shell import Shell
 
 
@@ -58,6 +58,7 @@ class Pressure(Load):
     shell: Shell
     pressure: float
     conservative = False
+    reports = PRESSURE
 
     def __post_init__(self):
         check(self)
@@ -89,6 +90,7 @@ class LinePressure(Load):
     beam: Beam
     pressure: float
     conservative = False
+    reports = LINE_PRESSURE
 
     def __post_init__(self):
         check(self)

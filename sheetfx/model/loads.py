@@ -19,12 +19,21 @@ from .obstacles import Obstacle
 from .shell import Shell
 from .work import Acting
 
+FORCE, MOMENT, PRESSURE, LINE_PRESSURE = "force", "moment", "pressure", "line pressure"
+
 
 class Load(Acting):
     """What grows with the load factor; a load of one's own derives from it and defines `work`.
 
     `work` is the virtual work of the load *on* the structure at the load factor `fields.factor`.
+
+    Attributes
+    ----------
+    reports : what `total` gives, "force", "moment", "pressure" or "line pressure": forces and moments of several loads,
+        and of all equal parts of a structure, are added up, pressures are not
     """
+
+    reports = FORCE
 
     def at_points(self, forces) -> None:
         """Put forces and moments at points into `forces` (`discrete.fields.NodalForces`), for a load factor of 1."""
@@ -68,6 +77,7 @@ class Moment(Load):
     mesh: NamedMesh
     at: str
     moment: float | tuple[float, float, float]
+    reports = MOMENT
 
     def __post_init__(self):
         check(self)
@@ -275,6 +285,7 @@ class PrescribedRotation(Load):
     mesh: NamedMesh
     at: str
     rotation: float | tuple[float, float, float]
+    reports = MOMENT
 
     def __post_init__(self):
         check(self)

@@ -82,7 +82,7 @@ class Scene:
     monitor : what paths are drawn against
     contacts : with rigid obstacles
     symmetry_factor : how many times the modelled part stands in the whole structure (2 for a half);
-        loads are reported for the whole
+        forces are reported for the whole
     joints : springs, ties, foundations, and joints of one's own
     stages : of loads that are applied first, one stage after the other
     """

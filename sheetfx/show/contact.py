@@ -9,6 +9,8 @@ import numpy as np
 
 from ..continuation.state import State
 from ..discrete.contact import OPEN, SLIP, STICK, ContactState
+from ..model.loads import FORCE
+from ..model.reported import counted
 from ..notices import warn
 from .evaluate import ContactPoints, communicator, last_state_kept, unit_of, with_unit
 from .shown import Shown
@@ -40,7 +42,7 @@ def tractions(load: float) -> Callable[[Shown, Folder], None]:
 def draw_tractions(record: Shown, state: State, contacts: list[ContactState]):
     """The matplotlib figure of `tractions`."""
     figure, (axes,) = _figure(1)
-    length, force = (unit_of(a) for a in record.case.axes)
+    length, load, force = _units(record)
     scene = record.case.scene
     nodal = all(c.points == "nodes" for c in scene.contacts)
     for contact in contacts:
@@ -58,7 +60,7 @@ def draw_tractions(record: Shown, state: State, contacts: list[ContactState]):
     part = f", one of {scene.symmetry_factor} equal parts" if scene.symmetry_factor > 1 else ""
     axes.set_xlabel(f"current position x{_brackets(length)}{part}")
     axes.legend(frameon=True, framealpha=0.9, edgecolor="none", fontsize=9,
-                title=f"at load {with_unit(state.load, force)}, deflection {with_unit(state.deflection, length)}",
+                title=f"at load {with_unit(state.load, load)}, deflection {with_unit(state.deflection, length)}",
                 title_fontsize=9, alignment="left")
     return figure
 
@@ -102,7 +104,7 @@ def draw_history(record: Shown, table: dict[str, np.ndarray]):
     table : names and values of `summarise`, each (states,)
     """
     deflection = np.array([s.deflection for s in record.states])
-    length, force = (unit_of(a) for a in record.case.axes)
+    length, _, force = _units(record)
     forwards = (np.diff(deflection) > 0).all()
     along = deflection if forwards else np.array([s.step for s in record.states])
     figure, (numbers, pressure, place) = _figure(3)
@@ -188,6 +190,12 @@ def _has_contact(record: Shown, name: str) -> bool:
 
 def _brackets(unit: str) -> str:
     return f" ({unit})" if unit else ""
+
+
+def _units(record: Shown) -> tuple[str, str, str]:
+    """Of lengths, of the load, and of forces, which is that of the load where the load is one."""
+    length, load = map(unit_of, record.case.axes)
+    return length, load, load if counted(record.case.scene.loads)[0] == FORCE else ""
 
 
 def _per_length(force: str, length: str) -> str:

@@ -99,6 +99,7 @@ class Progress:
         table = Table(show_header=False, box=None)
         for key, value in summary["quantities"].items():
             table.add_row(key.replace("_", " "), f"{value:.6g}")
+        table.add_row("load", summary["load"])
         table.add_row("energy balance", _balance(summary["energy"]))
         table.add_row("steps, iterations", f"{summary['steps']}, {summary['iterations']}")
         table.add_row("unknowns", str(summary["unknowns"]))
