@@ -221,3 +221,24 @@ def test_wrong_input_is_named():
         fx.RigidPlane((0.0, 0.0), (0.0, 0.0, 1.0))
     with pytest.raises(ValueError, match="obstacle is 3; it must be an Obstacle"):
         fx.ObstacleContact(mesh, None, 3)
+
+
+@pytest.mark.parametrize(("touch", "way"), [("layer", (0.0, -1.0)), ("augmented", (0.0, -1.0)),
+                                            ("augmented", (0.3, -0.9))])
+def test_length_of_the_travel_is_nothing(touch, way):
+    """It is a direction: clamps carry the force on the punch, whose monitored way is a length."""
+    found = []
+    for length in (0.5, 3.0):
+        mesh, beam = bar(2)
+        punch = fx.RigidCylinder(200.0, (500.0, 250.0), travel=tuple(length * c for c in way))
+        contacts, joints = ([fx.Contact(beam, punch)], []) if touch == "layer" else (
+            [], [fx.ObstacleContact(mesh, None, punch, distance=0.0, samples=4)])
+        scene = fx.Scene([beam], [fx.clamp(mesh, "start"), fx.clamp(mesh, "end")], [fx.ObstacleForce(punch, 60.0)],
+                         fx.Monitor(punch), contacts=contacts, joints=joints)
+        record = fx.trace(fx.Case(scene, fx.LoadControl(0.5, target=0.5)))
+        last = record.states[-1]
+        record.show(last)
+        carried = sum(record.reactions(end).force[-1] for end in ("start", "end"))
+        assert carried @ way / np.linalg.norm(way) == pytest.approx(-last.load, rel=1e-5)
+        found.append(last.deflection)
+    assert found[1] == pytest.approx(found[0], rel=1e-6)

@@ -12,7 +12,7 @@ from mpi4py import MPI
 
 from ..mesh.reader import NamedMesh
 from ..model.contact import Contact
-from ..model.obstacles import add_travel
+from ..model.obstacles import add_travel, way_of
 from ..model.reported import combined, counted
 from ..model.scene import Monitor, Scene
 from .contact import ContactFields, eliminates
@@ -96,7 +96,7 @@ class Discretisation:
         """Displacement vector of an obstacle, as UFL components."""
         if not self.fields.has(obstacle, "travel"):
             return [0.0, 0.0]
-        return [self.fields.own(obstacle, "travel") * c for c in obstacle.travel]
+        return [self.fields.own(obstacle, "travel") * c for c in way_of(obstacle)]
 
     def travelled(self, obstacle) -> float:
         """How far an obstacle has moved along its travel, the same on all processes."""

@@ -14,6 +14,7 @@ from .. import forms
 from ..jit import compiled_expression
 from ..mesh.numbers import with_constants
 from ..model.contact import Contact
+from ..model.obstacles import way_of
 from .contact import OPEN, SLIP, ContactFields, ContactState
 from .contact_work import touching
 from .contribution import Forces
@@ -44,7 +45,7 @@ class LayerFields(ContactFields):
         x = place + values.pop(0)
         if self.contact.side:
             x = x + forms.interface.rotation_of(values.pop(0)).rotate(arm)
-        return obstacle.gap(x, [values[0][0] * c for c in obstacle.travel] if values else [0.0, 0.0])
+        return obstacle.gap(x, [values[0][0] * c for c in way_of(obstacle)] if values else [0.0, 0.0])
 
     def prepare(self, at_rest) -> None:
         beam = self.contact.beam

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from .. import forms
+from ..model.obstacles import way_of
 from .number import NumberField
 from .pair_work import PairWork
 from .point_law import PointLaw
@@ -37,7 +38,7 @@ class ObstacleWork(PairWork):
             held[:] = data
             points, distance, before, slipped, history, _ = data
             travelled = values[1][0] if len(values) > 1 else 0.0
-            shift = [travelled * c for c in padded(obstacle.travel, pairs.dimension)]
+            shift = [travelled * c for c in padded(way_of(obstacle), pairs.dimension)]
             gap, *passed = forms.contact.on_obstacle(obstacle.gap, points + values[0], shift, before, slipped)
             return forms.contact.strains_of([gap - distance[0], *passed], history, bool(slips))
 
@@ -86,7 +87,7 @@ class ObstacleWork(PairWork):
         d, z = self.pairs.dimension, self.values()
         self._before = self.pairs.points + z[:, :d]
         if len(self._fields) > 1:
-            self._before -= z[:, d:] * padded(self.contact.obstacle.travel, d)
+            self._before -= z[:, d:] * padded(way_of(self.contact.obstacle), d)
         self._since()
 
     def _since(self) -> None:

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, ClassVar, Protocol, runtime_checkable
 
+import numpy as np
+
 from .. import forms
 from ..checks import NONZERO, Positive, check
 
@@ -16,7 +18,7 @@ class Obstacle(Protocol):
 
     Attributes
     ----------
-    travel : direction of its free motion; None: it is fixed
+    travel : direction of its free motion, of any length; None: it is fixed
     dimensions : of the spaces that it can stand in
     """
 
@@ -31,6 +33,11 @@ class Obstacle(Protocol):
         x : UFL vector
         shift : list of UFL scalars or numbers, how far the obstacle has moved along each direction of space
         """
+
+
+def way_of(obstacle: Obstacle) -> np.ndarray | None:
+    """Unit vector of the direction in which an obstacle travels; None: it is fixed."""
+    return None if obstacle.travel is None else np.asarray(obstacle.travel) / np.linalg.norm(obstacle.travel)
 
 
 def add_travel(fields, obstacle: Obstacle, mesh) -> None:

@@ -14,6 +14,7 @@ from ..continuation.state import CriticalPoint, State
 from ..discrete.contact import ContactFields, ContactState
 from ..jit import compiled_expression
 from ..mesh.reader import NamedMesh
+from ..model.obstacles import way_of
 from .shown import Shown
 
 POINTS_PER_CELL = 5
@@ -131,6 +132,6 @@ def _merge(parts: list[dict], numbers: list[np.ndarray | None]) -> ContactState:
 
 def travel(record: Shown, obstacle) -> np.ndarray:
     """Displacement of an obstacle in the shown state, shape (2,)."""
-    if obstacle.travel is None:
+    if (way := way_of(obstacle)) is None:
         return np.zeros(2)
-    return record.path.discretisation.travelled(obstacle) * np.array(obstacle.travel)
+    return record.path.discretisation.travelled(obstacle) * way
