@@ -17,6 +17,8 @@ from .quality import bad_cells, refuse
 Source = Callable[[], None] | str | Path
 
 ORDERS = 1, 2, 3
+CURVED = 2  # order of cells that a place bends, the degree of shells and beams by default
+STRAIGHT = 1e-9  # distance of a middle from between its ends, over the size of the structure, that is rounding
 INTERVALS, TRIANGLES, QUADRILATERALS = ("intervals", 2), ("triangles", 3), ("quadrilaterals", 4)
 KINDS = {1: INTERVALS, 8: INTERVALS, 26: INTERVALS, 2: TRIANGLES, 9: TRIANGLES, 21: TRIANGLES, 3: QUADRILATERALS,
          10: QUADRILATERALS, 36: QUADRILATERALS}  # gmsh's numbers of complete cells; names and corners
@@ -110,7 +112,7 @@ def read_model(source: Source, who: str, order: int | None, place: Callable | No
     ----------
     source : function without arguments that fills the gmsh model and names physical groups, or path of a .msh file
     who : reads it, for messages
-    order : of the geometry; None: 1, or that of the file
+    order : of the geometry; None: 1, or that of the file, and 2 where the place bends straight cells
     place : function from coordinates of nodes to those in space; None: the same
     """
     what = who if callable(source) else f"{who} {str(source)!r}"
@@ -143,6 +145,11 @@ def _model(source: Source, what: str, order: int | None, place: Callable | None)
             raise ValueError(f"{what}: no named curve or surface has cells; mesh the model, and save it in version 4.1")
         points = {_name(gmsh.model, 0, tag): gmsh.model.mesh.getNodesForPhysicalGroup(0, tag)[0].astype(np.int64) - 1
                   for _, tag in gmsh.model.getPhysicalGroups(0)}
+        if order is None and place is not None and _bends(gmsh.model, curves, surfaces, place):
+            gmsh.model.mesh.setOrder(CURVED)
+            gmsh.model.mesh.renumberNodes()
+            curves, surfaces = (_cells(gmsh.model, dimension, what) for dimension in (1, 2))
+            tables = [nodes.ravel() for cells in (curves, surfaces) for nodes in cells.nodes.values()]
         x = _places(gmsh.model, np.unique(np.concatenate(tables)), what, place)
     finally:
         gmsh.finalize()
@@ -239,6 +246,22 @@ def _cells(model, dimension: int, what: str) -> Cells:
             cells.nodes[entity] = tables[0].reshape(-1, size).astype(np.int64) - 1
             cells.kind = int(kinds[0])
     return cells
+
+
+def _bends(model, curves: Cells, surfaces: Cells, place: Callable) -> bool:
+    """Whether a function bends straight cells: middles of their edges do not come to lie between the ends of these."""
+    used = [cells for cells in (surfaces, curves) if cells.nodes]
+    if any(KINDS[cells.kind][1] != cells.table().shape[1] for cells in used):
+        return False
+    numbers, x, _ = model.mesh.getNodes()
+    table = np.full((int(numbers.max()), 3), np.nan)
+    table[numbers.astype(np.int64) - 1] = x.reshape(-1, 3)
+    corners = [cells.corners() for cells in used]
+    ends = np.concatenate([np.stack([c, np.roll(c, -1, axis=1)], axis=2).reshape(-1, 2) for c in corners])
+    ends = table[np.unique(np.sort(ends, axis=1), axis=0)]
+    placed, middles = [np.asarray(place(ends[:, i]), dtype=float) for i in (0, 1)], place(ends.mean(axis=1))
+    size = np.linalg.norm(np.ptp(placed[0], axis=0))
+    return bool((np.abs(middles - np.mean(placed, axis=0)) > STRAIGHT * size).any())
 
 
 def _places(model, used: np.ndarray, what: str, place: Callable | None) -> np.ndarray:
