@@ -356,3 +356,16 @@ def test_tables_and_files(tmp_path):
     assert len(last) == 2 and sum(last) == pytest.approx(state.load)
     assert len(rows["forces"]) == len(record.states) * record.forces(part)[..., 0].size
     assert float(rows["energies"][-1]["Beam 0"]) == pytest.approx(record.energies()[0])
+
+
+@pytest.mark.parametrize("order", [("pressure", "push"), ("push", "pressure"), ("follower", "pressure", "push")])
+def test_energy_balances_in_stages_of_all_kinds(order):
+    """Of loads that follow the structure, and of dead ones after them."""
+    mesh = straight(4)
+    beam = fx.Beam(mesh, fx.Rectangle(0.1, 0.1), fx.Elastic(1e5, 0.0))
+    known = {"pressure": fx.LinePressure(beam, 2.0), "push": fx.PointForce(mesh, "tip", (-1.0, 0.0)),
+             "follower": fx.FollowerForce(mesh, "tip", (0.4, -0.3))}
+    *first, last = (known[name] for name in order)
+    scene = fx.Scene([beam], [fx.clamp(mesh, "base"), fx.Support(mesh, "tip", "y")], [last],
+                     fx.Monitor(mesh, "tip", "x"), stages=[fx.Stage([load]) for load in first])
+    assert fx.trace(fx.Case(scene, fx.LoadControl(0.25, fixed=True))).balance().off < 1e-8

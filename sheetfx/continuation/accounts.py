@@ -115,9 +115,11 @@ class Accounts:
         done = np.zeros(self._steps[-1][0].state.stage + 1)
         accounts, product = [replace(self._steps[0][0], done=done.tolist(), product=0.0)], 0.0
         for step, (inner, (after, *_)) in enumerate(pairwise(self._steps)):
+            begins = after.state.stage != inner[0].state.stage  # a stage, where q of its loads does, as their W
+            product = 0.0 if begins else product
             for left, right in pairwise([*inner, after]):
                 powers = []
-                if after.state.stage == inner[0].state.stage:
+                if not begins:
                     ends = left.place, right.place or 1.0
                     for place, weight in zip(*GAUSS_ALONG, strict=True):
                         at = ends[0] + place * (ends[1] - ends[0])
