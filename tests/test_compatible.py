@@ -142,3 +142,29 @@ def test_modes_and_shares_of_energy():
     assert record.energy_shares(modes) == pytest.approx([0.5, 0.5], rel=1e-6)
     with pytest.raises(ValueError, match="critical_modes: the states of steps .* are missing"):
         fx.Record(record.case, record.path, record.states[:1]).critical_modes(point)
+
+
+def seam(cells, forms, at=None):
+    """Tip of a plate in two halves whose nodes along the seam are shared."""
+    def half(count, way, form):
+        mesh = fx.read(lambda: fx.meshes.rectangle((2, count), (0.5, 0.4)), 3, 2, lambda x: x + np.array((way, 0, 0)))
+        return fx.Shell(mesh, fx.Plate(0.03), fx.Elastic(2e4, 0.3), form=form)
+
+    parts = [half(*one) for one in zip(cells, (0.0, 0.5), forms, strict=True)]
+    left, right = (part.mesh for part in parts)
+    scene = fx.Scene(parts, [fx.clamp(left, "west")], [fx.EdgeForce(right, "east", (0.0, 0.0, 0.05))],
+                     fx.Monitor(right, "north-east", "z"), joints=[fx.Compatible(left, right, at)])
+    return fx.Path(scene)
+
+
+@pytest.mark.parametrize(("cells", "forms", "alone"), [
+    ((2, 2), ("naghdi-q2", "naghdi-q2"), 0), ((2, 2), ("naghdi-q3", "naghdi-q3"), 0),
+    ((2, 2), ("naghdi-q2", "naghdi-q3"), 2), ((2, 2), ("naghdi-q3", "naghdi-q2"), 4),
+    ((2, 4), ("naghdi-q2", "naghdi-q2"), 4), ((4, 2), ("naghdi-q2", "naghdi-q2"), 4),
+    ((2, 3), ("naghdi-q2", "naghdi-q2"), 2)])
+@pytest.mark.parametrize("at", [None, "east"])
+def test_nodes_without_a_partner_on_a_seam_are_told(cells, forms, alone, at, recwarn):
+    seam(cells, forms, at)
+    said = [str(w.message) for w in recwarn if "gape between common nodes" in str(w.message)]
+    assert len(said) == bool(alone)
+    assert not alone or said[0].startswith(f"Compatible: {alone} nodes of shell stand on shell where it has no node")

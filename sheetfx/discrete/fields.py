@@ -17,6 +17,7 @@ from ..mesh.reader import NamedMesh
 from ..mesh.samples import Samples
 from ..model.scene import Scene
 from .condensed_pairs import CondensedPairs
+from .gaping import tell_gaping
 from .kinematics import Kinematics, kinematics_of
 from .load_factors import LoadFactors
 from .nodal_field import AdditiveField
@@ -224,6 +225,7 @@ class Fields:
         if not mesh.domain.comm.allreduce(sum(len(s.nodes) for s in found)):
             raise ValueError(f"Compatible: no node of {at or ', '.join(mesh.cells)} stands at a node of "
                              f"{', '.join(to.cells)}; mesh them with common nodes, or weld them")
+        tell_gaping((mesh, to), at, found[0], near)
         return found
 
     def _field(self, mesh: NamedMesh, quantity: str) -> AdditiveField:
@@ -289,10 +291,7 @@ class Fields:
     def obstacle_work(self, owner, samples: Samples, how: dict) -> ObstacleWork:
         """Contact of points with a rigid obstacle.
 
-        Parameters
-        ----------
-        owner : ObstacleContact
-        how : attributes of `Pairs` but for the points
+        See `pair_work`; the owner is an ObstacleContact.
         """
         first = self.trace_in(owner.mesh, samples.cells, samples.reference)
         travel = (self.own_trace(owner.obstacle, "travel", np.zeros(len(samples.places), dtype=np.int64))

@@ -125,7 +125,7 @@ def same_places(mesh: NamedMesh, field: AdditiveField, of: AdditiveField, at: st
         If a node stands at one that only another process knows.
     """
     space, other = field.value.function_space, of.value.function_space
-    nodes = _nodes_at(mesh, space, at)
+    nodes = nodes_at(mesh, space, at)
     places = space.tabulate_dof_coordinates()[nodes]
     there = cKDTree(other.tabulate_dof_coordinates())
     distances, nearest = there.query(places)
@@ -139,7 +139,7 @@ def same_places(mesh: NamedMesh, field: AdditiveField, of: AdditiveField, at: st
     return Sharing(field, nodes[found], of, nearest[found])
 
 
-def _nodes_at(mesh: NamedMesh, space, at: str | None) -> np.ndarray:
+def nodes_at(mesh: NamedMesh, space, at: str | None) -> np.ndarray:
     """Local nodes of a space, ghosts included, at a named place, or everywhere."""
     if at is None:
         return np.arange(space.dofmap.index_map.size_local + space.dofmap.index_map.num_ghosts)

@@ -1,0 +1,52 @@
+"""Nodes that stand on another mesh where it has none: between common nodes the parts gape or overlap."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ..mesh.projection import Cells, cells_at
+from ..mesh.reader import NamedMesh
+from ..notices import warn
+from .sharing import Sharing, nodes_at
+
+REACH = 2.0  # sizes of the largest cell from a node of the other mesh, within which cells of it are looked at
+
+
+def tell_gaping(meshes: Sequence[NamedMesh], at: str | None, shared: Sharing, tolerance: float) -> None:
+    """Warn where displacements that share nodes do not share all that stand on the other mesh.
+
+    Parameters
+    ----------
+    meshes : of the field, and that whose unknowns it shares
+    at : where on the first mesh nodes are shared
+    shared : of the displacements
+    tolerance : distance that counts as none
+    """
+    mesh, to = meshes
+    sides = [(shared.field, nodes_at(mesh, shared.field.value.function_space, at), shared.nodes, to, None)]
+    if at not in mesh.points:
+        of = shared.of.value.function_space
+        sides.append((shared.of, nodes_at(to, of, None), shared.of_nodes, mesh, at))
+    found = [_alone(*side, tolerance) for side in sides]
+    places = [np.concatenate(mesh.domain.comm.allgather(one)) for one in found]
+    if any(map(len, places)):
+        own, other = (", ".join(m.cells) for m in (meshes if len(places[0]) else reversed(meshes)))
+        first = next(p for p in places if len(p))
+        where = ", ".join(f"{x:.6g}" for x in first[0])
+        warn(f"Compatible: {len(first)} nodes of {own} stand on {other} where it has no node, the first at ({where}), "
+             "so that the parts gape between common nodes; give both cells of one degree and division there, or weld them")
+
+
+def _alone(field, nodes: np.ndarray, shared: np.ndarray, other: NamedMesh, at: str | None,
+           tolerance: float) -> np.ndarray:
+    """Places of this process's nodes that are not shared and stand on cells of the other mesh."""
+    space, cells = field.value.function_space, Cells(other, cells_at(other, at))
+    places = space.tabulate_dof_coordinates()[np.setdiff1d(nodes, shared)][:, :other.dimension]
+    if not len(places) or not len(cells.cells):
+        return places[:0]
+    corners = np.unique(cells.nodes.reshape(-1, other.dimension), axis=0)
+    near = places[cKDTree(corners).query(places)[0] <= REACH * cells.sizes.max()]
+    return near[cells.closest(near)[2] <= tolerance]
