@@ -37,7 +37,7 @@ def tell_gaping(meshes: Sequence[NamedMesh], at: str | None, shared: Sharing, to
         first = next(p for p in places if len(p))
         where = ", ".join(f"{x:.6g}" for x in first[0])
         warn(f"Compatible: {len(first)} nodes of {own} stand on {other} where it has no node, the first at ({where}), "
-             "so that the parts gape between common nodes; give both cells of one degree and division there, or weld them")
+             "so that the parts gape between common nodes; give both cells of one degree and size there, or weld them")
 
 
 def _alone(field, nodes: np.ndarray, shared: np.ndarray, other: NamedMesh, at: str | None,
