@@ -1,13 +1,18 @@
 """Imperfect shapes: modes, measured deviations and random fields."""
 
+import gmsh
 import numpy as np
 import pytest
 from dolfinx import fem
 from helpers import on_two_processes
 from scipy.spatial import cKDTree
 
+import sheetfx as fx
 from sheetfx import meshes
+from sheetfx.discrete.fields import Fields
+from sheetfx.discrete.sharing import sharings_of
 from sheetfx.mesh.imperfection import imperfect, measured, random_field
+from sheetfx.mesh.mixed import read_mixed
 from sheetfx.mesh.reader import read
 
 LENGTH, DEVIATION, SAMPLES = 0.3, 2.0, 4000
@@ -120,3 +125,67 @@ def test_the_same_shape_on_two_processes():
 def test_bad_input(build, message):
     with pytest.raises(ValueError, match=message):
         build()
+
+
+def stiffened(free=False):
+    """Two panels with a rib between them, and where asked a bar that goes on beyond the panels."""
+
+    def source():
+        geo = gmsh.model.geo
+        points = [geo.addPoint(x, y, 0) for y in (0, 0.5, 1.0) for x in (0, 2.0)]
+        rows = [geo.addLine(points[2 * i], points[2 * i + 1]) for i in range(3)]
+        sides = [[geo.addLine(points[2 * i + j], points[2 * i + 2 + j]) for j in (0, 1)] for i in range(2)]
+        panels = [geo.addPlaneSurface([geo.addCurveLoop([rows[i], sides[i][1], -rows[i + 1], -sides[i][0]])])
+                  for i in range(2)]
+        arm = [geo.addLine(points[3], geo.addPoint(2.5, 0.5, 0))] if free else []
+        geo.synchronize()
+        for curve in (*rows, *sides[0], *sides[1], *arm):
+            gmsh.model.mesh.setTransfiniteCurve(curve, 3)
+        for panel in panels:
+            gmsh.model.mesh.setTransfiniteSurface(panel)
+            gmsh.model.mesh.setRecombine(2, panel)
+        gmsh.model.addPhysicalGroup(2, panels, name="skin")
+        gmsh.model.addPhysicalGroup(1, [rows[1], *arm], name="rib")
+        gmsh.model.addPhysicalGroup(1, [sides[0][0], sides[1][0]], name="west")
+        gmsh.model.addPhysicalGroup(0, [points[1]], name="tip")
+
+    return source
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("shape", ["place", "normal", "random"])
+def test_nodes_of_a_mixed_mesh_that_were_one_stay_one(order, shape):
+    mesh = read_mixed(stiffened(), ["rib"], order)
+    bow = {"place": lambda x: np.outer(np.sin(x[:, 0]) * x[:, 1], (0.1, 0.2, 0.3)), "normal": lambda x: np.sin(x[:, 0]),
+           "random": random_field(0.5, seed=3)}[shape]
+    moved = imperfect(mesh, [bow, lambda x: 0.1 * x], [0.1, 1.0])
+    bars, panels = moved.shared_nodes().T
+    assert len(bars) == 2 * order + 1
+    x, y = moved.curves.domain.geometry.x[bars], moved.surfaces.domain.geometry.x[panels]
+    assert np.array_equal(x, y)
+    assert y == pytest.approx(imperfect(mesh.surfaces, [bow, lambda x: 0.1 * x], [0.1, 1.0]).domain.geometry.x[panels])
+
+
+def test_bars_on_no_surface_need_a_displacement_of_their_own():
+    mesh = read_mixed(stiffened(free=True), ["rib"])
+    with pytest.raises(ValueError, match="imperfect: 2 nodes of the bars rib are on no surface and have no displ"):
+        imperfect(mesh, lambda x: x[:, 0])
+    moved = imperfect(mesh, lambda x: np.outer(x[:, 0], (0.0, 0.0, 1.0))).curves.domain.geometry.x
+    assert moved[:, 2] == pytest.approx(moved[:, 0])
+
+
+def test_skin_alone_is_not_moved_off_its_rib():
+    mesh = read_mixed(stiffened(), ["rib"])
+    shape = lambda x: np.outer(np.sin(np.pi * x[:, 0] / 2), (0.0, 0.0, 1e-3))  # noqa: E731
+    for surfaces, curves in ((imperfect(mesh.surfaces, shape), mesh.curves), (mesh.surfaces, mesh.curves),
+                             (imperfect(mesh, shape).surfaces, imperfect(mesh, shape).curves)):
+        skin = fx.Shell(surfaces, fx.Plate(0.01), fx.Elastic(7e10, 0.3))
+        rib = fx.Beam(curves, fx.Rectangle(0.01, 0.03), fx.Elastic(7e10, 0.3))
+        scene = fx.Scene([skin, rib], [fx.clamp(surfaces, "west")], [fx.SurfaceForce(skin, (0.0, 0.0, 1.0))],
+                         fx.Monitor(surfaces, "tip", "z"), joints=[fx.Compatible(curves, surfaces)])
+        fields = Fields(scene)
+        if curves is mesh.curves and surfaces is not mesh.surfaces:
+            with pytest.raises(ValueError, match="Compatible: 1 common nodes of rib and skin in their gmsh model stand"):
+                sharings_of(scene.joints, fields)
+        else:
+            assert sharings_of(scene.joints, fields)

@@ -17,7 +17,7 @@ from ..mesh.reader import NamedMesh
 from ..mesh.samples import Samples
 from ..model.scene import Scene
 from .condensed_pairs import CondensedPairs
-from .gaping import tell_gaping
+from .gaping import refuse_apart, tell_gaping
 from .kinematics import Kinematics, kinematics_of
 from .load_factors import LoadFactors
 from .nodal_field import AdditiveField
@@ -220,6 +220,7 @@ class Fields:
         """
         turning = self.spin(mesh) is not None and self.spin(to) is not None
         near = SAME_PLACE * max(mesh.size, to.size)
+        refuse_apart(mesh, to, at, near)
         found = [same_places(mesh, self._field(mesh, q), self._field(to, q), at, near)
                  for q in quantities if turning or q == "displacement"]
         if not mesh.domain.comm.allreduce(sum(len(s.nodes) for s in found)):

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ..compat import geometry_nodes
 from ..mesh.projection import Cells, cells_at
 from ..mesh.reader import NamedMesh
 from ..notices import warn
@@ -38,6 +39,26 @@ def tell_gaping(meshes: Sequence[NamedMesh], at: str | None, shared: Sharing, to
         where = ", ".join(f"{x:.6g}" for x in first[0])
         warn(f"Compatible: {len(first)} nodes of {own} stand on {other} where it has no node, the first at ({where}), "
              "so that the parts gape between common nodes; give both cells of one degree and size there, or weld them")
+
+
+def refuse_apart(mesh: NamedMesh, to: NamedMesh, at: str | None, tolerance: float) -> None:
+    """Refuse nodes of two meshes that are one in their gmsh model and stand apart.
+
+    Raises
+    ------
+    ValueError
+    """
+    if mesh.model is None or mesh.model is not to.model or not (at is None or at in mesh.cells):
+        return
+    nodes = np.unique(geometry_nodes(mesh.domain)[cells_at(mesh, at)])
+    one, other = (m.domain.geometry for m in (mesh, to))
+    _, own, others = np.intersect1d(one.input_global_indices[nodes], other.input_global_indices, return_indices=True)
+    distances = np.linalg.norm(one.x[nodes[own]] - other.x[others], axis=1)
+    found = mesh.domain.comm.allgather((int((distances > tolerance).sum()), distances.max(initial=0.0)))
+    if count := sum(n for n, _ in found):
+        names = " and ".join(", ".join(m.cells) for m in (mesh, to))
+        raise ValueError(f"Compatible: {count} common nodes of {names} in their gmsh model stand apart, by up to "
+                         f"{max(d for _, d in found):.3g}; give fx.imperfect the mixed mesh whole")
 
 
 def _alone(field, nodes: np.ndarray, shared: np.ndarray, other: NamedMesh, at: str | None,

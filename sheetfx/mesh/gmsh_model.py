@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -71,6 +71,7 @@ class Model:
     x : places of its nodes in space; those without cells are not numbers
     curves, surfaces : Cells
     points : name -> nodes
+    identity : what tells meshes of this model from those of others, on one process
     """
 
     what: str
@@ -78,6 +79,7 @@ class Model:
     curves: Cells
     surfaces: Cells
     points: dict[str, np.ndarray]
+    identity: object = field(default_factory=object)
 
     def points_on(self, cells: Cells) -> dict[str, np.ndarray]:
         """Named points that are corners of cells."""

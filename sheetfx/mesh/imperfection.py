@@ -17,6 +17,7 @@ from .. import forms
 from ..checks import NOT_NEGATIVE, Count, Positive, checked
 from ..compat import geometry_nodes, moved_mesh
 from ..jit import compiled_expression
+from .mixed import MixedMesh
 from .quality import bad_cells, refuse
 from .reader import NamedMesh
 
@@ -26,14 +27,16 @@ FLAT = 1e-8
 
 
 @checked
-def imperfect(mesh: NamedMesh, displacement: Shape | Sequence[Shape],
-              amplitude: float | Sequence[float] = 1.0) -> NamedMesh:
+def imperfect(mesh: NamedMesh | MixedMesh, displacement: Shape | Sequence[Shape],
+              amplitude: float | Sequence[float] = 1.0) -> NamedMesh | MixedMesh:
     """A mesh like another with all nodes moved by `amplitude` times a displacement.
 
     The given mesh keeps its shape; edges, points and groups have the same names.
 
     Parameters
     ----------
+    mesh : a MixedMesh is moved whole: nodes of bars on surfaces move with these, others by what is given for them, a
+        function of place or a Function on the curves
     displacement : Function on the mesh (such as `mode_displacement` gives), or a function from
         coordinates, shape (n, 3), to displacements, shape (n, 3) or (n, 2) in the plane, or to deviations along the
         unit normal of a surface or plane curve, shape (n,); or a sequence of these
@@ -45,19 +48,48 @@ def imperfect(mesh: NamedMesh, displacement: Shape | Sequence[Shape],
         If there is not one amplitude for each displacement, a displacement has another shape or is on another mesh,
         there is no normal for deviations along it, or a cell is folded over or has no extent.
     """
-    old = mesh.domain.geometry
     shapes = displacement if isinstance(displacement, Sequence) else [displacement]
     if not len(shapes):
         raise ValueError("imperfect: displacement is empty; give at least one")
     amplitudes = np.atleast_1d(amplitude)
     if len(amplitudes) not in (1, len(shapes)):
         raise ValueError(f"imperfect: {len(amplitudes)} amplitudes for {len(shapes)} displacements; give one for each")
-    x = old.x[:, :old.dim].copy()
-    for shape, factor in zip(shapes, np.broadcast_to(amplitudes, len(shapes)), strict=True):
+    given = list(zip(shapes, np.broadcast_to(amplitudes, len(shapes)), strict=True))
+    if isinstance(mesh, NamedMesh):
+        return _at_places(mesh, _places(mesh, given))
+    return _mixed(mesh, given)
+
+
+def _places(mesh: NamedMesh, given: Sequence[tuple[Shape, float]]) -> np.ndarray:
+    """Places of the moved nodes of the geometry of this process, shape (n, dimension)."""
+    x = mesh.domain.geometry.x[:, :mesh.dimension].copy()
+    for shape, factor in given:
         x += factor * _moved(mesh, shape)
-    moved = NamedMesh(moved_mesh(mesh.domain, x), mesh.cells, mesh.edges, mesh.points, mesh.opposed)
+    return x
+
+
+def _at_places(mesh: NamedMesh, x: np.ndarray) -> NamedMesh:
+    """A mesh like another with its nodes at other places."""
+    moved = NamedMesh(moved_mesh(mesh.domain, x), mesh.cells, mesh.edges, mesh.points, mesh.opposed, mesh.model)
     _refuse_bad_cells(moved)
     return moved
+
+
+def _mixed(mesh: MixedMesh, given: Sequence[tuple[Shape, float]]) -> MixedMesh:
+    """A mixed mesh with all its nodes moved; those that are one in gmsh stay one."""
+    curves, surfaces = mesh.curves, mesh.surfaces
+    fields = [one for one in given if isinstance(one[0], fem.Function)]
+    on_curves = [one for one in fields if one[0].function_space.mesh is curves.domain]
+    others = [one for one in given if one not in on_curves]
+    along = [one for one in others if one not in fields and np.ndim(one[0](curves.domain.geometry.x)) == 2]
+    x, y = _places(curves, [*on_curves, *along]), _places(surfaces, others)
+    bars, panels = mesh.shared_nodes().T
+    alone = curves.domain.comm.allreduce(len(x) - len(bars))
+    if alone and not on_curves and len(along) < len(others):
+        raise ValueError(f"imperfect: {alone} nodes of the bars {', '.join(curves.cells)} are on no surface and have "
+                         "no displacement; give one on the curves too, or a function of place of shape (n, 3)")
+    x[bars] = y[panels]
+    return MixedMesh(_at_places(surfaces, y), _at_places(curves, x))
 
 
 @checked

@@ -35,6 +35,7 @@ class NamedMesh:
     edges : name -> facets of this process, for surfaces
     points : name -> vertices of this process (may be empty on some)
     opposed : group (None: all cells) -> a place where two of its cells run against each other; empty: nowhere
+    model : the same object in meshes that are made of one gmsh model, and in imperfect ones of these
     size : diagonal of the box around the structure; known to each process, so that any may ask alone
     """
 
@@ -43,6 +44,7 @@ class NamedMesh:
     edges: dict[str, np.ndarray]
     points: dict[str, np.ndarray]
     opposed: dict[str | None, np.ndarray] = field(default_factory=dict)
+    model: object = None
     _rules: list = field(default_factory=list)
     _measures: dict = field(default_factory=dict)
     size: float = field(init=False)
@@ -249,7 +251,7 @@ def named_mesh(model: Model, cells: Cells, edges: Cells, dimension: int, comm: M
     if edges.groups:
         sides = model.pairs(numbers[topology.connectivity(1, 0).array.reshape(-1, 2)])
         along = {name: _where(np.isin(sides, model.pairs(edges.corners(on)))) for name, on in edges.groups.items()}
-    return NamedMesh(domain, inside, along, points, alike.opposed)
+    return NamedMesh(domain, inside, along, points, alike.opposed, model.identity)
 
 
 def _nodes_of_vertices(domain: Mesh) -> np.ndarray:
