@@ -185,7 +185,7 @@ def test_skin_alone_is_not_moved_off_its_rib():
                          fx.Monitor(surfaces, "tip", "z"), joints=[fx.Compatible(curves, surfaces)])
         fields = Fields(scene)
         if curves is mesh.curves and surfaces is not mesh.surfaces:
-            with pytest.raises(ValueError, match="Compatible: 1 common nodes of rib and skin in their gmsh model stand"):
+            with pytest.raises(ValueError, match="Compatible: 1 common nodes of rib and skin in their gmsh model "):
                 sharings_of(scene.joints, fields)
         else:
             assert sharings_of(scene.joints, fields)

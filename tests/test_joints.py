@@ -370,3 +370,18 @@ def test_rigid_end_in_linear_buckling():
     record = fx.trace(fx.Case(scene, until=fx.Until(steps=0)))
     exact = [brentq(lambda x: 0.5 * x * np.tan(x) - 1, low, high) ** 2 for low, high in ((0.1, 1.5), (3.2, 4.7))]
     assert [b.factor for b in record.buckling(record.states[0], count=2)] == pytest.approx(exact, rel=3e-4)
+
+
+def edge_on_springs(axis: str) -> float:
+    """A plate whose loaded edge, nodes of which one process has alone, rests on springs."""
+    mesh = fx.read(lambda: fx.meshes.rectangle((4, 3), (1.0, 0.6)), 3, 2)
+    shell = fx.Shell(mesh, fx.Plate(0.03), fx.Elastic(2e3, 0.3))
+    scene = fx.Scene([shell], [fx.clamp(mesh, "west")], [fx.EdgeForce(mesh, "east", (0.0, 0.0, 0.02))],
+                     fx.Monitor(mesh, "north-east", "z"), joints=[fx.Spring(mesh, "east", axis, 0.1)])
+    return fx.trace(fx.Case(scene, fx.LoadControl(0.05, target=0.05))).states[-1].deflection
+
+
+def test_springs_on_an_edge_on_two_processes():
+    """The size of the mesh, which places are compared by, is no longer asked of all by some."""
+    lines = on_two_processes("from test_joints import edge_on_springs\nfor a in ('z', 'ry'): print(edge_on_springs(a))")
+    assert list(map(float, lines)) == pytest.approx([edge_on_springs("z"), edge_on_springs("ry")], rel=1e-6)
