@@ -139,6 +139,19 @@ def test_bars_of_groups_of_their_own_keep_their_direction():
         fx.LinePressure(frame, 1.0)
     with pytest.raises(ValueError, match="Beam: offset: cells of group 'all' run against"):
         fx.Beam(mesh, fx.Rectangle(0.1, 0.1), fx.Elastic(1e5), offset=0.1)
+    space = fx.read(lambda: fx.meshes.frame({n: (*x, 0.0) for n, x in nodes.items()}, members), 3)
+    fx.Beam(space, fx.Rectangle(0.1, 0.1), fx.Elastic(1e5), offset=(0.1, 0.0))
+    with pytest.raises(ValueError, match="Beam: offset: cells of group 'all' run against"):
+        fx.Beam(space, fx.Rectangle(0.1, 0.1), fx.Elastic(1e5), offset=(0.1, 0.1))
+
+
+def test_bars_of_a_structure_keep_their_direction(recwarn):
+    """In spite of a group of all of them."""
+    table = fx.meshes.Table(nodes={"a": (0, 0, 0), "b": (1, 0, 0), "c": (1, 1, 0)}, bars=[("a", "b"), ("c", "b")])
+    mesh = fx.read(lambda: fx.meshes.structure(table, 2), 3)
+    assert mesh.chords("bar c-b")[:, 1].max() == -1.0
+    assert set(mesh.opposed) == {"bars", None}
+    assert not [w for w in recwarn if "ran against" in str(w.message)]
 
 
 def test_turned_cells_are_said_once(recwarn):

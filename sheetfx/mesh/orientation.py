@@ -6,7 +6,8 @@ which follows from how it was drawn.
 Two cells that meet at an edge run alike where they pass it in opposite directions, two cells of curves at a node where
 one ends and the other begins. Which pairs are compared:
 
-- those of one group where it has no third cell there, as at the flanges of an I-section;
+- those of one group where it has no third cell there, as at the flanges of an I-section; of curves those that have the
+  same smallest group, so that bars with names of their own keep their direction;
 - of surfaces also those of two groups where no third cell is;
 - of three and more surfaces that meet at an edge those two that go on straightest.
 
@@ -25,6 +26,7 @@ from scipy.sparse.csgraph import connected_components
 from ..compat import gmsh_cells
 from .gmsh_model import DIMENSIONS, KINDS, Cells, Model
 
+SHOWN = 5  # names in a message
 ROUNDING = 1e-6  # difference of cosines that is rounding of the coordinates
 GOES_BY_IT = {1: "LinePressure, offsets and the axes of sections", 2: "pressure, offsets, layers and faces of contact"}
 
@@ -52,9 +54,11 @@ def run_alike(model: Model, cells: Cells) -> Alike:
     meets = _Meetings(model, cells)
     pairs = {name: meets.pairs(inside) for name, inside in sorted(groups.items(), key=lambda item: item[1].sum())}
     pairs[None] = meets.pairs(np.ones(len(nodes), dtype=bool))
-    compared = list(pairs.values()) if meets.surfaces else list(pairs.values())[:-1]
     if meets.surfaces:
-        compared.append(meets.straightest())
+        compared = [*pairs.values(), meets.straightest()]
+    else:
+        own = _smallest(groups)
+        compared = [found[own[found[:, 0]] == own[found[:, 1]]] for found in pairs.values()]
     first, turned = _turned(len(nodes), compared)
     opposed = {name: model.x[nodes[wrong[0, 0]]].mean(axis=0) for name, found in pairs.items()
                if len(wrong := found[_against(found, turned)])}
@@ -116,6 +120,12 @@ class _Meetings:
         return ways / np.linalg.norm(ways, axis=1, keepdims=True)
 
 
+def _smallest(groups: dict[str | None, np.ndarray]) -> np.ndarray:
+    """Number of the smallest group that each cell is in."""
+    inside = np.array(list(groups.values()))
+    return np.where(inside, inside.sum(axis=1, keepdims=True), inside.shape[1] + 1).argmin(axis=0)
+
+
 def _against(pairs: np.ndarray, turned: np.ndarray) -> np.ndarray:
     """Whether the two of each pair run against each other once some cells are turned."""
     return (pairs[:, 2] != 0) ^ turned[pairs[:, 0]] ^ turned[pairs[:, 1]]
@@ -167,7 +177,12 @@ def _said(model: Model, cells: Cells, turned: np.ndarray, like: np.ndarray) -> s
     if not len(turned):
         return ""
     dimension = 1 if KINDS[cells.kind][1] == 2 else 2
-    names = [repr(name) for name, on in cells.groups.items() if np.isin(turned, on).any()]
-    return (f"{model.what}: {len(turned)} cells of {', '.join(names)} ran against their neighbours and are turned, to "
-            f"run like those of {DIMENSIONS[dimension][:-1]} {', '.join(map(str, np.unique(like)))}; "
+    names = _listed([repr(name) for name, on in cells.groups.items() if np.isin(turned, on).any()])
+    return (f"{model.what}: {len(turned)} cells of {names} ran against their neighbours and are turned, to run like "
+            f"those of {DIMENSIONS[dimension][:-1]} {_listed(list(map(str, np.unique(like))))}; "
             f"{GOES_BY_IT[dimension]} go by it")
+
+
+def _listed(names: list[str]) -> str:
+    more = len(names) - SHOWN
+    return ", ".join(names[:SHOWN]) + (f" and {more} more" if more > 0 else "")

@@ -90,7 +90,8 @@ class Beam:
         """Refuse an offset of the wrong space, or beyond the centre of a curve."""
         if np.ravel(self.offset).tolist() != [0.0]:
             require_components("Beam: offset", np.ravel(self.offset), self.mesh.dimension - 1)
-            self.mesh.require_alike("Beam: offset", self.group)
+            if np.ravel(self.offset)[-1]:  # the depth is along `up` in space, whatever the direction
+                self.mesh.require_alike("Beam: offset", self.group)
         domain, (_, length) = self.mesh.domain, self.eccentricity()
         if not isinstance(length, float):
             at_points = compiled_expression(length, _rule(self).points)

@@ -130,7 +130,7 @@ class LineForce(Load):
             require_components("LineForce: force", self.force, self.beam.mesh.dimension)
         if self.follower and isinstance(self.beam, Bar):
             raise ValueError("LineForce: follower is True, but bars have no cross-section that turns; make it False")
-        if self.follower:
+        if self.follower and (callable(self.force) or np.any(self.force[::2]) or self.beam.mesh.dimension == 2):
             self.beam.mesh.require_alike("LineForce: follower is True", self.beam.group)
 
     @property
