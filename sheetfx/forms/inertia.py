@@ -29,15 +29,19 @@ def section(inertia, spin_rate, spin_variation, rotation, frame):
     Parameters
     ----------
     inertia : sequence of floats or UFL constants
-        In the plane one, about the binormal; in space those about all axes of the frame (mass length).
+        In the plane one, about the binormal; in space those about all axes of the frame, and the off-diagonal one
+        of normal and binormal (mass length).
     spin_rate, spin_variation : UFL scalars in the plane, vectors of shape (3,) in space
     rotation : rotation of the section
     frame : CurveFrame
     """
     if spin_rate.ufl_shape == ():
         return inertia[0] * spin_rate * spin_variation
-    turned = [rotation.rotate(axis) for axis in frame.axes]
-    return sum(i * ufl.dot(spin_rate, a) * ufl.dot(spin_variation, a) for i, a in zip(inertia, turned, strict=True))
+    *about, product = inertia
+    rate, variation = ([ufl.dot(spin, rotation.rotate(axis)) for axis in frame.axes]
+                       for spin in (spin_rate, spin_variation))
+    return (sum(i * r * v for i, r, v in zip(about, rate, variation, strict=True))
+            + product * (rate[1] * variation[2] + rate[2] * variation[1]))
 
 
 def director(inertia, spin_rate, spin_variation, normal):

@@ -17,6 +17,7 @@ from ..mesh.cellwise import cellwise
 from ..mesh.numbers import as_constants
 from ..mesh.quadrature import Rule, gauss
 from ..mesh.reader import NamedMesh
+from ..notices import warn
 from .gradient import require_law
 from .history import LAW, LawWithHistory, has_history
 from .own_forms import require_strains
@@ -37,7 +38,8 @@ class Beam:
     mesh : NamedMesh
     section, material : constants of the section law; a Plastic one is integrated over the section's fibres
     strains : function (u, rotation, frame) -> generalised strains
-    law : function (strains, stiffness) -> stress resultants, or a LawWithHistory
+    law : function (strains, stiffness) -> stress resultants, or a LawWithHistory; stiffness as by
+        `Section.stiffness`
     group : physical group of the curves; None: all
     degree : of displacement and rotation, 1, 2 or 3; integrated with `degree` Gauss points, which
         keeps all free of shear and membrane locking
@@ -65,11 +67,15 @@ class Beam:
         require_group(self)
         if self.mesh.dimension == 3:
             self._check_up()
+            if self.section.shear_centre is None:
+                warn(f"Beam on group {self.group or 'all'!r}: the shear centre of its {type(self.section).__name__} is "
+                     "taken as the centroid, which it is not; forces across then twist the beam too little or too "
+                     "much: give it, FibreList(shear_centre=...)")
         _look_at_functions(self, forms.beam.simo_reissner)
         self._check_offset()
 
     @property
-    def _stiffness(self) -> list[float]:
+    def _stiffness(self) -> list:
         return self.section.stiffness(self.material, self.mesh.dimension, self.shear_rigidity)
 
     @cached_property
@@ -203,11 +209,12 @@ class Bar:
 
 def _look_at_functions(part: Beam | Bar, usual: Callable) -> None:
     """Refuse strains or a law that no structure can have; a law of one's own may take any number of own strains."""
-    stiffness = sizes = part._stiffness
+    stiffness = part._stiffness
+    sizes = np.diag(stiffness) if np.ndim(stiffness) == 2 else stiffness
     linear = part.law is forms.section.linear_elastic
     if part.strains is not usual:
         count = require_strains(part, part.strains, len(stiffness) if linear else None)
-        sizes = stiffness if count == len(stiffness) else count * [1.0]
+        sizes = sizes if count == len(stiffness) else count * [1.0]
     if part.section_law is not forms.section.linear_elastic:
         require_law(type(part).__name__, part.section_law, stiffness, sizes, part.mesh.domain)
 

@@ -27,6 +27,7 @@ BEAM = {2: ["axial", "shear", "bending"], 3: ["axial", "shear 1", "shear 2", "tw
 REMEDIES = {"ufunc": "use functions of UFL, such as ufl.sin, not those of numpy",
             "real number": "use functions of UFL, such as ufl.exp, not those of math",
             "float": "use functions of UFL, such as ufl.exp, not those of math",
+            "multiply sequence": "the stiffness of a section whose strains are coupled is rows of a matrix",
             "bool": "use ufl.conditional, not if", "positional argument": "look at its arguments"}
 
 

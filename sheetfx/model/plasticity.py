@@ -131,10 +131,11 @@ class Fibres(PlasticLaw):
     places : shape (fibres, 2), of the fibres from the centroid along normal and binormal (length)
     areas : of the fibres; those whose strains are the same, side by side in the plane, are taken together
     material : Plastic
-    stiffness : of the elastic section, in the order of the strains; one of a bar, three in the plane, six in space
+    stiffness : of the elastic section, in the order of the strains; one of a bar, three in the plane, six in space;
+        or rows of a matrix, of which the fibres replace what they carry
     """
 
-    def __init__(self, places: np.ndarray, areas: np.ndarray, material: Plastic, stiffness: Sequence[float]):
+    def __init__(self, places: np.ndarray, areas: np.ndarray, material: Plastic, stiffness: Sequence):
         places = np.asarray(places, float).reshape(-1, 2)
         arms = np.zeros((len(places), len(stiffness)))
         arms[:, 0] = 1.0
@@ -146,8 +147,8 @@ class Fibres(PlasticLaw):
         _, first, same = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
         kept = np.argsort(first)
         self._arms, self.areas = arms[first[kept]], np.bincount(same.ravel(), np.asarray(areas, float))[kept]
-        carried = self._arms.any(axis=0)
-        self._elastic = np.diag(np.where(carried, 0.0, np.asarray(stiffness, float)))
+        rest, given = ~self._arms.any(axis=0), np.asarray(stiffness, float)
+        self._elastic = np.where(np.outer(rest, rest), np.diag(given) if given.ndim == 1 else given, 0.0)
         self._sheared, self._told = np.full(len(stiffness), self.areas.sum()), False
         if len(stiffness) == 6:
             self._sheared[3] = np.asarray(areas, float) @ np.linalg.norm(places, axis=1)

@@ -1,82 +1,20 @@
-"""Material, and section data of beams (any consistent units; the scenes use N and mm)."""
+"""Sections of beams (any consistent units; the scenes use N and mm)."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from math import pi, tanh
-from typing import Annotated
 
 import numpy as np
 
-from ..checks import NotNegative, Positive, Range, check, checked
+from ..checks import NotNegative, Positive, check, checked
 from . import layers
+from .cross_section import Elastic, Section
 
+__all__ = ["Elastic", "FibreList", "Flanged", "Rectangle", "Section", "Tube", "effective_width", "round_bar"]
 
-@dataclass(frozen=True)
-class Elastic:
-    """Linear elastic material.
-
-    Attributes
-    ----------
-    modulus : Young's modulus (force / length^2)
-    poisson : Poisson's ratio; the thesis gives none for the arch, 0.3 is taken (it enters through
-        the shear stiffness only: 0.02 % of the arch's limit load between 0 and 0.5)
-    density : mass per volume, for vibrations; None: not given
-    """
-
-    modulus: Positive
-    poisson: Annotated[float, Range(above=-1, most=0.5)] = 0.3
-    density: Positive | None = None
-
-    def __post_init__(self):
-        check(self)
-
-    @property
-    def shear_modulus(self) -> float:
-        return self.modulus / 2 / (1 + self.poisson)
-
-
-class Section:
-    """Section constants; the normal of the frame is the direction of the depth."""
-
-    depth: float
-    area: float
-    second_moments: tuple[float, float]
-    torsion: float
-    shear_factor: float
-
-    def stiffness(self, material: Elastic, dimension: int, shear_rigidity: float = 1.0) -> list[float]:
-        """Stiffnesses in the order of the strains of `forms.beam.simo_reissner`.
-
-        Parameters
-        ----------
-        dimension : 2: EA, k GA, EI; 3: EA, k GA, k GA, GJ, EI about the normal, EI about the binormal
-        shear_rigidity : factor on the shear stiffness; with 1e3 a slender beam is shear-rigid
-        """
-        axial = material.modulus * self.area
-        shear = self.shear_factor * material.shear_modulus * self.area * shear_rigidity
-        about_normal, about_binormal = (material.modulus * i for i in self.second_moments)
-        if dimension == 2:
-            return [axial, shear, about_binormal]
-        return [axial, shear, shear, material.shear_modulus * self.torsion, about_normal, about_binormal]
-
-    def fibres(self) -> tuple[np.ndarray, np.ndarray]:
-        """Places of fibres from the centroid, along normal and binormal, shape (n, 2), and their areas.
-
-        Raises
-        ------
-        ValueError
-            For a section that has none.
-        """
-        raise ValueError(f"{type(self).__name__}: has no fibres, which a plastic material needs; give a Rectangle, a "
-                         "Tube or FibreList")
-
-    def inertia(self, material: Elastic, dimension: int) -> list[float]:
-        """Mass per length, and rotary inertia per length about the binormal (2) or all axes of the section (3)."""
-        density = material.density or 0.0
-        about_normal, about_binormal = (density * i for i in self.second_moments)
-        rotary = [about_binormal] if dimension == 2 else [about_normal + about_binormal, about_normal, about_binormal]
-        return [density * self.area, *rotary]
+ROUNDING = 1e-14  # product of inertia beside the polar second moment that is none
+ALIKE = 1e-9  # third moments of fibres within a circle of radius 1, per area, that are none
 
 
 @dataclass(frozen=True)
@@ -177,12 +115,15 @@ class FibreList(Section):
     areas : of the fibres
     torsion : Saint-Venant's torsion constant
     shear_factor : on the shear stiffness of the area
+    shear_centre : its distances from the centroid along the direction of the depth and across it; None: the centroid,
+        which it is where fibres lie alike on both sides of that; else a beam in space warns
     """
 
     places: tuple[tuple[float, float], ...]
     areas: tuple[Positive, ...]
     torsion: Positive
     shear_factor: Positive = 5 / 6
+    shear_centre: tuple[float, float] | None = None
 
     def __post_init__(self):
         check(self)
@@ -193,13 +134,20 @@ class FibreList(Section):
         off = areas @ places / areas.sum()
         if np.abs(off).max() > 1e-9 * np.ptp(places):
             raise ValueError(f"FibreList: the centroid of its fibres is {off.tolist()}; measure places from there")
+        if self.shear_centre is None and _alike_on_both_sides(places, areas):
+            object.__setattr__(self, "shear_centre", (0.0, 0.0))
 
     def fibres(self):
         return np.asarray(self.places, float), np.asarray(self.areas, float)
 
     @property
     def depth(self):
-        return float(np.ptp(np.asarray(self.places)[:, 0]))
+        return self.faces[1] - self.faces[0]
+
+    @property
+    def faces(self):
+        along = np.asarray(self.places, float)[:, 0]
+        return float(along.min()), float(along.max())
 
     @property
     def area(self):
@@ -211,10 +159,24 @@ class FibreList(Section):
         y, z = places.T
         return float(areas @ z**2), float(areas @ y**2)
 
+    @property
+    def product(self):
+        places, areas = self.fibres()
+        found = float(areas @ places.prod(axis=1))
+        return found if abs(found) > ROUNDING * sum(self.second_moments) else 0.0
+
+
+def _alike_on_both_sides(places: np.ndarray, areas: np.ndarray) -> bool:
+    """Whether fibres are the same turned by 180 degrees about the centroid, by their third moments."""
+    y, z = (places / np.abs(places).max()).T
+    return all(abs(areas @ (y**n * z ** (3 - n))) <= ALIKE * areas.sum() for n in range(4))
+
 
 @dataclass(frozen=True)
 class Flanged(Section):
     """A bar and a flat flange that act as one section, such as the part of a panel that works with its bar.
+
+    The bar may be a Flanged again, as for an I section. Its axis is that of its centroid.
 
     Attributes
     ----------
@@ -234,8 +196,13 @@ class Flanged(Section):
 
     @property
     def depth(self):
-        low = min(-self.bar.depth / 2, self.offset - self.thickness / 2)
-        return max(self.bar.depth / 2, self.offset + self.thickness / 2) - low
+        return self.faces[1] - self.faces[0]
+
+    @property
+    def faces(self):
+        low, high = self.bar.faces
+        return (min(low, self.offset - self.thickness / 2) - self.centroid,
+                max(high, self.offset + self.thickness / 2) - self.centroid)
 
     def fibres(self):
         (bar, areas), flange = self.bar.fibres(), layers.rectangle(self.width, self.thickness, self._points)
@@ -265,6 +232,21 @@ class Flanged(Section):
         apart = self.offset**2 * self.bar.area * self._flange / self.area
         return (about_normal + self._flange * self.width**2 / 12,
                 about_binormal + self._flange * self.thickness**2 / 12 + apart)
+
+    @property
+    def product(self):
+        return self.bar.product
+
+    @property
+    def shear_centre(self):
+        """Mean of both parts' own by their second moments about the depth, which is their share of a force across it
+        (Timoshenko and Gere 1961, section 5.1); not known where that of the bar is beside the depth.
+        """
+        own = self.bar.shear_centre
+        if own is None or own[1] or self.bar.product:
+            return None
+        bar, flange = self.bar.second_moments[0], self._flange * self.width**2 / 12
+        return (bar * own[0] + flange * self.offset) / (bar + flange) - self.centroid, 0.0
 
     @property
     def torsion(self):

@@ -50,12 +50,13 @@ def stresses(part: Beam | Bar | Shell, resultants: np.ndarray, at: float | Seque
 
 
 def _in_beam(beam: Beam, resultants: np.ndarray, place: np.ndarray) -> np.ndarray:
-    """N / A - y M_b / I_b + z M_n / I_n, see `plasticity.Fibres`."""
-    about_normal, about_binormal = beam.section.second_moments
-    found = resultants[..., 0] / beam.section.area - place[0] * resultants[..., -1] / about_binormal
-    if len(place) == 2:
-        found = found + place[1] * resultants[..., 4] / about_normal
-    return found[..., None]
+    """N / A and E (z k_n - y k_b), with the curvatures of the moments; see `plasticity.Fibres`."""
+    (about_normal, about_binormal), product = beam.section.second_moments, beam.section.product
+    axial = resultants[..., 0] / beam.section.area
+    if len(place) == 1:
+        return (axial - place[0] * resultants[..., -1] / about_binormal)[..., None]
+    moments = np.array([[about_normal, -product], [-product, about_binormal]])
+    return (axial + resultants[..., 4:] @ np.linalg.solve(moments, (place[1], -place[0])))[..., None]
 
 
 def _in_shell(shell: Shell, resultants: np.ndarray, height: float) -> np.ndarray:
