@@ -227,7 +227,8 @@ def _projection(term: Term, domain: Mesh, cells: np.ndarray) -> np.ndarray:
     tying = term.tying
     if not tying:
         return np.empty((len(cells), len(term.rule.points), 0))
-    areas = [at_points(ufl.JacobianDeterminant(domain), points).eval(domain, cells).reshape(len(cells), -1)
+    area = ufl.JacobianDeterminant(domain) * term.stretch
+    areas = [at_points(area, points).eval(domain, cells).reshape(len(cells), -1)
              for points in (term.rule.points, tying.low.points)]
     return tying.extrapolation * areas[1][:, None, :] / areas[0][:, :, None]
 

@@ -16,11 +16,14 @@ class SurfaceFrame:
     domain : ufl mesh
     axes : tuple of three UFL vectors: orthonormal tangents and normal
     director : UFL vector, the normal as a field whose gradient is the curvature of the surface
+    to_mesh : UFL tensor, shape (3, 3), from tangent vectors of the surface to those of the meshed one below it; None:
+        the surface is the meshed one
     """
 
     domain: object
     axes: tuple
     director: object
+    to_mesh: object = None
 
     @property
     def tangents(self):
@@ -28,7 +31,20 @@ class SurfaceFrame:
 
     def along(self, f, direction):
         """Derivative of a field along a tangent vector per unit of reference length."""
-        return ufl.dot(ufl.grad(f), direction)
+        return ufl.dot(ufl.grad(f), direction if self.to_mesh is None else ufl.dot(self.to_mesh, direction))
+
+    def at(self, offset):
+        """Frame of the parallel surface at a distance along the director, and its area per area of this one.
+
+        A place x on this surface is x + offset n on the other, so that tangents there are t_a + offset n,_a (the
+        shifter, Naghdi 1972, section 7): derivatives are taken per length of the parallel surface.
+        """
+        moved = [t + offset * self.along(self.director, t) for t in self.tangents]
+        shift = ufl.as_matrix([[ufl.dot(m, t) for t in self.tangents] for m in moved])
+        area, back = ufl.det(shift), ufl.inv(shift)
+        below, tangents = ([sum(back[c, a] * v[a] for a in range(2)) for c in range(2)] for v in (self.tangents, moved))
+        to_mesh = sum(ufl.outer(b, t) for b, t in zip(below, self.tangents, strict=True))
+        return SurfaceFrame(self.domain, (*tangents, self.axes[2]), self.director, to_mesh), area
 
 
 def surface_frame(domain, director=None, middle=None) -> SurfaceFrame:
@@ -94,7 +110,7 @@ class ShellStrains:
         return ufl.as_vector([part[i] for part in parts for i in range(part.ufl_shape[0])] + [self.drilling])
 
 
-def naghdi(u, rotation, frame, offset=0.0) -> ShellStrains:
+def naghdi(u, rotation, frame) -> ShellStrains:
     """Green-Lagrange strains of the one-director shell with finite rotations.
 
     e_ab = (f_a . f_b - t_a . t_b) / 2, k_ab = sym(f_a . d,_b - t_a . n,_b), g_a = f_a . d - t_a . n
@@ -104,22 +120,17 @@ def naghdi(u, rotation, frame, offset=0.0) -> ShellStrains:
     Parameters
     ----------
     u : UFL vector, shape (3,)
-        Displacement of the reference surface (length unit of the mesh).
+        Displacement of the mid-surface (length unit of the mesh).
     rotation : SpatialRotation
         Rotation of the director frame from the reference configuration.
     frame : SurfaceFrame
-    offset : float
-        Distance of the mid-surface from the reference surface along the director (length): strains are
-        those of the mid-surface, per length of the reference surface.
+        Of the mid-surface.
     """
     t, n = frame.tangents, frame.director
     d = rotation.rotate(n)
     slope = [frame.along(d, a) for a in t]
     start = [frame.along(n, a) for a in t]
     f = [a + frame.along(u, a) for a in t]
-    if not isinstance(offset, (int, float)) or offset:
-        f = [a + offset * b for a, b in zip(f, slope, strict=True)]
-        t = [a + offset * b for a, b in zip(t, start, strict=True)]
 
     def membrane(a, b):
         return (ufl.dot(f[a], f[b]) - ufl.dot(t[a], t[b])) / 2
@@ -136,7 +147,7 @@ def naghdi(u, rotation, frame, offset=0.0) -> ShellStrains:
     )
 
 
-def biot(u, rotation, frame, offset=0.0) -> ShellStrains:
+def biot(u, rotation, frame) -> ShellStrains:
     """Strains of the one-director shell on axes that turn with its rotation, for bending that stretches its faces much.
 
     e_ab = sym(f_a . R t_b - t_a . t_b), k_ab = sym(d,_a . R t_b - n,_a . t_b), g_a = f_a . d - t_a . n: the symmetric
@@ -149,18 +160,15 @@ def biot(u, rotation, frame, offset=0.0) -> ShellStrains:
     t, n = frame.tangents, frame.director
     d, turned = rotation.rotate(n), [rotation.rotate(a) for a in t]
     slope, start = [frame.along(d, a) for a in t], [frame.along(n, a) for a in t]
-    f, g = [a + frame.along(u, a) for a in t], t
-    if not isinstance(offset, (int, float)) or offset:
-        f = [a + offset * b for a, b in zip(f, slope, strict=True)]
-        g = [a + offset * b for a, b in zip(t, start, strict=True)]
+    f = [a + frame.along(u, a) for a in t]
 
     def symmetric(now, before):
         both = [[ufl.dot(now[a], turned[b]) - ufl.dot(before[a], t[b]) for b in range(2)] for a in range(2)]
         return ufl.as_vector([both[0][0], both[1][1], both[0][1] + both[1][0]])
 
     return ShellStrains(
-        membrane=symmetric(f, g),
+        membrane=symmetric(f, t),
         bending=symmetric(slope, start),
-        shear=ufl.as_vector([ufl.dot(f[a], d) - ufl.dot(g[a], n) for a in range(2)]),
+        shear=ufl.as_vector([ufl.dot(f[a], d) - ufl.dot(t[a], n) for a in range(2)]),
         drilling=(ufl.dot(f[0], turned[1]) - ufl.dot(f[1], turned[0])) / 2,
     )

@@ -11,10 +11,12 @@ import basix
 import numpy as np
 import ufl
 from dolfinx import fem
+from mpi4py import MPI
 
 from .. import forms
 from ..checks import NONZERO, check
 from ..compat import geometry_degree
+from ..jit import compiled_expression
 from ..mesh.cellwise import cellwise
 from ..mesh.numbers import as_constants
 from ..mesh.quadrature import Rule, extrapolation, gauss, simplex
@@ -115,11 +117,13 @@ class Shell:
     mesh : NamedMesh
     section, material : constants of the section law; a Plastic one is integrated through the section's layers
     form : name of a form in FORMS, or a ShellForm
-    strains : function (u, rotation, frame) -> ShellStrains
+    strains : function (u, rotation, frame) -> ShellStrains, of the mid-surface; None: `forms.shell.naghdi`
     law : function (strains, stiffness) -> stress resultants, gradient of an energy, see forms.section.linear_shell;
         it may couple stretching, bending, shear and drilling; or a LawWithHistory
     group : physical group of the surfaces; None: all
-    offset : distance of the mid-surface from the meshed surface, along its normal
+    offset : distance of the mid-surface from the meshed surface, along its normal, with which it turns. Strains,
+        resultants and mass are per length and area of the mid-surface; loads, supports, contacts and displacements
+        are those of the meshed surface
     axis : direction of the first axis of strains, resultants and the section's stiffness: a vector (3,), or a function
         of the place, a UFL vector, that gives one, in UFL or as three numbers; each cell takes what it is along the
         cell's middle. The second axis is 90 degrees further about the normal. None: the first edge of each cell, for
@@ -158,6 +162,8 @@ class Shell:
             self.mesh.require_alike("Shell: offset" if self.offset else f"Shell: section {type(self.section).__name__}",
                                     self.group)
         _ = self._axis
+        if self.offset:
+            self._check_offset()
 
     @cached_property
     def section_law(self):
@@ -177,6 +183,24 @@ class Shell:
         """Reference frame with normals interpolated at the nodes of each cell."""
         return surface_frame(self.mesh.domain, self._axis)
 
+    def mid_surface(self) -> tuple[forms.shell.SurfaceFrame, object, object]:
+        """Reference frame of the mid-surface, its area per area of the meshed surface, and the offset as a constant.
+
+        The constant is one of its own, so that shells of all sections have the same kernels.
+        """
+        frame, offset = self.frame(), as_constants(self.mesh.domain, self.offset)
+        return (*frame.at(offset), offset) if self.offset else (frame, 1.0, 0.0)
+
+    def _check_offset(self) -> None:
+        """Refuse an offset beyond a centre of curvature: what passes there has turned round along one direction."""
+        (moved, area, _), domain = self.mid_surface(), self.mesh.domain
+        length = ufl.tr(moved.to_mesh) * area  # the sum of the lengths along both directions
+        at_points = compiled_expression(ufl.as_vector([area, length]), self.discrete.full.points)
+        smallest = at_points.eval(domain, self.mesh.group(self.group)).min(initial=np.inf)
+        if domain.comm.allreduce(smallest, op=MPI.MIN) <= 0:
+            raise ValueError(f"Shell: offset {self.offset:g} lies beyond the centre of curvature of group "
+                             f"{self.group or 'all'!r}; make it smaller")
+
     @cached_property
     def _axis(self) -> fem.Function | None:
         """The first axis of each cell, where it is given."""
@@ -186,25 +210,25 @@ class Shell:
         """Integral over the shells, for loads."""
         return self.mesh.integral({"quadrature_degree": 2 * self.discrete.displacement[1]}, self.group)
 
-    def _strains_and_law(self, u, rotation, frame):
-        """All nine strains, the section law, and the thickness as a constant."""
-        stiffness, thickness, offset = as_constants(
-            self.mesh.domain, (self.section.stiffness(self.material), self.section.thickness, self.offset))
-        measure = self.strains or (lambda u, rotation, frame: forms.shell.naghdi(u, rotation, frame, offset))
-        law = self.section_law
-        return (measure(u, rotation, frame).vector, law if has_history(law) else lambda e: law(e, stiffness),
-                thickness)
+    def _strains_and_law(self, u, rotation):
+        """All nine strains of the mid-surface, the section law, and the area of it per area of the meshed surface."""
+        stiffness, law = as_constants(self.mesh.domain, self.section.stiffness(self.material)), self.section_law
+        frame, area, offset = self.mid_surface()
+        if self.offset:
+            u = u + offset * (rotation.rotate(frame.director) - frame.director)
+        strains = (self.strains or forms.shell.naghdi)(u, rotation, frame)
+        return strains.vector, law if has_history(law) else lambda e: law(e, stiffness), area
 
     def resultants(self, u, rotation):
         """Forces and moments as a UFL vector, and the points of a cell at which they are most exact: the low rule's."""
-        strains, law, _ = self._strains_and_law(u, rotation, self.frame())
+        strains, law, _ = self._strains_and_law(u, rotation)
         return law(strains), self.discrete.low.points
 
     def internal(self, u, rotation) -> Internal:
         """Internal virtual work."""
-        form, frame = self.discrete, self.frame()
-        strains, law, thickness = self._strains_and_law(u, rotation, frame)
-        term = Term(strains, law, form.full, form.tying(frame, thickness))
+        form, thickness = self.discrete, as_constants(self.mesh.domain, self.section.thickness)
+        strains, law, area = self._strains_and_law(u, rotation)
+        term = Term(strains, law, form.full, form.tying(self.frame(), thickness), area)
         return Internal([term], self.mesh.domain, self.mesh.group(self.group))
 
 

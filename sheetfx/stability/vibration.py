@@ -24,7 +24,7 @@ from ..continuation.spectrum import lowest, nearest_pairs
 from ..continuation.state import State
 from ..discrete.discretisation import Discretisation
 from ..mesh.numbers import as_constants
-from ..model.shell import Shell, surface_frame
+from ..model.shell import Shell
 from .modes import scaled
 
 COMPLEX = 1e-7  # imaginary part over the size of the square of a frequency, of one that is not real
@@ -125,12 +125,13 @@ def inertia(discretisation: Discretisation, part):
 
 def _shell_inertia(discretisation: Discretisation, shell: Shell):
     k, unknowns, domain = discretisation.kinematics(shell.mesh), discretisation.unknowns, shell.mesh.domain
-    mass, rotary, offset = as_constants(domain, [*shell.section.inertia(shell.material), shell.offset])
-    normal = k.total_rotation.rotate(surface_frame(domain).director)
+    mass, rotary = as_constants(domain, shell.section.inertia(shell.material))
+    frame, area, offset = shell.mid_surface()
+    normal = k.total_rotation.rotate(frame.director)
     changes, spins = _changes(unknowns, k.u), _changes(unknowns, k.spin)
     work = forms.inertia.translation(mass, *_carried(changes, spins, offset * normal))
     work += forms.inertia.director(rotary, *spins, normal)
-    return work * shell.measure()
+    return area * work * shell.measure()
 
 
 def _bar_inertia(discretisation: Discretisation, part):
