@@ -11,6 +11,7 @@ import ufl
 from helpers import response
 
 import sheetfx as fx
+from sheetfx.stability.vibration import frequencies
 
 THICKNESS = 1e-3  # of a square of side 1: shear and large deflections do not matter
 ALONG, ACROSS, POISSON, SHEAR = 25e9, 1e9, 0.25, 0.5e9
@@ -169,3 +170,86 @@ def test_section_of_equal_directions_needs_no_axis():
     assert fx.Plate(0.1).stiffness(fx.Elastic(1.0, 0.3)).isotropic
     assert fx.Laminate([fx.Ply(0.1, 30.0, 1.0, 1.0, 0.3, 1 / 2.6)]).stiffness().isotropic
     assert not laminate((0.0,)).stiffness().isotropic
+
+
+def of_plies(angles, transverse=(0.5, 0.2), **more):
+    given = {"along": 25.0, "across": 1.0, "poisson": 0.25, "shear": 0.5, "transverse": transverse} | more
+    return fx.Laminate([fx.Ply(1 / len(angles), a, **given) for a in angles])
+
+
+@pytest.mark.parametrize(("angles", "factor"), [((0.0, 90.0), 0.8209), ((0.0, 90.0, 0.0), 0.5828),
+                                                ((0.0, 90.0, 90.0, 0.0), 0.5952), ((0.0, 0.0), 5 / 6)])
+def test_transverse_shear_of_cross_plies(angles, factor):
+    """Factors of Whitney (1973) for E1 = 25 E2, G12 = G13 = 0.5 E2, G23 = 0.2 E2, nu12 = 0.25."""
+    whole = sum(0.5 if a == 0 else 0.2 for a in angles) / len(angles)
+    assert of_plies(angles).stiffness().shear[0][0] == pytest.approx(factor * whole, rel=2e-4)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_transverse_shear_turns_with_the_plies(seed):
+    random = np.random.default_rng(seed)
+    angles, turn = random.uniform(-90, 90, random.integers(1, 6)), random.uniform(-90, 90)
+    c, s = np.cos(np.radians(turn)), np.sin(np.radians(turn))
+    turned = np.array([[c, s], [-s, c]])
+    here, there = (np.array(of_plies(a).stiffness().shear) for a in (angles, angles - turn))
+    assert turned.T @ there @ turned == pytest.approx(here, rel=1e-9, abs=1e-10)
+    assert np.array(of_plies(angles[::-1]).stiffness().shear) == pytest.approx(here, rel=1e-9, abs=1e-10)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_transverse_shear_of_random_sandwiches(seed):
+    """G d^2 / c for thin stiff faces a distance d apart on a core c (Allen 1969), also of faces that are not equal."""
+    random = np.random.default_rng(seed)
+    core, faces, angle = random.uniform(0.5, 2.0), random.uniform(0.002, 0.01, 2), random.uniform(-90, 90)
+    moduli = random.uniform(1e3, 5e3, 2)
+    face = {"along": 1e7, "across": 1e7, "poisson": 0.3, "shear": 1e7 / 2.6}
+    with pytest.warns(UserWarning, match="transverse shear moduli of its plies differ by a factor"):
+        section = fx.Laminate([fx.Ply(faces[0], 0.0, **face),
+                               fx.Ply(core, angle, 1e2, 1e2, 0.0, 1e2, transverse=tuple(moduli)),
+                               fx.Ply(faces[1], 0.0, **face)])
+    c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+    turned = np.array([[c, s], [-s, c]])
+    right = turned.T @ np.diag(moduli) @ turned * (core + faces.mean()) ** 2 / core
+    assert np.array(section.stiffness().shear) == pytest.approx(right, rel=2e-3, abs=2e-3 * right.max())
+
+
+def test_plies_of_one_material_have_five_sixths():
+    """However many they are; a factor that is given is taken on the sum."""
+    for count in (1, 2, 5):
+        plies = [fx.Ply(0.3 / (i + 1), 20.0, 2.0, 2.0, 0.3, 2 / 2.6) for i in range(count)]
+        whole = sum(p.thickness for p in plies) * 2 / 2.6
+        assert fx.Laminate(plies).stiffness().shear[1][1] == pytest.approx(5 / 6 * whole, rel=1e-12)
+        assert fx.Laminate(plies, shear_factor=0.7).stiffness().shear[0][0] == pytest.approx(0.7 * whole)
+
+
+def test_plies_have_their_own_mass():
+    """Mass, its centre and the inertia about that; plies without a density have that of the material."""
+    plies = [fx.Ply(t, 0.0, 1.0, 1.0, 0.3, 0.4, density=d) for t, d in ((0.1, 8.0), (0.3, None), (0.2, 2.0))]
+    section, material = fx.Laminate(plies), fx.Elastic(1.0, 0.3, density=0.5)
+    pieces = [(-0.25, 0.1, 8.0), (-0.05, 0.3, 0.5), (0.2, 0.2, 2.0)]  # middle, thickness, density
+    mass = sum(t * d for _, t, d in pieces)
+    centre = sum(z * t * d for z, t, d in pieces) / mass
+    rotary = sum(d * (t**3 / 12 + t * (z - centre) ** 2) for z, t, d in pieces)
+    assert [*section.inertia(material), section.mass_centre(material)] == pytest.approx([mass, rotary, centre])
+    assert not section.weighs(None)
+    assert fx.Laminate([plies[0], plies[2]]).weighs(None)
+
+
+def swings(section, material=None):
+    mesh = fx.read(lambda: fx.meshes.rectangle((6, 1), (1.0, 0.2)), 3, 2)
+    shell = fx.Shell(mesh, section, material, axis=X)
+    scene = fx.Scene([shell], [fx.clamp(mesh, "west")], [fx.EdgeForce(mesh, "east", (0.0, 0.0, 1.0))],
+                     fx.Monitor(mesh, "south-east", "z"))
+    path = fx.Path(scene)
+    return [v.frequency for v in frequencies(path, next(iter(path)), 3)]
+
+
+def test_frequencies_of_plies_with_densities():
+    """Those of a plate of one material; without densities plies are named."""
+    ply = {"angle": 0.0, "along": 1.0, "across": 1.0, "poisson": 0.3, "shear": 1 / 2.6}
+    right = swings(fx.Plate(0.04), fx.Elastic(1.0, 0.3, density=2.0))
+    assert swings(fx.Laminate([fx.Ply(0.01, density=2.0, **ply)] * 4)) == pytest.approx(right, rel=1e-6)
+    heavy = [fx.Ply(0.01, density=d, **ply) for d in (1.0, 3.0, 1.0, 3.0)]  # of the same mean
+    assert swings(fx.Laminate(heavy))[0] == pytest.approx(right[0], rel=1e-2)
+    with pytest.raises(ValueError, match="has no density; give each Ply one"):
+        swings(fx.Laminate([fx.Ply(0.04, **ply)]))

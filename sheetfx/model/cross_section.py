@@ -58,6 +58,8 @@ class Section:
     product: float = 0.0
     shear_centre: tuple[float, float] | None = (0.0, 0.0)
 
+    weight = "give its material one: Elastic(modulus, poisson, density=...)"
+
     @property
     def faces(self) -> tuple[float, float]:
         """Places of the lowest and the highest fibre from the centroid, along the depth."""
@@ -104,6 +106,10 @@ class Section:
         """
         raise ValueError(f"{type(self).__name__}: has no fibres, which a plastic material needs; give a Rectangle, a "
                          "Tube or FibreList")
+
+    def weighs(self, material: Elastic) -> bool:
+        """Whether a density is known; `weight` says what to do where none is."""
+        return material.density is not None
 
     def inertia(self, material: Elastic, dimension: int) -> list[float]:
         """Mass per length, and rotary inertia per length about the binormal (2), or in space (3) about all axes of the

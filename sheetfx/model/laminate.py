@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from math import cos, radians, sin
+from dataclasses import dataclass, field, replace
+from math import atan2, cos, degrees, hypot, radians, sin
 
 import numpy as np
 
 from ..checks import Positive, check
+from ..notices import warn
 from .plate import ShellSection, ShellStiffness
+
+APART = 100  # factor between transverse shear moduli from which on plies hardly have one rotation
+NONE = 1e-9  # harmonic of the bending stiffness, against its mean, that is rounding
 
 
 @dataclass(frozen=True)
@@ -24,6 +28,7 @@ class Ply:
     poisson : nu12, contraction across the fibres for stretching along them
     shear : modulus G12
     transverse : moduli G13 and G23; None: both G12
+    density : mass per volume, for vibrations; None: that of the shell's material
     """
 
     thickness: Positive
@@ -33,6 +38,7 @@ class Ply:
     poisson: float
     shear: Positive
     transverse: tuple[Positive, Positive] | None = None
+    density: Positive | None = None
 
     def __post_init__(self):
         check(self)
@@ -67,29 +73,104 @@ class Laminate(ShellSection):
     Attributes
     ----------
     plies : from the lowest, against the normal, to the highest
-    shear_factor : on the transverse shear stiffness
+    shear_factor : on the sum of the plies' transverse shear stiffness; None: `transverse_shear` has the stiffness, 5/6
+        of the sum for plies of one material
     drilling : factor on the membrane's shear stiffness, see `Plate`
     """
 
     plies: Sequence[Ply]
-    shear_factor: Positive = 5 / 6
+    shear_factor: Positive | None = None
     drilling: Positive = 1.0
     thickness: float = field(init=False)
+
+    weight = "give each Ply one: Ply(..., density=...)"
 
     def __post_init__(self):
         check(self)
         if not self.plies:
             raise ValueError("Laminate: plies is empty; give at least one Ply")
         object.__setattr__(self, "thickness", sum(ply.thickness for ply in self.plies))
+        moduli = [m for ply in self.plies for m in (ply.transverse or (ply.shear,))]
+        if (ratio := max(moduli) / min(moduli)) > APART:
+            warn(f"Laminate: transverse shear moduli of its plies differ by a factor of {ratio:.3g}; all plies "
+                 "have one rotation, so that the bending of faces apart, wrinkling and crushing of a soft core are "
+                 "left out")
 
     def stiffness(self, material=None) -> ShellStiffness:
         """Integrals of the plies' stiffness over the thickness, about its middle."""
-        heights = np.cumsum([0.0, *(ply.thickness for ply in self.plies)]) - self.thickness / 2
-        plane = np.array([ply.plane_stress() for ply in self.plies])
-        membrane, coupling, bending = (np.tensordot(np.diff(heights**n) / n, plane, 1) for n in (1, 2, 3))
-        across = self.shear_factor * sum(ply.thickness * ply.transverse_shear() for ply in self.plies)
+        membrane, coupling, bending = _integrals(self.plies)
+        across = self.transverse_shear() if self.shear_factor is None else self.shear_factor * sum(
+            ply.thickness * ply.transverse_shear() for ply in self.plies)
         return ShellStiffness(_rows(membrane), _rows(coupling), _rows(bending), _rows(across),
                               float(self.drilling * membrane[2, 2]))
+
+    def transverse_shear(self) -> np.ndarray:
+        """Stiffness by the energy of the shear stress that balances the bending stress of the plies, shape (2, 2).
+
+        Shear forces are the slopes of both bending moments, each along its own axis, without membrane forces (Whitney
+        1973; Rohwer 1988). It depends on these axes, by some percent where plies have other angles: they are the
+        principal axes of the bending stiffness, so that the stiffness turns with the plies.
+        """
+        angle = _principal_angle(_bending(*_integrals(self.plies))[1])
+        plies = [replace(ply, angle=ply.angle - degrees(angle)) for ply in self.plies]
+        shift, flexibility = _bending(*_integrals(plies))
+        flexibility = np.linalg.inv(flexibility)
+        points, weights = np.polynomial.legendre.leggauss(3)  # stresses are of the second degree in each ply
+        below, bottom, energy = np.zeros((3, 3)), -self.thickness / 2, np.zeros((2, 2))
+        for ply in plies:
+            z = bottom + ply.thickness * np.array([*(1 + points) / 2, 1.0])[:, None, None]
+            stresses = below + ply.plane_stress() @ ((z - bottom) * shift + (z**2 - bottom**2) / 2 * np.eye(3))
+            for rate, weight in zip(stresses[:-1] @ flexibility, weights, strict=True):
+                shear = np.array([[rate[0, 0], rate[2, 1]], [rate[2, 0], rate[1, 1]]])
+                energy += weight * ply.thickness / 2 * shear.T @ np.linalg.solve(ply.transverse_shear(), shear)
+            below, bottom = stresses[-1], bottom + ply.thickness
+        c, s = cos(angle), sin(angle)
+        turned = np.array([[c, s], [-s, c]])
+        return turned.T @ np.linalg.inv(energy) @ turned
+
+    def weighs(self, material) -> bool:
+        return super().weighs(material) or all(ply.density for ply in self.plies)
+
+    def inertia(self, material) -> list[float]:
+        mass, first, second = self._moments(material)
+        return [mass, second - first**2 / mass]
+
+    def mass_centre(self, material) -> float:
+        mass, first, _ = self._moments(material)
+        return first / mass
+
+    def _moments(self, material) -> list[float]:
+        """Mass per area, and its moments of first and second degree about the middle."""
+        heights = np.cumsum([0.0, *(ply.thickness for ply in self.plies)]) - self.thickness / 2
+        densities = np.array([ply.density or material.density for ply in self.plies])
+        return [float(densities @ np.diff(heights**n)) / n for n in (1, 2, 3)]
+
+
+def _integrals(plies: Sequence[Ply]) -> tuple[np.ndarray, ...]:
+    """Membrane, coupling and bending stiffness about the middle."""
+    heights = np.cumsum([0.0, *(ply.thickness for ply in plies)])
+    heights -= heights[-1] / 2
+    plane = np.array([ply.plane_stress() for ply in plies])
+    return tuple(np.tensordot(np.diff(heights**n) / n, plane, 1) for n in (1, 2, 3))
+
+
+def _bending(membrane, coupling, bending) -> tuple[np.ndarray, np.ndarray]:
+    """Membrane strains by curvatures, and bending stiffness, of a section without membrane forces."""
+    shift = -np.linalg.solve(membrane, coupling)
+    return shift, bending + coupling @ shift
+
+
+def _principal_angle(bending: np.ndarray) -> float:
+    """Angle from the axes to those of the largest and smallest stiffness (radians), of its second harmonic.
+
+    Where that is none it is the angle of the fourth one, such as of plies across each other; 0 if both are none.
+    """
+    (d11, d12, d16), (_, d22, d26), (_, _, d66) = bending
+    harmonics = (2, d11 - d22, 2 * (d16 + d26)), (4, d11 + d22 - 2 * d12 - 4 * d66, 4 * (d16 - d26))
+    for number, even, odd in harmonics:
+        if hypot(even, odd) > NONE * (d11 + d22):
+            return atan2(odd, even) / number
+    return 0.0
 
 
 def _rows(matrix: np.ndarray) -> tuple[tuple[float, ...], ...]:

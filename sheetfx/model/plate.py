@@ -63,12 +63,22 @@ class ShellSection:
 
     thickness: float
 
+    weight = "give its material one: Elastic(modulus, poisson, density=...)"
+
     def stiffness(self, material) -> ShellStiffness:
         """Stiffness per length."""
         raise NotImplementedError
 
+    def weighs(self, material: Elastic | None) -> bool:
+        """Whether a density is known; `weight` says what to do where none is."""
+        return material is not None and material.density is not None
+
+    def mass_centre(self, material: Elastic) -> float:
+        """Height of the centre of mass above the mid-surface."""
+        return 0.0
+
     def inertia(self, material: Elastic) -> list[float]:
-        """Mass per area, and rotary inertia of the director per area."""
+        """Mass per area, and rotary inertia of the director per area, about the centre of mass."""
         density = material.density or 0.0
         return [density * self.thickness, density * self.thickness**3 / 12]
 

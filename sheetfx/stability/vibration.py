@@ -117,19 +117,20 @@ def mass_matrix(discretisation: Discretisation) -> Callable[[], PETSc.Mat]:
 
 def inertia(discretisation: Discretisation, part):
     """Virtual work of a part's inertia, a bilinear form in rates and variations of the unknowns."""
-    if part.material is None or part.material.density is None:
+    if not part.section.weighs(part.material):
         raise ValueError(f"frequencies: the {type(part).__name__} on group {part.group or 'all'!r} has no density; "
-                         "give its material one: Elastic(modulus, poisson, density=...)")
+                         f"{part.section.weight}")
     return _shell_inertia(discretisation, part) if isinstance(part, Shell) else _bar_inertia(discretisation, part)
 
 
 def _shell_inertia(discretisation: Discretisation, shell: Shell):
     k, unknowns, domain = discretisation.kinematics(shell.mesh), discretisation.unknowns, shell.mesh.domain
     mass, rotary = as_constants(domain, shell.section.inertia(shell.material))
-    frame, area, offset = shell.mid_surface()
+    arm = as_constants(domain, shell.offset + shell.section.mass_centre(shell.material))
+    frame, area, _ = shell.mid_surface()
     normal = k.total_rotation.rotate(frame.director)
     changes, spins = _changes(unknowns, k.u), _changes(unknowns, k.spin)
-    work = forms.inertia.translation(mass, *_carried(changes, spins, offset * normal))
+    work = forms.inertia.translation(mass, *_carried(changes, spins, arm * normal))
     work += forms.inertia.director(rotary, *spins, normal)
     return area * work * shell.measure()
 
