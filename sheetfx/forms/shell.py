@@ -44,6 +44,8 @@ class SurfaceFrame:
         area, back = ufl.det(shift), ufl.inv(shift)
         below, tangents = ([sum(back[c, a] * v[a] for a in range(2)) for c in range(2)] for v in (self.tangents, moved))
         to_mesh = sum(ufl.outer(b, t) for b, t in zip(below, self.tangents, strict=True))
+        if self.to_mesh is not None:
+            to_mesh = ufl.dot(self.to_mesh, to_mesh)
         return SurfaceFrame(self.domain, (*tangents, self.axes[2]), self.director, to_mesh), area
 
 
@@ -110,7 +112,15 @@ class ShellStrains:
         return ufl.as_vector([part[i] for part in parts for i in range(part.ufl_shape[0])] + [self.drilling])
 
 
-def naghdi(u, rotation, frame) -> ShellStrains:
+def off_the_surface(u, rotation, frame, offset):
+    """Displacement and frame of the parallel surface at a distance along the director, and its area per area.
+
+    Any form whose strains are written in these has the strains of that surface, per its own length.
+    """
+    return u + offset * (rotation.rotate(frame.director) - frame.director), *frame.at(offset)
+
+
+def naghdi(u, rotation, frame, offset=0.0) -> ShellStrains:
     """Green-Lagrange strains of the one-director shell with finite rotations.
 
     e_ab = (f_a . f_b - t_a . t_b) / 2, k_ab = sym(f_a . d,_b - t_a . n,_b), g_a = f_a . d - t_a . n
@@ -120,12 +130,17 @@ def naghdi(u, rotation, frame) -> ShellStrains:
     Parameters
     ----------
     u : UFL vector, shape (3,)
-        Displacement of the mid-surface (length unit of the mesh).
+        Displacement of the reference surface (length unit of the mesh).
     rotation : SpatialRotation
         Rotation of the director frame from the reference configuration.
     frame : SurfaceFrame
-        Of the mid-surface.
+        Of the reference surface.
+    offset : float
+        Distance from it along the director at which strains are taken (length), see `off_the_surface`. `Shell(offset=)`
+        needs none: it gives displacement and frame of the mid-surface.
     """
+    if not isinstance(offset, (int, float)) or offset:
+        u, frame, _ = off_the_surface(u, rotation, frame, offset)
     t, n = frame.tangents, frame.director
     d = rotation.rotate(n)
     slope = [frame.along(d, a) for a in t]
@@ -147,7 +162,7 @@ def naghdi(u, rotation, frame) -> ShellStrains:
     )
 
 
-def biot(u, rotation, frame) -> ShellStrains:
+def biot(u, rotation, frame, offset=0.0) -> ShellStrains:
     """Strains of the one-director shell on axes that turn with its rotation, for bending that stretches its faces much.
 
     e_ab = sym(f_a . R t_b - t_a . t_b), k_ab = sym(d,_a . R t_b - n,_a . t_b), g_a = f_a . d - t_a . n: the symmetric
@@ -157,6 +172,8 @@ def biot(u, rotation, frame) -> ShellStrains:
 
     Parameters as those of `naghdi`.
     """
+    if not isinstance(offset, (int, float)) or offset:
+        u, frame, _ = off_the_surface(u, rotation, frame, offset)
     t, n = frame.tangents, frame.director
     d, turned = rotation.rotate(n), [rotation.rotate(a) for a in t]
     slope, start = [frame.along(d, a) for a in t], [frame.along(n, a) for a in t]

@@ -183,17 +183,19 @@ class Shell:
         """Reference frame with normals interpolated at the nodes of each cell."""
         return surface_frame(self.mesh.domain, self._axis)
 
-    def mid_surface(self) -> tuple[forms.shell.SurfaceFrame, object, object]:
-        """Reference frame of the mid-surface, its area per area of the meshed surface, and the offset as a constant.
+    @property
+    def _distance(self):
+        """The offset as a constant of its own, so that shells of all sections have the same kernels."""
+        return as_constants(self.mesh.domain, self.offset)
 
-        The constant is one of its own, so that shells of all sections have the same kernels.
-        """
-        frame, offset = self.frame(), as_constants(self.mesh.domain, self.offset)
-        return (*frame.at(offset), offset) if self.offset else (frame, 1.0, 0.0)
+    def mid_surface(self) -> tuple[forms.shell.SurfaceFrame, object]:
+        """Reference frame of the mid-surface, and its area per area of the meshed surface."""
+        frame = self.frame()
+        return frame.at(self._distance) if self.offset else (frame, 1.0)
 
     def _check_offset(self) -> None:
         """Refuse an offset beyond a centre of curvature: what passes there has turned round along one direction."""
-        (moved, area, _), domain = self.mid_surface(), self.mesh.domain
+        (moved, area), domain = self.mid_surface(), self.mesh.domain
         length = ufl.tr(moved.to_mesh) * area  # the sum of the lengths along both directions
         at_points = compiled_expression(ufl.as_vector([area, length]), self.discrete.full.points)
         smallest = at_points.eval(domain, self.mesh.group(self.group)).min(initial=np.inf)
@@ -213,9 +215,9 @@ class Shell:
     def _strains_and_law(self, u, rotation):
         """All nine strains of the mid-surface, the section law, and the area of it per area of the meshed surface."""
         stiffness, law = as_constants(self.mesh.domain, self.section.stiffness(self.material)), self.section_law
-        frame, area, offset = self.mid_surface()
+        frame, area = self.frame(), 1.0
         if self.offset:
-            u = u + offset * (rotation.rotate(frame.director) - frame.director)
+            u, frame, area = forms.shell.off_the_surface(u, rotation, frame, self._distance)
         strains = (self.strains or forms.shell.naghdi)(u, rotation, frame)
         return strains.vector, law if has_history(law) else lambda e: law(e, stiffness), area
 

@@ -127,7 +127,7 @@ def _shell_inertia(discretisation: Discretisation, shell: Shell):
     k, unknowns, domain = discretisation.kinematics(shell.mesh), discretisation.unknowns, shell.mesh.domain
     mass, rotary = as_constants(domain, shell.section.inertia(shell.material))
     arm = as_constants(domain, shell.offset + shell.section.mass_centre(shell.material))
-    frame, area, _ = shell.mid_surface()
+    frame, area = shell.mid_surface()
     normal = k.total_rotation.rotate(frame.director)
     changes, spins = _changes(unknowns, k.u), _changes(unknowns, k.spin)
     work = forms.inertia.translation(mass, *_carried(changes, spins, arm * normal))
