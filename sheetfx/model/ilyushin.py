@@ -5,7 +5,7 @@ from __future__ import annotations
 import numba
 import numpy as np
 
-from .plasticity import Plastic, PlasticLaw
+from .plasticity import Plastic, PlasticLaw, transverse_squares
 from .plate import Plate
 from .return_mapping import ON_SURFACE
 
@@ -36,6 +36,7 @@ class Ilyushin(PlasticLaw):
     """
 
     remembered = REMEMBERED
+    pieces = "sections"
 
     def __init__(self, section: Plate, material: Plastic):
         if not isinstance(material, Plastic):
@@ -57,6 +58,9 @@ class Ilyushin(PlasticLaw):
 
     def flowed(self, history):
         return (history[:, -1] > 0).astype(float), history[:, -1]
+
+    def unchecked_squares(self, strains):
+        return transverse_squares(strains, self._elastic, self._constants[3] * self._constants[0])
 
     def elastic_utilisation(self, strains):
         thickness, _, _, strength, _ = self._constants

@@ -64,7 +64,15 @@ def section_law(law: Callable, section, material: Elastic, stiffness):
 
 
 class PlasticLaw(LawWithHistory):
-    """A section law that knows where its points have flowed, for pictures and events."""
+    """A section law that knows where its points have flowed, for pictures and events.
+
+    Attributes
+    ----------
+    pieces, unchecked : what flows, and what is elastic beside it, in a warning
+    """
+
+    pieces, unchecked = "layers", "transverse shear"
+    _told = False
 
     def flowed(self, history: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Share of the thickness or area that has flowed, and largest equivalent plastic strain, at many points.
@@ -78,6 +86,27 @@ class PlasticLaw(LawWithHistory):
     def elastic_utilisation(self, strains: np.ndarray) -> np.ndarray:
         """Largest stress over the yield stress, if the strains (points, n) were elastic: above 1 where they yield."""
         raise NotImplementedError
+
+    def unchecked_squares(self, strains: np.ndarray) -> np.ndarray:
+        """Square of what is elastic over the plastic value that it could reach alone, at strains (points, n)."""
+        raise NotImplementedError
+
+    def accepted(self, strains, history):
+        """Warn once where forces that no yield condition has are beyond their plastic values, or weaken what flows."""
+        squares = self.unchecked_squares(strains)
+        flows = squares[self.flowed(history)[0] > 0].max(initial=0.0)
+        ratio = sqrt(max(flows, squares.max(initial=0.0)))
+        if self._told or not (flows > SHEARED or ratio > 1):
+            return
+        self._told = True
+        if flows > SHEARED:
+            said = (f"{self.pieces} flow where {self.unchecked}, elastic in this law, reach {sqrt(flows):.2g} of what "
+                    "the section can carry of them alone; its moment goes up to all that it can bear without them, and "
+                    f"should have fallen to {sqrt(max(1 - flows, 0.0)):.0%} of that")
+        else:
+            said = (f"{self.unchecked}, elastic in this law, reach {ratio:.2g} times what the section can carry of "
+                    "them alone")
+        warn(f"Plastic: {said}. Give the part a law of your own, or believe no load beyond this one")
 
 
 class Layers(PlasticLaw):
@@ -117,6 +146,9 @@ class Layers(PlasticLaw):
         shear = modulus / 2 / (1 + poisson) * e[..., 2]
         return np.sqrt(one**2 - one * two + two**2 + 3 * shear**2).max(axis=1) / strength
 
+    def unchecked_squares(self, strains):
+        return transverse_squares(strains, self._elastic, self.material.yield_stress * self.weights.sum())
+
 
 class Fibres(PlasticLaw):
     """Beam section law of a plastic material by fibres along the axis; shear and torsion are elastic.
@@ -135,6 +167,8 @@ class Fibres(PlasticLaw):
         or rows of a matrix, of which the fibres replace what they carry
     """
 
+    pieces, unchecked = "fibres", "shear and torsion"
+
     def __init__(self, places: np.ndarray, areas: np.ndarray, material: Plastic, stiffness: Sequence):
         places = np.asarray(places, float).reshape(-1, 2)
         arms = np.zeros((len(places), len(stiffness)))
@@ -149,11 +183,10 @@ class Fibres(PlasticLaw):
         self._arms, self.areas = arms[first[kept]], np.bincount(same.ravel(), np.asarray(areas, float))[kept]
         rest, given = ~self._arms.any(axis=0), np.asarray(stiffness, float)
         self._elastic = np.where(np.outer(rest, rest), np.diag(given) if given.ndim == 1 else given, 0.0)
-        self._sheared, self._told = np.full(len(stiffness), self.areas.sum()), False
-        if len(stiffness) == 6:
-            self._sheared[3] = np.asarray(areas, float) @ np.linalg.norm(places, axis=1)
+        self._polar = np.asarray(areas, float) @ np.linalg.norm(places, axis=1)
         self.remembered = 3 * len(self.areas)
         self._constants = material.modulus, material.yield_stress, material.hardening, material.kinematic
+        self._shear_modulus = material.shear_modulus
 
     def update(self, strains, history):
         return _fibres(np.ascontiguousarray(strains), np.ascontiguousarray(history), self._arms, self.areas,
@@ -167,21 +200,28 @@ class Fibres(PlasticLaw):
         modulus, strength, *_ = self._constants
         return modulus / strength * np.abs(strains @ self._arms.T).max(axis=1)
 
-    def accepted(self, strains, history):
-        """Warn once where points that have flowed carry so much elastic shear or torsion that they are too strong.
+    def unchecked_squares(self, strains):
+        """Shear forces over A k, and the torque about the shear centre over its plastic value, k being s_y / sqrt(3).
 
-        Of both the section can carry no more than all fibres at yield_stress / sqrt(3).
+        No torque is above k times the area's integral of the distance from an axis, nor above k sqrt(J A): the elastic
+        stress has the least energy of all that balance a torque (Prager and Hodge 1951, section 12), T^2 / 2 G J, and
+        the plastic one has k^2 A / 2 G. It is the plastic torque of a thin tube, and 15 % above that of a thin strip.
         """
-        flowed = history[:, 2::3].any(axis=1)
-        stressed = strains[flowed] @ self._elastic / (self._constants[1] / sqrt(3) * self._sheared)
-        squares = (stressed**2).sum(axis=1).max(initial=0.0)
-        if squares > SHEARED and not self._told:
-            self._told = True
-            warn("Plastic: fibres flow where shear and torsion, which are elastic, are "
-                          f"{sqrt(squares):.2g} of what the section can carry of them alone; its moment goes up to all "
-                          "that it can bear without them, and should have fallen to "
-                          f"{sqrt(max(1 - squares, 0.0)):.0%} of that. Give the beam a law of your own, or believe no "
-                          "load beyond this one")
+        area, strength = self.areas.sum(), self._constants[1] / sqrt(3)
+        if strains.shape[1] < 3:
+            return np.zeros(len(strains))
+        forces = strains @ self._elastic / strength
+        if strains.shape[1] == 3:
+            return (forces[:, 1] / area) ** 2
+        lever = np.linalg.solve(self._elastic[1:3, 1:3], self._elastic[1:3, 3])
+        torsion = (self._elastic[3, 3] - self._elastic[3, 1:3] @ lever) / self._shear_modulus
+        torque = (forces[:, 3] - forces[:, 1:3] @ lever) / min(self._polar, sqrt(torsion * area))
+        return (forces[:, 1:3] ** 2).sum(axis=1) / area**2 + torque**2
+
+
+def transverse_squares(strains: np.ndarray, elastic: np.ndarray, strength: float) -> np.ndarray:
+    """Square of the transverse shear force of a shell over its plastic value, a yield force per length / sqrt(3)."""
+    return 3 * ((strains[:, 6:8] @ elastic[6:8, 6:8] / strength) ** 2).sum(axis=1)
 
 
 @numba.njit(cache=True)
