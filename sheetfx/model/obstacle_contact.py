@@ -7,13 +7,17 @@ from dataclasses import dataclass, field
 from typing import Annotated
 
 import numpy as np
+import ufl
 
 from .. import forms
 from ..checks import Choice, Count, NotNegative, Positive, check
+from ..forms.evaluate import evaluate, prepared
 from ..mesh.lines import Stretch
+from ..mesh.projection import Cells
 from ..mesh.reader import NamedMesh
 from .obstacles import Obstacle, add_travel
-from .sampled_contact import SampledContact, half_thickness, parts_on, touch_stiffness
+from .own_forms import number_of
+from .sampled_contact import SampledContact, faces, parts_on, touch_stiffness
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +32,8 @@ class ObstacleContact(SampledContact):
     mesh : of the part: a shell, or a beam in the plane or in space
     at : where on it: a named edge of surfaces, group of cells or point, a Stretch, or several alike; None: everywhere
     obstacle : RigidPlane, RigidCylinder, RigidSphere, or one's own (`obstacles.Obstacle`)
-    distance : from the mid-surface or axis to where it touches; None: half the thickness (depth)
+    distance : from the mid-surface or axis to where it touches; None: half the thickness (depth) of each cell. An
+        offset of shells is added by what it is along the obstacle's normal at the start
     friction : Coulomb's coefficient
     samples : Gauss points on each piece of a line, and along each side of a cell
     stiffness : pressure over penetration; None: ten times the bending stiffness of the part over a size between those
@@ -64,13 +69,27 @@ class ObstacleContact(SampledContact):
     def points(self) -> Sequence[tuple[NamedMesh, str | None]]:
         return [(self.mesh, None)]
 
+    def _faces(self, parts) -> np.ndarray:
+        """Distance of the face that looks to the obstacle from the meshed surface or line, at each sample."""
+        samples = self._samples
+        point = ufl.Constant(self.mesh.domain.ufl_domain(), shape=(self.mesh.dimension,))
+        x = ufl.variable(ufl.as_vector([point[i] for i in range(self.mesh.dimension)]))
+        slope = prepared(ufl.diff(self.obstacle.gap(x, [0.0] * self.mesh.dimension), x))
+        toward = -evaluate(slope, lambda node: samples.places if node == point else number_of(node))
+        toward, normals = np.broadcast_to(toward, samples.places.shape), None
+        if self.mesh.domain.topology.dim == 2:
+            cells, which = np.unique(samples.cells, return_inverse=True)
+            normals = Cells(self.mesh, cells).normals(which, samples.reference)
+        thick = self.distance is None
+        return (self.distance or 0.0) + faces(parts, samples.cells, normals, toward, thick, self._title)
+
     def unknowns(self, fields):
         add_travel(fields, self.obstacle, self.mesh)
 
     def contributions(self, fields):
         samples, parts, size = self._samples, parts_on(fields, self.mesh), self._cell_size
         stiffness = touch_stiffness([parts], (size * max(size, samples.size)) ** 0.5, samples.extent)
-        apart = half_thickness(parts) if self.distance is None else self.distance
+        apart = self._faces(parts)
         work = fields.obstacle_work(self, samples, self._pairs(np.zeros_like(samples.places), apart, stiffness, size))
         work.first_touch(self._title)
         yield work

@@ -66,18 +66,18 @@ class SampledContact(Joint):
         """Of the cells with samples."""
         return float(Cells(self.mesh, np.unique(self._samples.cells)).sizes.mean())
 
-    def _pairs(self, arms: np.ndarray, apart: float, stiffness: float, size: float) -> dict:
+    def _pairs(self, arms: np.ndarray, apart: np.ndarray, stiffness: float, size: float) -> dict:
         """Attributes of `discrete.pairs.Pairs` but for the points.
 
         Parameters
         ----------
         arms : from the samples to the second part
-        apart : distance at which parts touch
+        apart : distance of each sample at which parts touch
         stiffness : where none is given
         size : of cells
         """
         (count, d), stiffness = arms.shape, self.stiffness or stiffness
-        return {"arms": arms, "axes": np.zeros((count, d, d)), "gap": np.full(count, apart),
+        return {"arms": arms, "axes": np.zeros((count, d, d)), "gap": apart,
                 "weights": self._samples.weights, "augmented": self.enforcement == "uzawa",
                 "parameters": (stiffness, self.tangential or ELASTIC_SLIP * stiffness, self.friction, 0.0, 0.0),
                 "tolerance": PENETRATION * size}
@@ -97,6 +97,34 @@ def touch_stiffness(sides: Sequence[Sequence[Shell | Beam | Bar]], size: float, 
     extent : as of `Samples`
     """
     return STIFF * min(max(stiffness_over(part, size)[1] for part in parts) for parts in sides) / size ** (1 + extent)
+
+
+def faces(parts: Sequence[Shell | Beam | Bar], cells: np.ndarray, normals: np.ndarray | None, toward: np.ndarray,
+          thick: bool, title: str) -> np.ndarray:
+    """Distance of the face from the meshed surface or line at points, with an offset's part along a direction.
+
+    Parameters
+    ----------
+    cells, normals, toward : of the points: numbers of cells, normals of a surface, unit vectors to what they touch
+    thick : whether half the cell's own thickness is in it
+    title : of the contact
+
+    Raises
+    ------
+    ValueError
+        For beams whose faces are not alike on both sides of the meshed line.
+    """
+    found = np.full(len(cells), -np.inf)
+    for part in parts:
+        here = np.isin(cells, part.mesh.group(part.group))
+        own = np.full(here.sum(), half_thickness([part]) if thick else 0.0)
+        if isinstance(part, Shell) and part.offset and normals is not None:
+            own = own + part.offset * (normals[here] * toward[here]).sum(axis=1)
+        elif isinstance(part, Beam) and thick and here.any() and (np.any(part.offset) or sum(part.section.faces)):
+            raise ValueError(f"{title}: the faces of the Beam on group {part.group or 'all'!r} are not alike on both "
+                             "sides of its meshed line; give their distance from that line, distance=")
+        found[here] = np.maximum(found[here], own)
+    return np.where(np.isfinite(found), found, half_thickness(parts) if thick else 0.0)
 
 
 def half_thickness(parts: Sequence[Shell | Beam | Bar]) -> float:

@@ -14,7 +14,9 @@ from ..mesh.lines import Stretch
 from ..mesh.projection import Cells, cells_at
 from ..mesh.reader import NamedMesh
 from .pair_contact import PARALLEL, PENETRATION
-from .sampled_contact import SampledContact, half_thickness, parts_on, touch_stiffness
+from .sampled_contact import SampledContact, faces, half_thickness, parts_on, touch_stiffness
+
+EQUAL = 1e-9  # relative difference of faces of one distance
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +34,8 @@ class SurfaceContact(SampledContact):
     to : mesh of the second part, of shells, and the name of a group of cells of it; None: all
     toward : direction from the first part to the second one, roughly, at the start; None: that of the closest points
     distance : between mid-surfaces, or the axis of a beam and a mid-surface, where the parts touch; None: half of both
-        thicknesses (depths)
+        thicknesses (depths), of the first part at each of its cells. Offsets of shells are added by what they are
+        along the surface's normal at the start
     friction : Coulomb's coefficient
     overhang : how far a surface goes on beyond its edges; None: half its thickness
     samples : Gauss points on each piece of a line, and along each side of a cell
@@ -78,7 +81,8 @@ class SurfaceContact(SampledContact):
         which, reference, _ = cells.closest(samples.places)
         normals = cells.normals(which, reference)
         arms = samples.places - cells.places(which, reference)
-        side, apart = self._sides(normals, arms), self._distance(fields)
+        side = self._sides(normals, arms)
+        apart = self._distance(fields, cells, normals, side)
         along = side * (normals * arms).sum(axis=1)
         size = min(float(cells.sizes.mean()), self._cell_size)
         beside = np.linalg.norm(arms - (side * along)[:, None] * normals, axis=1) > PENETRATION * size
@@ -99,10 +103,29 @@ class SurfaceContact(SampledContact):
                              "`toward` on which side the second part is")
         return np.sign(along)
 
-    def _distance(self, fields) -> float:
-        if self.distance is not None:
-            return self.distance
-        return sum(half_thickness(parts_on(fields, mesh)) for mesh in (self.mesh, self.to[0]))
+    def _distance(self, fields, cells: Cells, normals: np.ndarray, side: np.ndarray) -> np.ndarray:
+        """Distance at which each sample touches, from the meshed surface or line to the other meshed surface.
+
+        Parameters
+        ----------
+        cells : of the second part
+        normals, side : of it, where it is closest to each sample, and 1 or -1: on which of its sides that is
+        """
+        samples, thick, own_normals, toward = self._samples, self.distance is None, None, -side[:, None] * normals
+        if self.mesh.domain.topology.dim == 2:
+            own, place = np.unique(samples.cells, return_inverse=True)
+            own_normals = Cells(self.mesh, own).normals(place, samples.reference)
+        first = faces(parts_on(fields, self.mesh), samples.cells, own_normals, toward, thick, self._title)
+        up, there = np.tile((0.0, 0.0, 1.0), (len(cells.cells), 1)), []
+        for sign in (1.0, -1.0):
+            second = faces(parts_on(fields, self.to[0]), cells.cells, up, sign * up, thick, self._title)
+            if np.ptp(second) > EQUAL * np.abs(second).max():
+                raise ValueError(f"{self._title}: the second part has faces from {second.min():.6g} to "
+                                 f"{second.max():.6g} off its meshed surface, on which points slide; make a contact "
+                                 "for each group of one thickness and offset")
+            there.append(second[0])
+        offsets = np.where(side > 0, *there)
+        return (self.distance or 0.0) + first + offsets
 
     def border(self, fields) -> float:
         """How far the surface goes on beyond its edges."""
