@@ -189,8 +189,7 @@ def table(which: str, jobs: int, minutes: float, again: bool) -> None:
         print(f"factor {factor}: {sum(len(task[2]) for task in tasks)} changes on {len(tasks)} structures", flush=True)
         for task, found in spread(trials, tasks, jobs, end, lambda task: sorted_by_need(task, done)):
             done.append(found)
-            with TRIALS.open("a") as file:
-                file.write(json.dumps(found) + "\n")
+            keep_trial(found)
             print(f"{(time.monotonic() - begun) / 60:5.1f} min  x{factor} {task[0]}: {len(found['differing'])} of "
                   f"{len(task[2])} differ, {found['runs']} runs", flush=True)
         write_table(done)
@@ -226,7 +225,25 @@ def sorted_by_need(task: tuple, done: list[dict]) -> tuple:
 
 
 def kept_trials() -> list[dict]:
-    return [json.loads(line) for line in TRIALS.read_text().splitlines()] if TRIALS.exists() else []
+    """Trials on disk; rows that were tried stand there as numbers in the order in which lines "rows" name them."""
+    known, found = [], []
+    for line in map(json.loads, TRIALS.read_text().splitlines() if TRIALS.exists() else ()):
+        if "rows" in line:
+            known += line["rows"]
+        else:
+            found.append(line | {"tried": [known[n] for n in line["tried"]]})
+    return found
+
+
+def keep_trial(found: dict) -> None:
+    known = [key for line in (TRIALS.read_text().splitlines() if TRIALS.exists() else ())
+             for key in json.loads(line).get("rows", ())]
+    new = [key for key in found["tried"] if key not in known]
+    numbers = {key: n for n, key in enumerate(known + new)}
+    with TRIALS.open("a") as file:
+        if new:
+            file.write(json.dumps({"rows": new}) + "\n")
+        file.write(json.dumps(found | {"tried": [numbers[key] for key in found["tried"]]}) + "\n")
 
 
 def write_table(done: list[dict]) -> None:
@@ -290,9 +307,10 @@ def spread(function: Callable, tasks: list[tuple], jobs: int, end: float = inf,
                         print(f"{task[:2]} ends its process", flush=True)
 
 
-def write_json(file: Path, content) -> None:
+def write_json(file: Path, content: dict) -> None:
+    """Write a line for each key; the file is whole at each moment."""
     beside = file.with_suffix(".part")
-    beside.write_text(json.dumps(content, indent=0) + "\n")
+    beside.write_text("{\n" + ",\n".join(f"{json.dumps(k)}: {json.dumps(v)}" for k, v in content.items()) + "\n}\n")
     beside.replace(file)
 
 
