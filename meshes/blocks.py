@@ -35,7 +35,7 @@ class Blocks:
     def line(self, a: str, b: str) -> list[int]:
         """gmsh's curves between two points."""
         self._divide(a, b)
-        return [self._halves[a, b], self._halves[b, a]]
+        return [abs(self._halves[a, b]), abs(self._halves[b, a])]
 
     def fill(self, corners: Sequence[str], triangles: bool) -> list[int]:
         """gmsh's surfaces between three or four points."""
@@ -43,7 +43,7 @@ class Blocks:
         sides = around(corners)
         for side in sides:
             self._divide(*side)
-        spokes = {side: self._graded(self._middles[side], centre) for side in sides}
+        spokes = {side: self._graded(self._middles[side], centre, self._growth) for side in sides}
         made = []
         for before, after in pairwise([sides[-1], *sides]):
             corner, last, following = after[0], self._middles[before], self._middles[after]
@@ -56,15 +56,16 @@ class Blocks:
         return made
 
     def _divide(self, a: str, b: str) -> None:
-        """Make the curves from two points to the middle between them, once."""
+        """Make the curves from two points to the middle between them, once; both run alike, the second one reversed."""
         if (a, b) not in self._halves:
             middle = self._point((a, b))
             self._middles[a, b] = self._middles[b, a] = middle
-            self._halves[a, b], self._halves[b, a] = (self._graded(self._tags[n], middle) for n in (a, b))
+            self._halves[a, b] = self._graded(self._tags[a], middle, self._growth)
+            self._halves[b, a] = -self._graded(middle, self._tags[b], 1 / self._growth)
 
-    def _graded(self, first: int, last: int) -> int:
+    def _graded(self, first: int, last: int, growth: float) -> int:
         curve = gmsh.model.geo.addLine(first, last)
-        gmsh.model.geo.mesh.setTransfiniteCurve(curve, self._cells + 1, "Progression", self._growth)
+        gmsh.model.geo.mesh.setTransfiniteCurve(curve, self._cells + 1, "Progression", growth)
         return curve
 
     def _point(self, names: Sequence[str]) -> int:

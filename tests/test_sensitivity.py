@@ -128,4 +128,4 @@ def test_a_branch_that_keeps_its_load_has_no_name():
                      [Whirl(beam, pi**4), fx.PointForce(mesh, "b", (-1.0, 0.0))], fx.Monitor(mesh, "b", "x", -1.0))
     (point,) = trace(Case(scene, fx.LoadControl(0.3, target=3.0))).critical_points
     assert (point.title, point.slope, point.curvature) == ("bifurcation point", 0.0, None)
-    assert point.load == pytest.approx(2.0, rel=1e-3), "twice the load factor, of two loads"
+    assert point.load == pytest.approx(1.0, rel=1e-3), "the force alone: a load of one's own without a total is none"

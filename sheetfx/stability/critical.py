@@ -21,6 +21,7 @@ from .turning import turning_loads
 TOGETHER = 1e-3  # of a step, distance of the crossings of one multiple point
 CLUSTER = 0.01  # relative difference of the loads of a step that may hold any number
 SHORTEST = 1 / 64  # of a step, piece that must be explained
+AGREE = 0.01  # of the load that a step adds, difference between two interpolations of a bifurcation's load
 
 
 def locate(tracer, earlier: State | None, before: State, after: State,
@@ -233,6 +234,16 @@ def _clusters(crossings: list[Crossing], near: float, same: float) -> list[list[
     return clusters
 
 
+def _agree(segment: Segment, *loads: float) -> bool:
+    """Whether loads of a bifurcation agree: that of its state, and where eigenvalues and where tangents have it.
+
+    Where a path turns onto another one nearby, states that look like neighbours are not: their tangents lead away, and
+    what lies between them is no equilibrium.
+    """
+    rise = np.ptp([s.load for s in segment.states.values()])
+    return np.ptp(loads) <= AGREE * rise + segment.tracer.control.exact * max(map(abs, loads))
+
+
 def _bifurcation(segment: Segment, crossings: list[Crossing]) -> tuple[CriticalPoint, State | None]:
     """A simple or multiple bifurcation, classified, and its state.
 
@@ -247,10 +258,13 @@ def _bifurcation(segment: Segment, crossings: list[Crossing]) -> tuple[CriticalP
         tracer.back_to(segment.states[min(s for s in segment.states if s >= first.length)])
         solid = tracer.system.history.moved
         return replace(point, name="comparison solid" if solid else "corner" if first.corner else ""), None
+    led, _ = segment.seen(first.length)
     try:
         state = segment.on_path(first.length)
     except Missed:
         return point, None
+    if segment.guarded and not _agree(segment, state.load, first.load, led):
+        raise Jump("the load at a bifurcation is not that of the path around it")
     values, modes = segment.spectrum(first.length, count)
     tracer.factorise_at(state)
     nearest = np.argsort(np.abs(values))[:count]

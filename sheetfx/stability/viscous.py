@@ -138,7 +138,7 @@ class ViscousFall(Fall):
         system.configure(x, start)
         stepper.elimination, stepper.viscosity = None, self._shift
         stepper.begin(control, tangent, length, pushed)
-        moved = tracer.enforcement.solve(tracer.correct, [1.0])
+        moved = tracer.enforcement.solve(tracer.correct, [1.0], control.augmentations)
         stepper.viscosity = 0.0
         if moved and self._inner(x, x) <= FARTHEST**2:
             self._step.array[:] = x.array

@@ -88,6 +88,27 @@ def heavy_column() -> fx.Case:
     return fx.Case(scene, until=fx.Until(load=0.2))
 
 
+def stayed_mast() -> fx.Case:
+    """A mast on a hinge between stays that are a hundredth stiffer across than along, see tests/test_first_piece.py."""
+    top = {"east": (1, 0), "west": (-1, 0), "north": (0, 1), "south": (0, -1)}
+    nodes = {"base": (0, 0, 0), "top": (0, 0, 2.0)} | {name: (*place, 2.0) for name, place in top.items()}
+    members = {"mast": ("base", "top", 1)} | {name: ("top", name, 1) for name in top}
+    rigidities = {"mast": 2e6, "east": 1.0, "west": 1.0, "north": 1.01, "south": 1.01}
+    mesh = fx.read(lambda: fx.meshes.frame(nodes, members), 3)
+    bars = [fx.Bar(mesh, fx.Rectangle(1.0, 1.0), fx.Elastic(value), group=name) for name, value in rigidities.items()]
+    scene = fx.Scene(bars, [fx.pin(mesh, name) for name in nodes if name != "top"],
+                     [fx.PointForce(mesh, "top", (0.0, 0.0, -1.0))], fx.Monitor(mesh, "top", "x"))
+    return fx.Case(scene, fx.LoadControl(step=1.4, target=4.444))
+
+
+def secondary(record: Record) -> dict[str, float]:
+    """The secondary bifurcation of a branch that begins at the first one."""
+    branch = record.branches(record.critical_points[0])[-1]
+    path = fx.Path(record.case.scene, fx.ArcLength(3.155e-3), fx.Until(deflection=0.0757), start=[branch.start])
+    found = [point for state in path for point in state.critical]
+    return {"points": len(found)} | {f"sway {n}": abs(point.deflection) for n, point in enumerate(found)}
+
+
 def trap(name: str) -> Callable[[], fx.Case]:
     return lambda: TRAPS[name].case()
 
@@ -101,6 +122,7 @@ AFTERWARDS: dict[str, tuple[Callable[[], fx.Case], Callable[[Record], dict[str, 
     "branches-star-dome": (trap("star-dome"), bifurcations),
     "branches-augusti": (trap("augusti-exact"), bifurcations),
     "branches-close": (trap("close-modes-0.1-percent"), bifurcations),
+    "branch-of-mast": (stayed_mast, secondary),
     "branches-column": (trap("column"), bifurcations),
     "falls-roof": (trap("roof-12.7"), BY_LOAD),
     "falls-lee-frame": (trap("lee-frame"), BY_DISPLACEMENT),
