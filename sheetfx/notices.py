@@ -1,4 +1,4 @@
-"""Warnings that show the user's line."""
+"""Warnings that show the user's line, and lists of names in messages."""
 
 from __future__ import annotations
 
@@ -15,6 +15,12 @@ def warn(message: str) -> None:
     while frame.f_back is not None and str(frame.f_globals.get("__name__")).partition(".")[0] == PACKAGE:
         frame, level = frame.f_back, level + 1
     warnings.warn(message, stacklevel=level)
+
+
+def listed(names: Sequence[str], most: int, between: str = ", ") -> str:
+    """The first names, and how many more there are."""
+    more = len(names) - most
+    return between.join(names[:most]) + (f" and {more} more" if more > 0 else "")
 
 
 def alike(kind: str, names: Sequence[str]) -> str:

@@ -10,6 +10,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from ..model.scene import part_named
+from ..notices import listed
 
 CLOSE = 1e-4  # of a motion's size, deviation from what its words say: null vectors are exact to about 1e-6
 FEW = 3  # parts that words name one by one
@@ -122,8 +123,9 @@ def _free_bodies(discretisation, moving: list[Moving], motions: int, size: float
         if rigid.shape[1]:
             whole = len(bodies) == 1
             rest = [m.name for m in moving if m.part not in body]
-            name = "the structure" if whole else "the " + _listed([m.name for m in mine])
-            apart = "" if whole else f", which nothing joins to the {_listed(rest)},"
+            name = "the structure" if whole else "the " + listed([m.name for m in mine], FEW, " and the ")
+            others = listed(rest, FEW, " and the ")
+            apart = "" if whole else f", which nothing joins to the {others},"
             told.append(f"{name}{apart} {_rigid_words(rigid, centre, size, _dimension(body))}")
     return told
 
@@ -271,11 +273,6 @@ def _names(parts) -> dict:
     plain = [part_named(part) for part in parts]
     return {part: name + (f" (parts[{i}])" if plain.count(name) > 1 else "")
             for i, (part, name) in enumerate(zip(parts, plain, strict=True))}
-
-
-def _listed(names) -> str:
-    more = len(names) - FEW
-    return " and the ".join(names[:FEW]) + (f" and {more} more" if more > 0 else "")
 
 
 def words_of_place(place: np.ndarray, size: float = 1.0) -> str:

@@ -24,6 +24,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from ..compat import gmsh_cells
+from ..notices import listed
 from .gmsh_model import DIMENSIONS, KINDS, Cells, Model
 
 SHOWN = 5  # names in a message
@@ -177,12 +178,7 @@ def _said(model: Model, cells: Cells, turned: np.ndarray, like: np.ndarray) -> s
     if not len(turned):
         return ""
     dimension = 1 if KINDS[cells.kind][1] == 2 else 2
-    names = _listed([repr(name) for name, on in cells.groups.items() if np.isin(turned, on).any()])
+    names = listed([repr(name) for name, on in cells.groups.items() if np.isin(turned, on).any()], SHOWN)
     return (f"{model.what}: {len(turned)} cells of {names} ran against their neighbours and are turned, to run like "
-            f"those of {DIMENSIONS[dimension][:-1]} {_listed(list(map(str, np.unique(like))))}; "
+            f"those of {DIMENSIONS[dimension][:-1]} {listed(list(map(str, np.unique(like))), SHOWN)}; "
             f"{GOES_BY_IT[dimension]} go by it")
-
-
-def _listed(names: list[str]) -> str:
-    more = len(names) - SHOWN
-    return ", ".join(names[:SHOWN]) + (f" and {more} more" if more > 0 else "")

@@ -12,6 +12,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from ..compat import geometry_nodes
+from ..notices import listed
 from .reader import NamedMesh
 
 Place = tuple[NamedMesh, str | None]
@@ -87,16 +88,11 @@ class _Pieces:
         for name, where in chain.from_iterable(self.comm.allgather(here)):
             on.setdefault(name, set()).update(where)
         names = sorted(on, key=lambda name: len(on[name]))
-        return [_listed([name for name in names if piece in on[name]]) for piece in sorted(wanted)]
+        return [listed([repr(name) for name in names if piece in on[name]], SHOWN) for piece in sorted(wanted)]
 
 
 def _vertices_of(mesh: NamedMesh, name: str | None) -> np.ndarray:
     return np.unique(_corners(mesh)) if name is None else mesh.vertices(name)
-
-
-def _listed(names: list[str]) -> str:
-    more = len(names) - SHOWN
-    return ", ".join(map(repr, names[:SHOWN])) + (f" and {more} more" if more > 0 else "")
 
 
 def _corners(mesh: NamedMesh) -> np.ndarray:

@@ -60,7 +60,6 @@ class NamedMesh:
     def dimension(self) -> int:
         return self.domain.geometry.dim
 
-
     @property
     def measure(self) -> float:
         """Length of all curves, or area of all surfaces."""

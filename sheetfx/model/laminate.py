@@ -141,15 +141,20 @@ class Laminate(ShellSection):
 
     def _moments(self, material) -> list[float]:
         """Mass per area, and its moments of first and second degree about the middle."""
-        heights = np.cumsum([0.0, *(ply.thickness for ply in self.plies)]) - self.thickness / 2
+        heights = _heights(self.plies)
         densities = np.array([ply.density or material.density for ply in self.plies])
         return [float(densities @ np.diff(heights**n)) / n for n in (1, 2, 3)]
 
 
+def _heights(plies: Sequence[Ply]) -> np.ndarray:
+    """Of the faces of plies above the middle."""
+    heights = np.cumsum([0.0, *(ply.thickness for ply in plies)])
+    return heights - heights[-1] / 2
+
+
 def _integrals(plies: Sequence[Ply]) -> tuple[np.ndarray, ...]:
     """Membrane, coupling and bending stiffness about the middle."""
-    heights = np.cumsum([0.0, *(ply.thickness for ply in plies)])
-    heights -= heights[-1] / 2
+    heights = _heights(plies)
     plane = np.array([ply.plane_stress() for ply in plies])
     return tuple(np.tensordot(np.diff(heights**n) / n, plane, 1) for n in (1, 2, 3))
 

@@ -13,7 +13,6 @@ from .. import forms
 from ..checks import Choice, Count, NotNegative, Positive, check
 from ..forms.evaluate import evaluate, prepared
 from ..mesh.lines import Stretch
-from ..mesh.projection import Cells
 from ..mesh.reader import NamedMesh
 from .obstacles import Obstacle, add_travel
 from .own_forms import number_of
@@ -76,12 +75,8 @@ class ObstacleContact(SampledContact):
         x = ufl.variable(ufl.as_vector([point[i] for i in range(self.mesh.dimension)]))
         slope = prepared(ufl.diff(self.obstacle.gap(x, [0.0] * self.mesh.dimension), x))
         toward = -evaluate(slope, lambda node: samples.places if node == point else number_of(node))
-        toward, normals = np.broadcast_to(toward, samples.places.shape), None
-        if self.mesh.domain.topology.dim == 2:
-            cells, which = np.unique(samples.cells, return_inverse=True)
-            normals = Cells(self.mesh, cells).normals(which, samples.reference)
-        thick = self.distance is None
-        return (self.distance or 0.0) + faces(parts, samples.cells, normals, toward, thick, self._title)
+        toward, thick = np.broadcast_to(toward, samples.places.shape), self.distance is None
+        return (self.distance or 0.0) + faces(parts, samples.cells, self._normals, toward, thick, self._title)
 
     def unknowns(self, fields):
         add_travel(fields, self.obstacle, self.mesh)

@@ -66,6 +66,14 @@ class SampledContact(Joint):
         """Of the cells with samples."""
         return float(Cells(self.mesh, np.unique(self._samples.cells)).sizes.mean())
 
+    @property
+    def _normals(self) -> np.ndarray | None:
+        """Of the meshed surface at the samples; None: they lie on a line."""
+        if self.mesh.domain.topology.dim < 2:
+            return None
+        cells, which = np.unique(self._samples.cells, return_inverse=True)
+        return Cells(self.mesh, cells).normals(which, self._samples.reference)
+
     def _pairs(self, arms: np.ndarray, apart: np.ndarray, stiffness: float, size: float) -> dict:
         """Attributes of `discrete.pairs.Pairs` but for the points.
 

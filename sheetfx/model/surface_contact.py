@@ -111,11 +111,8 @@ class SurfaceContact(SampledContact):
         cells : of the second part
         normals, side : of it, where it is closest to each sample, and 1 or -1: on which of its sides that is
         """
-        samples, thick, own_normals, toward = self._samples, self.distance is None, None, -side[:, None] * normals
-        if self.mesh.domain.topology.dim == 2:
-            own, place = np.unique(samples.cells, return_inverse=True)
-            own_normals = Cells(self.mesh, own).normals(place, samples.reference)
-        first = faces(parts_on(fields, self.mesh), samples.cells, own_normals, toward, thick, self._title)
+        thick, toward = self.distance is None, -side[:, None] * normals
+        first = faces(parts_on(fields, self.mesh), self._samples.cells, self._normals, toward, thick, self._title)
         up, there = np.tile((0.0, 0.0, 1.0), (len(cells.cells), 1)), []
         for sign in (1.0, -1.0):
             second = faces(parts_on(fields, self.to[0]), cells.cells, up, sign * up, thick, self._title)

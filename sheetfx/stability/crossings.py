@@ -47,8 +47,7 @@ class Crossing:
 
 
 def unresolved(segment: Segment, left: float, right: float, count: int) -> list[Crossing]:
-    """Crossings that are known to lie between two lengths, and no more; those of a step around a corner: its start.
-    """
+    """Crossings that are known to lie between two lengths, and no more; those of a step around a corner: its start."""
     one, other = segment[left], segment[right]
     low, high = sorted((one.load, other.load))
     corner = segment.wavering and _jumps(segment, Border(segment, left, right, count), left, right)

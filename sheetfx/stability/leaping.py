@@ -6,17 +6,12 @@ Where a step has left its path for another one, states of some of its lengths do
 from __future__ import annotations
 
 from ..continuation.segment import Jump, Segment
-from ..continuation.state import State
 
 
 def leads_around_corner(segment: Segment) -> bool:
     """Whether a step turns more than steps may but around a corner of the path."""
     tracer = segment.tracer
     return tracer.turn(segment.before, segment.after) > tracer.control.turn
-
-
-def _guarded(segment: Segment) -> bool:
-    return segment.wavering and segment.tracer.control.guarded and not leads_around_corner(segment)
 
 
 def require_convergence(segment: Segment, sound: float) -> None:
@@ -26,9 +21,6 @@ def require_convergence(segment: Segment, sound: float) -> None:
     ------
     Jump
     """
-    if _guarded(segment):
-        raise Jump("states within the step, beside a critical point, do not converge", _sound(segment, sound))
-
-
-def _sound(segment: Segment, length: float) -> State | None:
-    return segment[length] if length else None
+    if segment.wavering and segment.tracer.control.guarded and not leads_around_corner(segment):
+        state = segment[sound] if sound else None
+        raise Jump("states within the step, beside a critical point, do not converge", state)
