@@ -11,7 +11,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from math import copysign, inf, isclose, pi
+from math import copysign, inf, pi
 from typing import Any
 
 from .checks import require
@@ -29,6 +29,7 @@ from .continuation.until import AT_BOUND, Until
 from .discrete.discretisation import Discretisation
 from .model.scene import Scene, Stage
 from .notices import warn
+from .rounding import SAME, same
 from .stability.critical import locate
 from .stability.flutter import Flutter
 from .stability.rest import unstable_at_rest
@@ -140,7 +141,7 @@ class Path:
 
     def _stage_is_over(self, state: State) -> bool:
         """Whether the loads of a stage before the last have their full size."""
-        return state.stage + 1 < len(self._controls) and state.factor >= 1 - 1e-12
+        return state.stage + 1 < len(self._controls) and state.factor >= 1 - SAME
 
     def _next_stage(self, state: State) -> State:
         self._earlier = None
@@ -156,8 +157,7 @@ class Path:
     def _end(self, state: State) -> str | None:
         if state.stage + 1 < len(self._controls):
             return self.until.stopped(state)
-        if isinstance(self.control, LoadControl) and isclose(state.factor, self.control.target, rel_tol=1e-12,
-                                                             abs_tol=1e-12):
+        if isinstance(self.control, LoadControl) and same(state.factor, self.control.target):
             return f"load factor {self.control.target:g} reached"
         return self.until.reached(state)
 

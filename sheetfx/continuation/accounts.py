@@ -8,11 +8,11 @@ from itertools import pairwise
 
 import numpy as np
 
+from ..rounding import SAME
 from .segment import Jump, Missed, Segment
 from .state import State
 from .tracer import Tracer
 
-DEAD = 1e-9  # relative change of loads that is rounding
 UNSURE = 0.01  # of its difference from the rule of a single point, what Gauss's rule along a step may be off
 GAUSS_ALONG = (1 + np.sqrt(0.6) * np.array([-1.0, 0.0, 1.0])) / 2, np.array([5.0, 8.0, 5.0]) / 18
 
@@ -160,7 +160,7 @@ def _proportional(system, state: State) -> bool:
 
 def _equal(system, one: np.ndarray, other: np.ndarray) -> bool:
     change, size = (system.comm.allreduce(float(v @ v)) for v in (one - other, other))
-    return change <= DEAD**2 * size
+    return change <= SAME**2 * size
 
 
 def _product(system, load: np.ndarray, place: np.ndarray, without: np.ndarray | None = None) -> float:

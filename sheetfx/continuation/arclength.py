@@ -16,6 +16,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from ..compat import NOT_A_NUMBER
+from ..rounding import SAFETY, residual
 from .control import LoadResponse, StepRule
 from .elimination import Elimination
 from .linear import DirectSolver
@@ -25,8 +26,6 @@ SLOW = 0.1  # residual over that of the iteration before, from which a guess is 
 WRONG = 1e-3  # residual over the load, above which a guess whose residual grows is given up
 BETTER = 0.1  # of the residual, that of contact forces which are found from a step
 SPARE = 10.0  # of the fall of the residual in an iteration, what one more with the same tangent may leave
-TINY = 1e-9  # correction over the increments, which changes nothing but rounding
-ROUNDED = 10 * np.finfo(float).eps  # of what the stiffest unknown takes to move by the structure's size, most rounding
 UNDAMPED = 5  # iterations, after which half steps are taken where it cycles
 VAIN = 5  # iterations, after which a residual that has not fallen to half gives up
 CLOSE = 1e-3  # residual over the load, below which it does not
@@ -82,6 +81,7 @@ class PathStep:
         self.system = None
         self.control: StepRule | None = None
         self.history: list[float] = []
+        self._corrections: list[float] = []
         self.start = self.load_increment = self.rounding = self.viscosity = 0.0
         self.behind, self.patient = inf, False
         self.unfinished: np.ndarray | None = None
@@ -131,7 +131,7 @@ class PathStep:
         self._predict = False
 
     def solve(self, snes, b, x) -> None:
-        self.history, self.unfinished = [], None
+        self.history, self._corrections, self.unfinished = [], [], None
         if self._predict:
             x.zeroEntries()
             self._step.zeroEntries()
@@ -163,7 +163,7 @@ class PathStep:
             self.history.append(norm / size if size else norm)
             if norm <= rtol * size and (iteration or self._guess is None):
                 return Reason.CONVERGED_FNORM_RELATIVE
-            if iteration > (self._guess is None) and self._at_rounding(x, self.history[-1]):
+            if iteration > 1 and self._at_rounding(x):
                 self.rounding = max(self.rounding, norm)
                 return Reason.CONVERGED_SNORM_RELATIVE
             if norm != norm and np.isfinite(x.norm()):
@@ -206,8 +206,8 @@ class PathStep:
         self.load_increment += damping * change
         if anew and damping == 1:
             self._hold_contacts(x, tangent, x)
-        self._correction = self.tangent.inner(self._step, self._step) ** 0.5
-        self.behind += self._correction
+        self._corrections.append(self.tangent.inner(self._step, self._step) ** 0.5)
+        self.behind += self._corrections[-1]
         self._move(x, self._step)
 
     def _factorise_anew(self, snes, x) -> bool:
@@ -215,14 +215,19 @@ class PathStep:
         if self._guess is None:
             anew = self.control.newton == "full" and not self._is_near
         else:
-            anew = len(self.history) == 1 or (
-                self.history[-1] > SLOW * self.history[-2] and self._last_step(x) > TINY)
+            anew = len(self.history) == 1 or (self.history[-1] > SLOW * self.history[-2] and not (
+                self._is_fresh and self._residual.norm() <= residual(self.system)))
         if anew:
             if self._guess is not None:
                 self.system.extrapolate_stress()
                 self.behind = 0.0
             self.factorise(snes, x)
         return anew
+
+    @property
+    def _is_fresh(self) -> bool:
+        """Whether the last correction was by its own iterate's factor, or that of a step."""
+        return self._guess is None or self.behind <= self._corrections[-1]
 
     @property
     def _is_near(self) -> bool:
@@ -253,29 +258,24 @@ class PathStep:
             self.load_increment += self.elimination.correct(x, self.factor_now, self._step, tangent.solution, gradient,
                                                             size, exact)
 
-    def _at_rounding(self, x, residual: float) -> bool:
-        """Whether the residual is rounding: no longer falling, though Newton's steps have become tiny.
+    def _at_rounding(self, x) -> bool:
+        """Whether the residual is rounding: as small as that may be, no longer falling, and nothing left to correct.
 
-        In slender beams the axial force alone rounds to EA times the machine's precision, which can be
-        more than the tolerance allows. Near a bifurcation rounding moves the structure along the mode, so that steps
-        are small only; the residual must then have been the same for four iterations, and nothing be in contact. But
-        where Newton's iteration creeps, as past a limit point close to a bifurcation, it is the same too, and far
-        larger than rounding can be.
+        The last correction is within the tolerance, or no less than the one before. Axial forces of slender beams round
+        to more than bending leaves while corrections still bend them.
         """
-        step, last = self._last_step(x), self.history[-4:]
-        if step <= TINY:
-            stays = residual < 1e-2 and residual > 0.1 * self.history[-2]
-        else:
-            steady = len(last) == 4 and max(last) < 2 * min(last)
-            stays = step <= 1e-4 and self.system.smooth and residual < 1e-3 and steady
-        return stays and self._residual.norm() <= ROUNDED * self.system.largest_force()
+        (before, now), (longer, last) = self.history[-2:], self._corrections[-2:]
+        if before >= SAFETY * now or not self._is_fresh:
+            return False
+        still = last <= self._tolerance * self.tangent.inner(x, x) ** 0.5 or longer < SAFETY * last
+        return still and self._residual.norm() <= residual(self.system)
 
     @property
     def rounds(self) -> bool:
         """Whether a residual that rounding can explain is too large beside the load."""
         if not self.history:
             return False
-        bound, size = ROUNDED * self.system.largest_force(), max(self._load.norm(), self.system.reaction)
+        bound, size = residual(self.system), max(self._load.norm(), self.system.reaction)
         return self._residual.norm() <= bound and bound >= WRONG * size
 
     def _is_lost(self) -> bool:
@@ -295,10 +295,6 @@ class PathStep:
             return False
         last = damped[-2:]
         return bool((np.abs(np.column_stack((damped[:-3], damped[1:-2])) - last) < SAME * last).all(axis=1).any())
-
-    def _last_step(self, x) -> float:
-        """Length of the last correction over that of the increments."""
-        return self._correction / (self.tangent.inner(x, x) ** 0.5 or 1.0)
 
     def _damping(self) -> float:
         """Half steps where the iteration cycles, as between two sets of contact points."""

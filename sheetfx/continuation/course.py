@@ -10,8 +10,8 @@ from collections.abc import Iterable
 
 import numpy as np
 from scipy.interpolate import KroghInterpolator
-from scipy.optimize import brentq
 
+from ..rounding import root
 from .state import State
 
 MOST = 4  # states that are interpolated between
@@ -58,7 +58,7 @@ class Course:
             rates = [load.derivative(end) for end in ends]
             if not rates[0] * rates[1] < 0:
                 return None
-            length = self._after.length * brentq(load.derivative, *ends, xtol=1e-15)
+            length = self._after.length * root(load.derivative, *ends)
         return length
 
     def _data(self, length: float, states: dict[float, State]) -> tuple[list[float], list[tuple[float, np.ndarray]]]:

@@ -24,6 +24,7 @@ from petsc4py import PETSc
 from slepc4py import SLEPc
 
 from .. import compat
+from ..rounding import is_real
 from .callbacks import interruptible
 from .linear import DirectSolver
 from .state import State
@@ -31,7 +32,6 @@ from .state import State
 PREFIX = "sheetfx_crossings_"
 FEW, MANY = 6, 48  # eigenvalues that are looked for: those that change most, at most of those that pass zero
 FAR, ROUGH = 0.5, 1e-2  # real part of 1 / (1 - s) below which none is near 1, and its error
-REAL = 1e-5  # imaginary over real part of what counts as real: double eigenvalues split by rounding
 ALIKE = 1e-9  # of estimates that steps hang on, so that any number of processes takes the same steps
 CLOSE = 1e-3  # relative difference of eigenvalues whose directions are found together
 
@@ -221,7 +221,7 @@ def _none_near(solver: DirectSolver, change: PETSc.Mat) -> bool:
 
 def _passes(value: complex) -> bool:
     """Whether the reciprocal of 1 - s belongs to a real s between 0 and 1."""
-    return value.real > 1 and abs(value.imag) <= REAL * value.real
+    return value.real > 1 and is_real(value)
 
 
 def _solver(solver: DirectSolver | _Transposed, change: PETSc.Mat, count: int, tolerance: float = 1e-6,

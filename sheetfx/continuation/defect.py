@@ -13,11 +13,11 @@ from __future__ import annotations
 
 from petsc4py import PETSc
 
+from ..rounding import off_path
 from .segment import Segment
 
 INSIDE = 0.875  # of a piece, the place of that: near the end whose tangent is factored
 MINOR = 1e-6  # of the load itself, correction that matters little
-ROUNDED = 1e-6  # of the structure's size, correction off the path that rounding may ask for
 
 
 def interpolates(segment: Segment, left: float, right: float) -> bool:
@@ -34,11 +34,10 @@ def _is_near(segment: Segment, left: float, right: float) -> bool:
     response = system.create_vector(segment.states[right].response)
     small = tracer.control.off_path * segment.distance(left, right)
     off = _across(tracer, residual, response)
-    if off > max(small, ROUNDED):
+    if off > small:
         off = _across(tracer, residual, _response_at(tracer, place))
     system.configure(tracer.x, segment.before.factor)
-    return off <= small or (off <= ROUNDED and off <= 10 * max(
-        segment.uncertainty(segment.states[s]) for s in (left, right)))
+    return off <= small or off <= max(off_path(tracer, segment.states[s]) for s in (left, right))
 
 
 def _load_is_near(segment: Segment, left: float, right: float) -> bool:

@@ -8,9 +8,9 @@ from numbers import Real
 from typing import Annotated
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ..checks import Choice, Like, NotNegative, check, require
+from ..rounding import SAME, root
 from .segment import Missed, Segment
 from .state import CriticalPoint, State
 
@@ -115,7 +115,7 @@ def _length(segment: Segment, event: Event) -> float:
         return 0.0 if abs(found) <= event.near else found
 
     if event.near:
-        return float(brentq(value, 0.0, end, xtol=1e-12 * end))
+        return root(value, 0.0, end)
     segment.close_in(value, 0.0, end, segment.tracer.control.exact_event)
     return min(reversed(_around(segment, event)), key=lambda s: abs(value(s)))
 
@@ -139,7 +139,7 @@ def _around(segment: Segment, event: Event) -> tuple[float, float]:
 
 def end_at(tracer, after: State, occurrence: Occurrence) -> State:
     """The state of an event as the end of its step; the tracer ends there."""
-    if occurrence.point.length >= after.length * (1 - 1e-12):
+    if occurrence.point.length >= after.length * (1 - SAME):
         return after
     tracer.back_to(occurrence.state)
     return occurrence.state

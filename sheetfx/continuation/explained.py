@@ -6,12 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 from mpi4py import MPI
-from petsc4py import PETSc
 
+from .. import rounding
 from .segment import Segment
 
 MINOR = 1e-6  # of the forces that an increment adds, reactions that matter little: those of ties that are not pulled
-NOISE = 1e-12  # of reactions, over what the stiffest unknown would take: structures that move without strain
 
 
 def explained(segment: Segment, left: float, right: float) -> bool:
@@ -39,8 +38,7 @@ def _reaction_noise(tracer, load_increment: float, increment: np.ndarray) -> flo
     added.array[system.multiplier_rows] = 0.0
     small = MINOR * abs(load_increment) * added.norm()
     moves = np.abs(np.delete(increment, system.multiplier_rows)).max(initial=0.0)
-    return small + NOISE * system.comm.allreduce(float(moves), op=MPI.MAX) * system.matrix.getDiagonal().norm(
-        PETSc.NormType.INFINITY)
+    return small + rounding.residual(system, system.comm.allreduce(float(moves), op=MPI.MAX))
 
 
 def _follows(change, rates: Sequence, distance: float, share: float, noise: float = 0.0) -> bool:

@@ -7,14 +7,13 @@ from math import acos
 import numpy as np
 from petsc4py import PETSc
 
+from .. import rounding
 from ..discrete.discretisation import Discretisation
 from ..discrete.system import System
 from ..model.scene import Monitor
 from .control import StepRule
 from .functional import Functional, Turn
 from .state import State
-
-STILL = 1e-14  # of the structure's size, motion that is none, as of what rests on something rigid
 
 
 class Measuring:
@@ -67,7 +66,7 @@ class Measuring:
     def angle(self, one: tuple[float, np.ndarray], other: tuple[float, np.ndarray]) -> float:
         """Angle between two increments of load factor and unknowns; zero where one of them is rounding."""
         lengths = self.distance(*one), self.distance(*other)
-        if min(lengths) <= STILL:
+        if min(lengths) <= rounding.SAFETY * rounding.UNIT:
             return 0.0
         return acos(np.clip(self.inner(one, other) / (lengths[0] * lengths[1]), -1.0, 1.0))
 

@@ -8,17 +8,15 @@ from itertools import pairwise
 from math import inf
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline, KroghInterpolator
-from scipy.optimize import brentq
+from scipy.interpolate import CubicHermiteSpline
 
+from ..rounding import NONE, off_path, root
 from .course import Course
 from .state import State
 
-SAMPLES, FEWEST = 6, 4  # states that are interpolated between, at most and at least
 IN_BALANCE = 1e-6  # residual over the load of an interpolated state
 CLOSE = 0.02  # of the distance between its neighbours, by which a state misses an interpolation that is good enough
 STATIONARY = 6  # interpolations of the load, after which a stationary one is looked for without them
-NOISY = 1e-9  # relative change of the load, below which rounding may keep a stationary one from being told better
 STRAY = 0.3  # of the distance between its neighbours, by which a state may miss their interpolation
 WITHIN = 0.5  # of the iterations of a step, those after which a shorter one within it is given up
 CORNERED = 0.6  # the same with contact: the path may bend by a right angle between them
@@ -113,9 +111,9 @@ class Segment:
         ------
         Jump, Missed
         """
-        if self.wavering or length in self.states or len(self.states) < FEWEST:
+        if self.wavering or length in self.states:
             return self[length]
-        load, x = self._between(length)
+        load, x = self.course.at(length, self.states)
         self.tracer.back_to(self.before)
         state = self.tracer.adopt(x, load, IN_BALANCE)
         if state is None:
@@ -134,13 +132,6 @@ class Segment:
         load, deflection = tracer.discretisation.total_load(), self.before.deflection + tracer.monitored(increment)
         tracer.back_to(self.before)
         return load, deflection
-
-    def _between(self, length: float) -> tuple[float, np.ndarray]:
-        """Increments of load factor and unknowns by the nearest states alone."""
-        nearest = sorted(self.states, key=lambda s: abs(s - length))[:SAMPLES]
-        table = [np.append(x, load) for load, x in map(self._increments, nearest)]
-        found = KroghInterpolator(nearest, table)(length)
-        return float(found[-1]), found[:-1]
 
     def neighbours(self, length: float) -> tuple[float, float]:
         """Lengths of the nearest states on both sides."""
@@ -191,19 +182,6 @@ class Segment:
         rates = [component(self.states[s].tangent[1]) for s in (left, right)]
         return component(self.chord(left, right)[1]), self.distance(left, right) * sum(rates) / 2
 
-    def uncertainty(self, state: State) -> float:
-        """Distance by which the residual that a state has converged to, and rounding, may have it off the path."""
-        tracer, system = self.tracer, self.tracer.system
-        tracer.factorise_at(state)
-        residual, correction = system.create_vector(), system.create_vector()
-        system.residual(residual)
-        tracer.stepper.linear.solve(residual, correction)
-        distance = tracer.distance(0.0, correction.array)
-        if not tracer.stepper.rounding:
-            return distance
-        (value, *_), (mode, *_) = tracer.spectrum(1)
-        return distance + tracer.stepper.rounding * mode.norm() / abs(value)
-
     def _strays(self, state: State, guess, left: float, right: float) -> bool:
         """Whether a state is further from the interpolation between its neighbours than they explain, and rounding.
 
@@ -219,7 +197,7 @@ class Segment:
         off = self._off(state, guess)
         if self.wavering:
             return off > CORNERED * distance
-        return off > STRAY * distance and off > 10 * self.uncertainty(state)
+        return off > STRAY * distance and off > off_path(self.tracer, state)
 
     def _off(self, state: State, guess: tuple[float, np.ndarray]) -> float:
         """Distance of a state from where it was expected."""
@@ -258,7 +236,7 @@ class Segment:
             state = self.states[length]
             return 0.0 if slope and self.load_change(state, value / slope) < exact * self._size(state) else value
 
-        brentq(stopped, left, right, xtol=1e-12 * self.after.length, rtol=1e-14)
+        root(stopped, left, right)
 
     def stationary(self, left: float, right: float, exact: float) -> float:
         """Length of a state between two others, whose load rates have other signs, at which the load is stationary.
@@ -279,7 +257,7 @@ class Segment:
                 break
             nearest = min((left, right), key=lambda s: abs(s - length))
             change = self.load_change(self[nearest], length - nearest) / self._size(self[nearest])
-            if nearest not in ends and (change <= exact or last / 4 < change < NOISY):
+            if nearest not in ends and (change <= exact or last / 4 < change < NONE):
                 return nearest
             last = change
             if not self.reach(length):

@@ -10,10 +10,9 @@ from ..discrete.surface_partners import MARGIN
 from ..model.pair_contact import PairContact
 from ..model.scene import Scene
 from ..model.surface_contact import SurfaceContact
+from ..rounding import NONE
 from .events import Event
 from .state import State
-
-NEAR = 1e-9  # of the size of the surface
 
 
 def first_touch() -> Event:
@@ -40,7 +39,7 @@ def slide_off(scene: Scene, contact: SurfaceContact) -> Event:
         raise ValueError(f"slide_off: contact is the {contact.name}, whose pairs have no margin; give a "
                          "SurfaceContact, or watch the displacement of the point that slides by an Event of your own")
     name = f"contact{contacts.index(contact)} partners"
-    return Event("slide-off", partial(_margin, name, contact.to[0].size), NEAR * contact.to[0].size)
+    return Event("slide-off", partial(_margin, name, contact.to[0].size), NONE * contact.to[0].size)
 
 
 def _margin(name: str, farthest: float, state: State) -> float:

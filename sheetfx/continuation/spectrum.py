@@ -8,11 +8,11 @@ from __future__ import annotations
 from petsc4py import PETSc
 from slepc4py import SLEPc
 
+from ..rounding import is_real
 from .callbacks import interruptible
 from .linear import DirectSolver
 
 PREFIX = "sheetfx_spectrum_"
-REAL = 1e-6  # imaginary part over the largest eigenvalue found, of a real one (double ones split by rounding)
 
 
 def nearest_to_zero(solver: DirectSolver, mass: PETSc.Mat, count: int,
@@ -36,7 +36,7 @@ def nearest_to_zero(solver: DirectSolver, mass: PETSc.Mat, count: int,
     for i in range(min(count, eps.getConverged())):
         real, imaginary = mass.createVecRight(), mass.createVecRight()
         value = eps.getEigenpair(i, real, imaginary)
-        if abs(value.imag) <= REAL * farthest:
+        if is_real(value, farthest):
             found.append((value.real, _normed(imaginary if value.imag < 0 else real, mass)))
     if not found:
         raise ArithmeticError(f"no eigenvalue of the tangent converges; try PETSC_OPTIONS='-{PREFIX}eps_tol 1e-8'")

@@ -12,6 +12,7 @@ from dolfinx import fem
 from .. import forms
 from ..jit import compiled_expression
 from ..model.contact import Contact
+from ..rounding import SAME
 from .nodal_field import AdditiveField
 from .unknowns import Block
 
@@ -47,7 +48,7 @@ class ContactState:
 
 def status_of(pressure: np.ndarray, traction: np.ndarray, bound: np.ndarray) -> np.ndarray:
     """Status of points by their pressure, the size of their traction, and that at which they slip."""
-    return np.where(pressure == 0, OPEN, np.where(traction >= bound * (1 - 1e-9), SLIP, STICK))
+    return np.where(pressure == 0, OPEN, np.where(traction >= bound * (1 - SAME), SLIP, STICK))
 
 
 class ContactFields:
@@ -227,7 +228,7 @@ def resolution(contact: Contact) -> tuple[float, int]:
         layer = max(0.1 * contact.beam.section.depth, cell / 3)
     if not layer:
         return 0.0, contact.beam.degree
-    needed = POINTS_ON_LAYER * cell / layer * (1 - 1e-9)
+    needed = POINTS_ON_LAYER * cell / layer * (1 - SAME)
     if needed > COUNTS[-1]:
         raise ValueError(f"Contact: a layer of {layer:.3g} would need {needed:.0f} contact points in each cell of "
                          f"length {cell:.3g}; refine the mesh or give a layer of at least "

@@ -6,10 +6,11 @@ import numpy as np
 
 from ..mesh.projection import Cells
 from ..mesh.track import SmoothRows, Track, at_places
+from ..rounding import SAME
 from .nodal_field import AdditiveField
 from .points import Trace
 
-ITERATIONS, FOUND = 60, 1e-13  # and step in the reference coordinate at which a partner is found
+ITERATIONS = 60
 STEEP = 1e-3  # cosine of the angle between a curve and the direction in which its point is looked for
 
 
@@ -99,11 +100,11 @@ class Partners:
         """Take a step along the curves, on to the next cell at most; whether any partner has moved."""
         wanted = self._reference[:, 0] + step
         end = (wanted > 0.5).astype(int)
-        beyond = (wanted < -FOUND) | (wanted > 1 + FOUND)
+        beyond = (wanted < -SAME) | (wanted > 1 + SAME)
         following = self._track.following[self._which, end]
         last, leaves = beyond & (following < 0), np.flatnonzero(beyond & (following >= 0))
         self.on &= ~last
-        moved = np.abs(np.where(last, end, wanted) - self._reference[:, 0]).max(initial=0.0) > FOUND
+        moved = np.abs(np.where(last, end, wanted) - self._reference[:, 0]).max(initial=0.0) > SAME
         if not (moved or len(leaves)):
             return False
         self._reference = np.where(beyond, end, wanted)[:, None].astype(float)

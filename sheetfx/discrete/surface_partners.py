@@ -9,10 +9,11 @@ from ..mesh.patch import Patch
 from ..mesh.projection import Cells
 from ..mesh.smoothing import SmoothSurface
 from ..mesh.taylor import SIZES
+from ..rounding import SAME
 from .nodal_field import AdditiveField
 from .points import Trace
 
-ITERATIONS, FOUND = 60, 1e-13  # and step in reference coordinates at which a partner is found
+ITERATIONS = 60
 LONGEST = 0.5  # step in reference coordinates
 EXTENDED = 1e-6, 0.005  # of a cell, as which it goes on beyond a border, or a fold, before the next one takes over
 FURTHEST = 1.0  # of a cell, where the next one sends the partner back
@@ -139,7 +140,7 @@ class SurfacePartners:
         margins, edge = self._patch.margins(self._reference), self._patch.beyond[self._which] < 0
         least = np.where(edge, -self._overhang * self._steepness(),
                          np.where(self._kept[:, None], -FURTHEST, -self._extended[self._which]))
-        held = edge & (margins <= least + FOUND) & (step @ self._patch.slopes.T < 0)
+        held = edge & (margins <= least + SAME) & (step @ self._patch.slopes.T < 0)
         self.on = ~held.any(axis=1)
         if held.any():
             off = ~self.on
@@ -147,7 +148,7 @@ class SurfacePartners:
             size = (np.einsum("na,na->n", along, pull[off])
                     / np.einsum("na,nab,nb->n", along, matrix[off], along))[:, None]
             step[off] = np.where(held[off].sum(axis=1)[:, None] > 1, 0.0, size * along)
-        step *= np.minimum(1.0, LONGEST / np.maximum(np.abs(step).max(axis=1, initial=FOUND), FOUND))[:, None]
+        step *= np.minimum(1.0, LONGEST / np.maximum(np.abs(step).max(axis=1, initial=SAME), SAME))[:, None]
         change = step @ self._patch.slopes.T
         change[held] = 0.0
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -162,7 +163,7 @@ class SurfacePartners:
                 left, border[leaves], self._reference[leaves])
             self._kept[leaves], self._left[leaves] = self._which[leaves] == self._left[leaves], left
             self.side[leaves] *= flips
-        return bool(len(leaves)) or np.abs(share[:, None] * step).max(initial=0.0) > FOUND
+        return bool(len(leaves)) or np.abs(share[:, None] * step).max(initial=0.0) > SAME
 
     def _steepness(self) -> np.ndarray:
         """Change of the margins by length on the undeformed surface, shape (n, borders)."""

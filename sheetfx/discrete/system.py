@@ -112,11 +112,6 @@ class System:
         weights.array[self.fixed_rows] = 0
         return weights
 
-    def largest_force(self) -> float:
-        """What it would take to move the stiffest unknown by the size of the structure, with the last tangent."""
-        size = max(f.scale for f in self.unknowns.fields if np.isfinite(f.scale))
-        return size * self.matrix.getDiagonal().norm(PETSc.NormType.INFINITY)
-
     def create_vector(self, values: np.ndarray | None = None) -> PETSc.Vec:
         """A vector of increments, zero or with this process's part given."""
         return self._layout.create_vector(values)

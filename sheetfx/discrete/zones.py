@@ -13,9 +13,10 @@ from functools import cached_property
 import numpy as np
 from numpy.polynomial import chebyshev, legendre
 
+from ..rounding import SPLIT
+
 SAMPLES = 5  # of the gap in a cell, which is a polynomial of degree 4 or nearly so
 POINTS = 5  # in a piece, exact for the square of such a gap
-REAL = 1e-7  # imaginary part of a root that is real
 
 
 @dataclass(frozen=True)
@@ -73,7 +74,7 @@ def samples() -> np.ndarray:
 def _negative(coefficients: np.ndarray) -> list[tuple[float, float]]:
     """Pieces of a cell in which a polynomial is negative."""
     roots = chebyshev.chebroots(chebyshev.chebtrim(coefficients, np.finfo(float).eps * np.abs(coefficients).max()))
-    real = np.sort(roots.real[np.abs(roots.imag) < REAL])
+    real = np.sort(roots.real[np.abs(roots.imag) < SPLIT])
     edges = np.concatenate([[-1.0], real[np.abs(real) < 1], [1.0]])
     middles = chebyshev.chebval((edges[:-1] + edges[1:]) / 2, coefficients)
     return [((1 + a) / 2, (1 + b) / 2) for a, b, value in zip(edges[:-1], edges[1:], middles, strict=True)

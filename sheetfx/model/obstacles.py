@@ -10,6 +10,7 @@ import numpy as np
 
 from .. import forms
 from ..checks import NONZERO, Positive, check
+from ..rounding import same
 
 
 @runtime_checkable
@@ -95,7 +96,7 @@ class RigidPlane:
             raise ValueError(f"RigidPlane: point is {self.point}, normal {self.normal}, travel {self.travel}; give two "
                              "components to each in the plane, three in space")
         length = sum(c * c for c in self.normal) ** 0.5
-        if abs(length - 1) > 1e-12:
+        if not same(length, 1.0):
             raise ValueError(f"RigidPlane: normal {self.normal} has length {length}; it must be a unit vector")
 
     @property

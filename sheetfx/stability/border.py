@@ -15,13 +15,12 @@ from collections.abc import Sequence
 import numpy as np
 from petsc4py import PETSc
 from scipy.interpolate import KroghInterpolator
-from scipy.optimize import brentq
 
+from .. import rounding
 from ..continuation.segment import Segment
 from ..continuation.spectrum import diagonal, nearest_pairs
 
 ABOUT = 1e-5  # relative error of modes that become unstable, near which vectors do
-RIGID = 1e-10  # flexibility over the largest of vectors that do not yield
 
 
 class Border:
@@ -65,7 +64,7 @@ class Border:
         vectors = _orthonormal(self._weights, modes)
         inverse, solutions = self._inverse(length, vectors)
         _, sizes, rows = np.linalg.svd(inverse)
-        soft = rows[sizes > RIGID * sizes[0]]
+        soft = rows[sizes > rounding.NONE * sizes[0]]
         self._known = {length: (np.linalg.inv(soft @ inverse @ soft.T), _combined(soft, solutions))}
         return _combined(soft, vectors)
 
@@ -121,8 +120,8 @@ class Border:
             return np.full(len(self.numbers), np.inf)
         border = KroghInterpolator(list(place.values()), np.array([self.at(s) for s in samples]))
         ends = place[max(before)], place[min(behind)]
-        return np.sort([brentq(lambda s, number=number: self._eigenvalues(border(s))[number], *ends,
-                               xtol=1e-14 * abs(ends[1] - ends[0]), rtol=1e-15) for number in self.numbers])
+        return np.sort([rounding.root(lambda s, number=number: self._eigenvalues(border(s))[number], *ends)
+                        for number in self.numbers])
 
     def null_vectors(self, nearest: float) -> list[np.ndarray]:
         """About the null vectors of the tangent at crossings, from the solutions at a near state, the nearest first."""

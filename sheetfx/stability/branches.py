@@ -11,8 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.interpolate import RBFInterpolator
-from scipy.optimize import brentq, minimize_scalar, root
+from scipy.optimize import minimize_scalar, root
 
+from .. import rounding
 from ..checks import Positive, require
 from ..continuation.segment import Jump, Missed
 from ..continuation.state import CriticalPoint, State
@@ -27,8 +28,6 @@ ANGLES = 48  # on the circle of directions of a double bifurcation
 SAMPLES, STARTS = 100, 200  # on the sphere of a higher one, for each null vector
 SMALLEST = 1e-4  # amplitude over the first one tried
 CERTAIN = 1e-3  # amplitude over the first one tried, down to which starts on first pieces are looked for
-NO_FORCE = 1e-10  # forces along null vectors over the load
-TOUCHING = 1e-8  # forces at a double zero over the largest ones
 SAME = 1e-3  # distance of unit vectors
 TURN = 2 * np.pi
 
@@ -179,7 +178,7 @@ def _around_circle(reduction: Reduction, amplitude: float) -> tuple[list[np.ndar
 
     angles = 0.1 + TURN * np.arange(ANGLES) / ANGLES
     solutions = [reduction.solve(direction(angle), amplitude) for angle in angles]
-    if max(map(reduction.relative_forces, solutions)) < NO_FORCE:
+    if max(map(reduction.relative_forces, solutions)) < rounding.NONE:
         return [direction(angles[0])], True
     forces = [float(s.forces @ direction(a + np.pi / 2)) for a, s in zip(angles, solutions, strict=True)]
     return [direction(angle) for angle in zeros_around(force, angles, forces)], False
@@ -197,13 +196,13 @@ def zeros_around(force: Callable[[float], float], angles: np.ndarray, values: Se
             least = minimize_scalar(lambda a, sign=sign: sign * force(a), method="bounded",
                                     bounds=(angle - spacing, angle + spacing), options={"xatol": 1e-6})
             place = angles[0] + (least.x - angles[0]) % TURN
-            if abs(least.fun) < TOUCHING * max(map(abs, values)):
+            if abs(least.fun) < rounding.NONE * max(map(abs, values)):
                 zeros.append(place)
             elif least.fun < 0:
                 samples.append((place, sign * least.fun))
     samples = sorted(samples)
     samples.append((samples[0][0] + TURN, samples[0][1]))
-    return sorted(zeros + [brentq(force, a, b, xtol=1e-12) for (a, one), (b, other) in zip(
+    return sorted(zeros + [rounding.root(force, a, b) for (a, one), (b, other) in zip(
         samples[:-1], samples[1:], strict=True) if one * other < 0])
 
 
@@ -212,7 +211,7 @@ def _over_sphere(reduction: Reduction, amplitude: float) -> tuple[list[np.ndarra
     multiplicity = len(reduction.modes)
     samples = _scattered(SAMPLES * multiplicity, multiplicity)
     solutions = [reduction.solve(c, amplitude) for c in samples]
-    if max(map(reduction.relative_forces, solutions)) < NO_FORCE:
+    if max(map(reduction.relative_forces, solutions)) < rounding.NONE:
         return [samples[0]], True
     forces = np.array([solution.forces for solution in solutions])
     size = np.abs(forces).max()

@@ -26,6 +26,7 @@ from ..continuation.linear import DirectSolver
 from ..continuation.spectrum import solve_by
 from ..continuation.state import State
 from ..discrete.discretisation import Discretisation
+from ..rounding import NONE, is_real
 from .modes import scaled
 
 STEP = 1e-4
@@ -165,7 +166,7 @@ class _Problem:
         largest = max(map(abs, values), default=0.0)
         pairs = []
         for i, value in enumerate(values):
-            if abs(value) > 1e-10 * largest and abs(value.imag) <= 1e-6 * abs(value):
+            if abs(value) > NONE * largest and is_real(value):
                 mode = self.tangent.createVecRight()
                 eps.getEigenvector(i, mode)
                 pairs.append((-1 / value.real, mode))

@@ -23,6 +23,7 @@ from scipy.sparse import vstack
 
 from ..continuation.segment import Segment
 from ..continuation.state import CriticalPoint, State
+from ..rounding import SAME
 
 NEAR, TOGETHER = 1e-3, 1e-4  # of the load, way to the first pair that changes, and from there to the last one
 MOST = 14  # pairs that change, of which all sets are gone through
@@ -98,7 +99,7 @@ class Corner:
 
     def _stiffnesses(self, gaps: np.ndarray) -> np.ndarray:
         """Of all pairs where they touch."""
-        shut, ends = np.where(gaps > 0, -gaps * (1 + 1e-9), 0.0), np.cumsum([c.pairs.count for c in self._pairs])[:-1]
+        shut, ends = np.where(gaps > 0, -gaps * (1 + SAME), 0.0), np.cumsum([c.pairs.count for c in self._pairs])[:-1]
         return np.concatenate([c.law_of_changes()(part)[1].diagonal()
                                for c, part in zip(self._pairs, np.split(shut, ends), strict=True)])
 

@@ -13,6 +13,7 @@ from ..continuation.segment import Jump, Missed, Segment
 from ..continuation.state import CriticalPoint, State
 from ..continuation.tracer import tracer_of
 from ..continuation.work import work_matches
+from ..rounding import same
 from .crossings import Crossing, pass_zero, unresolved
 from .koiter import postbuckling
 from .stationary import returning, stationary_loads, surround, turns
@@ -109,7 +110,7 @@ def state_at(path, before: State, after: State, point: CriticalPoint) -> State:
     """
     tracer = tracer_of(path)
     segment = Segment(tracer, before, after)
-    if abs(point.length - after.length) <= 1e-12 * after.length:
+    if same(point.length / after.length, 1.0):
         tracer.factorise_at(after)
         return after
     try:

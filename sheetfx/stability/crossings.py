@@ -15,6 +15,7 @@ from operator import itemgetter
 import numpy as np
 from scipy.interpolate import KroghInterpolator
 
+from .. import rounding
 from ..continuation.segment import Jump, Segment
 from .border import Border
 from .leaping import leads_around_corner, require_convergence
@@ -32,7 +33,6 @@ FAR = 0.05  # of a piece of path, distance from crossings of states that tell ho
 FOLD = 0.9  # of the length of a piece of path, motion along the mode where a limit point is
 NOISE = 1e-6  # of the length of a piece of path, motion along a mode that does not count
 STEADY = 100  # of what tangents are off by beside a crossing, motion along the mode that is no rounding
-ROUNDED = 1e-10  # of the structure's size, imperfection along a mode that rounding may cause, as in a mesh
 
 
 @dataclass(frozen=True)
@@ -247,10 +247,10 @@ def _compare_sides(segment: Segment, roots: np.ndarray, samples: Sequence[float]
         moved, led = segment.along(mode, left, right)
         size, critical = max(abs(moved), abs(led)), factors(root)
         grown = sum(abs(critical / (segment[s].factor - critical)) for s in (left, right))
-        strays = abs(moved - led) > size / 2 and size > NOISE * distance + ROUNDED * grown
+        strays = abs(moved - led) > size / 2 and size > NOISE * distance + rounding.NONE * grown
         if (strays or abs(moved) > FOLD * distance) and (
                 size > STEADY * _stray_beside(segment, mode, left, right)
-                or size > 10 * max(segment.uncertainty(segment[s]) for s in (left, right))):
+                or size > max(rounding.off_path(segment.tracer, segment[s]) for s in (left, right))):
             raise Jump("the path bends away from a bifurcation that the step passes")
 
 

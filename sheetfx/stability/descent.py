@@ -20,6 +20,7 @@ from math import copysign
 import numpy as np
 from petsc4py import PETSc
 
+from .. import rounding
 from ..continuation.linear import SingularTangent
 from ..continuation.spectrum import diagonal, lowest
 from ..continuation.state import State
@@ -32,7 +33,6 @@ SMALLEST_PART = 1e-6  # of a step
 SMALLEST_SHIFT, LARGEST_SHIFT = 1e-3, 1e15  # over the lowest eigenvalue where it leaves
 NEARLY_CRITICAL = 1e-3  # lowest eigenvalue over the next, of a stable state taken for critical
 PERPENDICULAR = 1e-3  # cosine of the angle between mode and path
-ROUNDING = 1e-10  # of the energy released so far, change that is not checked
 MOST = 300  # steps
 CORRECTIONS, SMALL_CORRECTION = 6, 1e-3  # back into the valley, and size of the last one over the step
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(6)
@@ -184,7 +184,8 @@ class Fall:
         residuals = [step.residual for step in self.history]
         if residuals[-1] <= max(residuals[0], self.tracer.snes.getTolerances()[0]):
             return True
-        return self._length < 1e-9 * self._way and 0.1 * residuals[-2] < residuals[-1] < 1e-2
+        stays = rounding.SAFETY * residuals[-1] > residuals[-2]
+        return stays and self._residual.norm() <= rounding.residual(self.system)
 
     def _leave(self) -> _Step | None:
         """A step out of an unstable equilibrium along its lowest mode; None from a stable one."""
@@ -251,7 +252,7 @@ class Fall:
         """Follow a part of a step, bend it back into the valley, and return the change of the energy."""
         moved, expected = part * self._step, step.expected(part)
         change = self._move(moved, part * step.load_increment)
-        if abs(expected) <= ROUNDING * abs(self._energy):
+        if abs(expected) <= rounding.NONE * abs(self._energy):
             return expected
         if step.shift is not None and change > GOOD * expected:
             change += self._bend_back(moved, (1 - part) * self._residual, step.shift)

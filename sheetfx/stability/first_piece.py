@@ -18,11 +18,11 @@ from scipy.linalg import null_space
 from ..continuation.explained import explained
 from ..continuation.segment import Segment
 from ..continuation.state import CriticalPoint, State
+from ..rounding import NONE
 from .reduction import NoSolution, Reduction
 
 RUNGS = (1 / 4, 1.0)  # amplitudes over that of the start, where the branch is looked at
 SHORTEST = 1 / 64  # of the amplitude, piece that must be explained
-NOISE = 1e-9  # change of load over the load, that says nothing about its direction
 
 
 class FirstPiece:
@@ -124,7 +124,7 @@ class FirstPiece:
     def _rise(self, state: State) -> float:
         """Change of the load factor since the bifurcation; zero where it is rounding."""
         change = state.factor - self._bifurcation.factor
-        return change if abs(change) > NOISE * self._reduction.size else 0.0
+        return change if abs(change) > NONE * self._reduction.size else 0.0
 
     def _unexplained(self, direction: np.ndarray, amplitude: float, family: bool, rungs: dict[float, State]) -> str:
         """Why the pieces between states are not known to be smooth; their middles are looked at where need be."""

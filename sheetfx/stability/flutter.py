@@ -25,6 +25,7 @@ from scipy.optimize import minimize_scalar
 from ..continuation.segment import Jump, Missed, Segment
 from ..continuation.spectrum import nearest_pairs
 from ..continuation.state import CriticalPoint, State
+from ..rounding import NONE
 from .vibration import is_complex, mass_matrix
 
 COUNT = 12  # squares of frequencies, those nearest to zero, that are followed beside those that flutter already
@@ -36,7 +37,6 @@ SAMPLES, BESIDE = 17, 0.05  # places that are looked at between two states, the 
 FINE = 1e-6  # part of the way between two states, error of where a pair begins by the modes of both
 CLOSING = 1 / 3  # of the sum of those beside it, difference of squares that may touch: a quarter if they cross evenly
 TOUCHING = 1e-6  # of the largest square, difference of those that always coincide
-DEPENDENT = 1e-10  # share of a mode in the mass that others leave of it
 
 
 @dataclass(frozen=True)
@@ -187,7 +187,7 @@ class _Between:
             (one.tangent, other.tangent), (one.mass, other.mass)))
         scale = 1 / np.sqrt(np.diag(masses[0] + masses[1]))
         sizes, span = np.linalg.eigh(scale[:, None] * (masses[0] + masses[1]) * scale)
-        span = scale[:, None] * span[:, sizes > DEPENDENT] / np.sqrt(sizes[sizes > DEPENDENT])
+        span = scale[:, None] * span[:, sizes > NONE] / np.sqrt(sizes[sizes > NONE])
         self._tangents, self._masses = ([span.T @ m @ span for m in both] for both in (tangents, masses))
 
     def _squares(self, part: float) -> np.ndarray:

@@ -19,6 +19,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from ..continuation.state import CriticalPoint, State
+from ..rounding import TINIEST
 from .modes import scaled
 
 STEP = 1e-4  # of differences of the Hessian, in the scaled norm of increments
@@ -56,7 +57,7 @@ class Energy:
 
     def third(self, modes: Sequence[PETSc.Vec], along: PETSc.Vec, load: float = 0.0) -> list[PETSc.Vec]:
         """Change of the Hessian's products with modes along an increment of unknowns and load factor."""
-        step = STEP / max(self._tracer.distance(0.0, along.array), 1e-300)
+        step = STEP / max(self._tracer.distance(0.0, along.array), TINIEST)
         ahead, behind = (self.hessian(sign * step * along, sign * step * load, modes) for sign in (1.0, -1.0))
         return [(one - other) / (2 * step) for one, other in zip(ahead, behind, strict=True)]
 
@@ -122,7 +123,7 @@ def postbuckling(tracer, state: State, modes: Sequence[PETSc.Vec], point: Critic
         return point
     first, second = -e.cubic / (2 * e.stiffness) / e.size, -e.quartic / (6 * e.stiffness) / e.size**2
     change = 0.01 * max(abs(state.factor), abs(neighbours[1].load_increment))
-    reach = min((change / max(abs(second), 1e-300)) ** 0.5, e.size)  # of the curvature, in the size of the structure
+    reach = min((change / max(abs(second), TINIEST)) ** 0.5, e.size)  # of the curvature, in the size of the structure
     if abs(first) * reach > NEGLIGIBLE * change:
         return replace(point, name="asymmetric", slope=first / state.factor)
     if not e.quartic:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from .. import rounding
 from ..continuation.state import CriticalPoint, State
 from ..continuation.tracer import tracer_of
 from ..discrete.discretisation import Discretisation
@@ -37,14 +38,13 @@ def limit_of_imperfect(point: CriticalPoint, amplitude: float, sensitivity: floa
     if a * sign >= 0 and not (a == 0 and b < 0):
         raise ValueError(f"limit_of_imperfect: a bifurcation with a = {a:g}, b = {b:g} keeps its load with an "
                          f"imperfection of {amplitude:g}; give one of the other sign or another point")
-    size = max(size, 1e-300)
+    size = max(size, rounding.TINIEST)
 
     def ratio(xi):
         return (xi + sign * a * xi**2 + b * xi**3) / (xi + size)
 
     highest = np.roots(np.polysub(np.polymul([3 * b, 2 * sign * a, 1], [1, size]), [b, sign * a, 1, 0]))
-    real = highest[(abs(highest.imag) < 1e-9 * abs(highest)) & (highest.real > 0)].real
-    return float(ratio(real.min()))
+    return float(ratio(min(xi.real for xi in highest if rounding.is_real(xi) and xi.real > 0)))
 
 
 def imperfection_sensitivity(path, before: State, after: State, point: CriticalPoint,

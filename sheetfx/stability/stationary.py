@@ -6,15 +6,15 @@ from collections.abc import Sequence
 
 import numpy as np
 from scipy.interpolate import KroghInterpolator
-from scipy.optimize import brentq
 
-from ..continuation.segment import SAMPLES, Segment
+from ..continuation.segment import Segment
 from ..continuation.state import State
 from ..continuation.work import WAVER
-from .crossings import REACHES, Crossing
+from ..rounding import SAME, root
+from .crossings import REACHES, SAMPLES, Crossing
 from .turning import SHORT
 
-EXACTLY, ROUGHLY = 1e-12, 1e-6  # relative error of the load at a limit point, and where that may be a return
+ROUGHLY = 1e-6  # relative error of the load where a limit point may be a return
 ONWARD = 0.1  # rate of a displacement at a limit point, over the larger one beside it
 TURNED = 1e-5  # of the change of the load in a step, that by which it has turned, not wavered
 
@@ -37,7 +37,7 @@ def stationary_loads(segment: Segment) -> tuple[list[tuple[Segment, float, bool]
         if _returns(segment, length):
             returns.append(length)
             continue
-        length = segment.stationary(left, right, EXACTLY)
+        length = segment.stationary(left, right, SAME)
         limits.append((segment, length, segment[left].load_rate > 0))
     return limits, returns
 
@@ -109,5 +109,5 @@ def _stationary(segment: Segment, length: float, count: int) -> Crossing:
     table = KroghInterpolator(samples, [(segment[s].load_rate, segment[s].load, segment[s].deflection)
                                         for s in samples])
     left, right = max(s for s in samples if s < length), min(s for s in samples if s > length)
-    found = brentq(lambda s: table(s)[0], left, right, xtol=1e-14 * segment.after.length)
-    return Crossing(float(found), *map(float, table(found)[1:]))
+    found = root(lambda s: table(s)[0], left, right)
+    return Crossing(found, *map(float, table(found)[1:]))

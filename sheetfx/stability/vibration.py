@@ -25,9 +25,8 @@ from ..continuation.state import State
 from ..discrete.discretisation import Discretisation
 from ..mesh.numbers import as_constants
 from ..model.shell import Shell
+from ..rounding import is_real
 from .modes import scaled
-
-COMPLEX = 1e-7  # imaginary part over the size of the square of a frequency, of one that is not real
 
 
 @dataclass(frozen=True)
@@ -101,7 +100,7 @@ def _real_or_complex(value: complex) -> float | complex:
 
 def is_complex(value: complex) -> bool:
     """Whether a square of a frequency is not real, but for rounding."""
-    return abs(value.imag) > COMPLEX * abs(value)
+    return not is_real(value)
 
 
 def mass_matrix(discretisation: Discretisation) -> Callable[[], PETSc.Mat]:

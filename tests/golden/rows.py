@@ -14,8 +14,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 PACKAGE = Path(__file__).parents[2] / "sheetfx"
-ROOMS = ("continuation/*.py", "stability/*.py", "path.py", "*/*contact*.py", "*/*pair*.py", "*/obstacle*.py",
-         "*/zones.py", "*/layer.py", "*/growth.py", "*/surface_*.py", "*/partners.py", "*/closest_point.py")
+ROOMS = ("continuation/*.py", "stability/*.py", "path.py", "rounding.py", "*/*contact*.py", "*/*pair*.py",
+         "*/obstacle*.py", "*/zones.py", "*/layer.py", "*/growth.py", "*/surface_*.py", "*/partners.py",
+         "*/closest_point.py")
 TRIVIAL = 0.0, 1.0, -1.0, 0.5, 2.0
 # files whose dataclasses are a user's
 OPTIONS = "continuation/options.py", "continuation/control.py", "continuation/until.py", "model/"
