@@ -29,7 +29,6 @@ import time
 import matplotlib.pyplot as plt
 import numba
 import numpy as np
-from dolfinx import fem
 
 import sheetfx as fx
 from sheetfx.discrete.nodal_field import AdditiveField
@@ -113,6 +112,8 @@ def by_tree(mesh, points):
 
 def search_all(count):
     """Number of pairs, median seconds of each search, distances that the thesis's took."""
+    from dolfinx import fem  # a wheel's libraries are found once sheetfx is there
+
     mesh = fx.read(lambda: fx.meshes.frame(NODES, {f"bar {a}-{b}": (a, b, count) for a, b in TABLE.bars}), 3)
     cells = Cells(mesh, mesh.group(None))
     starts, ends = (np.ascontiguousarray(cells.nodes[:, k]) for k in (0, 1))

@@ -11,6 +11,7 @@
 import os
 import time
 from functools import cache
+from math import ceil
 
 import gmsh
 import numpy as np
@@ -55,10 +56,14 @@ def name_groups(dimension, name_of):
 
 
 def mesh_by_quadrilaterals(size):
-    """Options of gmsh for quadrilaterals of a size."""
+    """Quadrilaterals of a size, and an even number of them along each curve, eight at least around a hole."""
     for option, value in (("MeshSizeMax", size), ("MeshSizeMin", size / 2), ("RecombineAll", 1), ("Algorithm", 8),
                           ("RecombinationAlgorithm", 3)):
         gmsh.option.setNumber(f"Mesh.{option}", value)
+    for curve in gmsh.model.getEntities(1):
+        least = 1 if gmsh.model.getBoundary([curve]) else 4
+        pairs = max(least, ceil(gmsh.model.occ.getMass(*curve) / size / 2))
+        gmsh.model.mesh.setTransfiniteCurve(curve[1], 2 * pairs + 1)
 
 
 def stiffened_plate(size, hole=HOLE, ribs=RIBS):

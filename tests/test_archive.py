@@ -376,7 +376,15 @@ def test_folder_that_cannot_be_written(tmp_path):
         write_run(Path("/sys/sheetfx"))
 
 
-def test_interrupted_run_says_how_to_go_on(whole, tmp_path):
+@pytest.fixture
+def ctrl_c():
+    """Ctrl-C as a terminal has it; a shell has processes that run behind ignore it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+def test_interrupted_run_says_how_to_go_on(whole, tmp_path, ctrl_c):
     folder = tmp_path / "run"
     with pytest.raises(Interrupted, match="interrupted; 4 states are kept in .*; go on with --resume"):
         shallow(folder, listeners=[at_step(3, lambda: os.kill(os.getpid(), signal.SIGINT))])
@@ -398,7 +406,7 @@ def test_warnings_reach_the_user(tmp_path, monkeypatch, capsys):
         warnings.simplefilter("always")
         cli.main()
     assert capsys.readouterr().err.startswith("sheetfx: warning: the work of the loads is not what is stored\n")
-    script = "import dolfinx, warnings, sheetfx as fx\nfx.Path\nwarnings.warn('to be seen')"
+    script = "import warnings, sheetfx as fx, dolfinx\nfx.Path\nwarnings.warn('to be seen')"
     assert "to be seen" in subprocess.run([sys.executable, "-c", script], capture_output=True, text=True).stderr
 
 
