@@ -161,6 +161,18 @@ class Cells:
             return np.array([s, 1 - s])
         return True, along
 
+    def passed(self, which: np.ndarray, points: np.ndarray, ways: np.ndarray) -> np.ndarray:
+        """Lengths of straight lines within given cells, through points on them and along unit vectors, one for each."""
+        reference = self.nearest(which, points)
+        along = np.einsum("nia,na->ni", np.linalg.pinv(self.derivatives(which, reference)), ways)
+        margins = self._margins(reference)
+        slopes = self._margins(reference + along) - margins
+        size = np.abs(slopes).max(axis=1, keepdims=True)
+        crossed = np.abs(slopes) > OUTSIDE * size
+        ends = margins / np.where(crossed, slopes, 1.0)
+        ahead, behind = (np.where(crossed & (sign * slopes < 0), sign * -ends, np.inf).min(axis=1) for sign in (1, -1))
+        return ahead + behind
+
     def distances(self, which: np.ndarray, points: np.ndarray) -> np.ndarray:
         """Of points from given cells, one for each."""
         return np.linalg.norm(self.places(which, self.nearest(which, points)) - points, axis=1)
