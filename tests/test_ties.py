@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 
+import gmsh
 import numpy as np
 import pytest
 from test_interface import bar, panel, response
@@ -72,6 +73,28 @@ def test_ties_on_what_is_shared_or_held_hold_nothing_more():
         return [fx.Compatible(rib, skin), fx.weld(skin, near, (rib, None), reach=1e-5)]
 
     assert compliance(both) == pytest.approx(compliance(lambda skin, rib: [fx.Compatible(rib, skin)]), rel=1e-9)
+
+
+def test_ties_beside_a_seam_stay_on_their_panel():
+    """Two panels of one mesh whose edges are at one place, with nothing in common, on a bar that runs along these."""
+    def panels():
+        geo = gmsh.model.geo
+        for side in (1, -1):
+            points = [geo.addPoint(x, y * side, 0) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
+            lines = [geo.addLine(points[i], points[(i + 1) % 4]) for i in range(4)]
+            panel = geo.addPlaneSurface([geo.addCurveLoop(lines)])
+            geo.synchronize()
+            for line in lines:
+                gmsh.model.mesh.setTransfiniteCurve(line, 4)
+            gmsh.model.mesh.setTransfiniteSurface(panel)
+            gmsh.model.addPhysicalGroup(2, [panel], name=f"panel {side}")
+
+    skins, rib = fx.read(panels, 3), bar((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), 4)
+    for side in (1, -1):
+        way = fx.Stretch((0.1, 1e-3 * side, 0.0), (0.9, 3e-3 * side, 0.0))
+        one, two = fx.weld(skins, way, (rib, None), reach=0.01).meeting.sides
+        assert one.places == pytest.approx(two.places, abs=1e-12)
+        assert np.isin(one.cells, skins.group(f"panel {side}")).all()
 
 
 def test_ties_shorter_than_half_a_cell_are_told():

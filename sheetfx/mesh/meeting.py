@@ -165,9 +165,16 @@ def _seat(pair: Pair, cells: np.ndarray, found: list[np.ndarray]) -> None:
     """
     for n, part in enumerate(pair.parts):
         here, other = (p.places(cells[:, m], found[m]) for m, p in ((n, part), (1 - n, pair.parts[1 - n])))
-        which, reference, distances = part.closest(other)
-        moved = np.linalg.norm(part.places(which, reference) - here, axis=1)
-        touch = (distances <= pair.tolerance) & (moved < SHORT * part.sizes[which])
+        which, reference = cells[:, n].copy(), part.nearest(cells[:, n], other)
+        beyond = np.linalg.norm(part.places(which, reference) - other, axis=1) > pair.tolerance
+        for point in np.flatnonzero(beyond):
+            around = part.around(which[point])
+            along = np.tile(other[point], (len(around), 1))
+            which[point] = around[np.argmin(part.distances(around, along))]
+            reference[[point]] = part.nearest(which[[point]], along[:1])
+        place = part.places(which, reference)
+        moved, apart = (np.linalg.norm(place - at, axis=1) for at in (here, other))
+        touch = (apart <= pair.tolerance) & (moved < SHORT * part.sizes[which])
         cells[touch, n], found[n][touch] = which[touch], reference[touch]
 
 

@@ -7,6 +7,7 @@ cells as if these were straight; so that the closest points of curved cells are 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property
 
 import basix
 import numpy as np
@@ -183,6 +184,18 @@ class Cells:
         found = beyond <= 0
         found[~found] = beyond[~found] <= self.closest(points[~found])[2]
         return found
+
+    def around(self, which: int) -> np.ndarray:
+        """Numbers of the cells that have a corner in common with a given one, which is one of them."""
+        corners = self._corners
+        return np.flatnonzero(np.isin(corners, corners[which]).any(axis=1))
+
+    @cached_property
+    def _corners(self) -> np.ndarray:
+        topology = self.mesh.domain.topology
+        topology.create_connectivity(topology.dim, 0)
+        corners = topology.connectivity(topology.dim, 0)
+        return np.array([corners.links(cell) for cell in self.cells])
 
     def given_over(self, cell: int, place: Callable[[float], np.ndarray], low: float, high: float) -> float:
         """Parameter of a line at which the next cell is closer than one that is closest at `low`, but not at `high`.
