@@ -116,4 +116,4 @@ def test_ties_shorter_than_half_a_cell_are_told():
     assert one.startswith("hinge from (0.1, 0.5, 0.0): its length 0.2 is less than half of the cell of 0.5 that")
     assert "Give cells of at most 0.4 there" in one
     (two,) = told(fx.weld, 0.2, 0.3, 0.24)
-    assert "weld from (0.1, 0.5, 0.0) (and 1 more, less short): its length 0.2 is less" in two
+    assert "weld from (0.1, 0.5, 0.0) (the shortest of 2): its length 0.2 is less" in two

@@ -111,7 +111,7 @@ class Discretisation:
         k = self.kinematics(beam.mesh)
         x = ufl.SpatialCoordinate(beam.mesh.domain) + k.u
         if contact.side:
-            x = x + contact.side * beam.section.depth / 2 * k.rotation.rotate(frame.normal)
+            x = x + contact.lever * k.rotation.rotate(frame.normal)
         return x
 
     def _close_contacts(self) -> None:

@@ -209,7 +209,7 @@ class Scene:
         for lines in found.values():
             if lines:
                 worst = min(lines, key=lambda line: line.length / line.cell)
-                more = f" (and {len(lines) - 1} more, less short)" if len(lines) > 1 else ""
+                more = f" (the shortest of {len(lines)})" if len(lines) > 1 else ""
                 warn(f"{worst.name}{more}: its length {worst.length:.4g} is less than half of the cell of "
                      f"{worst.cell:.4g} that it is on, where it holds as a longer one would: stiffness, and where "
                      f"parts part, are those of the mesh. Give cells of at most {2 * worst.length:.4g} there, or a "
