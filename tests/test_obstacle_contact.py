@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,9 +12,10 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
 
 import sheetfx as fx
-from sheetfx.continuation.state import State
+from sheetfx.continuation.state import CriticalPoint, State
 from sheetfx.discrete.discretisation import Discretisation
 from sheetfx.discrete.pair_work import pairs_of
+from sheetfx.stability.verdict import doubts
 
 LENGTH, DEPTH, WIDTH, MODULUS = 1000.0, 10.0, 10.0, 2e5
 BENDING = MODULUS * WIDTH * DEPTH**3 / 12
@@ -273,3 +275,20 @@ def test_faces_touch_whatever_the_class():
         record = fx.trace(fx.Case(scene, fx.LoadControl(force / 4, target=force)))
         found.append((record.reactions("a").force[-1][1], record.states[-1].deflection))
     assert np.array(found) == pytest.approx(np.tile(wanted, (3, 1)), rel=5e-3)
+
+
+def test_bifurcations_on_augmented_contact_are_doubted():
+    """Once for a path, with what tells: modes are counted with the stiffness of augmentation."""
+    mesh, beam = bar(2)
+
+    def doubted(enforcement, touching, kind="bifurcation"):
+        touch = fx.ObstacleContact(mesh, None, fx.RigidPlane((0.0, -50.0), (0.0, 1.0)), enforcement=enforcement)
+        scene = fx.Scene([beam], [fx.clamp(mesh, "start")], [fx.PointForce(mesh, "end", (0.0, -1.0))],
+                         fx.Monitor(mesh, "end", "y"), joints=[touch])
+        path = fx.Path(scene)
+        points = tuple(CriticalPoint(kind, load, 0.1, 1) for load in (2.0, 3.0))
+        return doubts(path.discretisation, [replace(path.tracer.state, critical=points, contact_points=touching)])
+
+    (words,) = doubted("uzawa", 2)
+    assert words.startswith("bifurcation at load 2 and 1 more: where something touches by ObstacleContact unstable ")
+    assert doubted("uzawa", 0) == doubted("penalty", 2) == doubted("uzawa", 2, "limit") == []
