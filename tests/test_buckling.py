@@ -368,7 +368,7 @@ def loaded_column(preload, rigidity, joints=lambda mesh: ()):
 
 @pytest.mark.parametrize(("preload", "rigidity"), [(0.5, 1.0), (0.5, 1e3), (0.5, 1e4), (-1.0, 1e3)])
 def test_tangents_that_are_not_linear_in_the_load_are_told(preload, rigidity):
-    """Shear that is all but rigid adds the square of the axial strain; what is told is right to 0.5 %, not off by 12."""
+    """Shear that is all but rigid adds the square of the axial strain; what is told is right to 0.5 %, and not 12."""
     record = loaded_column(preload, rigidity)
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")

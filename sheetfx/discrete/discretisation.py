@@ -74,7 +74,7 @@ class Discretisation:
             others = [*self._of_contacts(), *joints, *chain(*(works for _, works in loads)), FixedIncrements()]
             contributions = [*self._of_parts(), *others]
         layout = without_redundant(Layout(fields.comm, fields.blocks, fixed, self.sharings), joints, self.unknowns,
-                                   min(mesh.mean_cell for mesh in scene.meshes))
+                                   scene.meshes)
         self.layout = layout
         self.follower = look_for_potentials(loads, self.unknowns, layout, fields.factors, self.clock)
         self.system = System(self.unknowns, contributions, layout, fields.factors, self.clock)

@@ -1,10 +1,10 @@
 """Lagrange multipliers that constrain what others, or supports, constrain already.
 
-A constraint is redundant where others, supports or shared unknowns hold all but a small part of it. What is left would
-be held exactly, however small it is: ties on nearly one line would hold slopes of a shell besides, and be stiffer than
-one mesh with all its nodes in common. The bound is taken from joints of penalties, which are `STIFF` times as stiff as
-the parts: they hold what is left by the square of its share, the sine of the angle between the constraint and all that
-is held, times that. Below 1 / `STIFF` of the parts' own stiffness it is nothing.
+A constraint is redundant where others, supports or shared unknowns hold all of it but what rounding of its place makes.
+What is left would be held exactly, however small it is: ties on one line but for rounding would hold slopes of a shell
+besides, and be stiffer than one mesh with all its nodes in common. Places count as one within `SAME` of the mesh's
+size, and shape functions change by up to `STEEPEST` over a cell: that is the sine of the angle between a constraint and
+all that is held, up to which it is redundant.
 """
 
 from __future__ import annotations
@@ -16,23 +16,25 @@ from scipy.linalg.lapack import dpstrf
 from scipy.sparse import coo_array, csr_array, diags_array
 from scipy.sparse.csgraph import connected_components
 
-from ..model.interface import STIFF
+from ..mesh.lines import SAME
+from ..mesh.reader import NamedMesh
 from .contribution import Contribution, Forces
 from .layout import Layout
 from .points import PointWork
 from .unknowns import Unknowns
 
-INDEPENDENT = 1 / STIFF**2  # square of that sine of a constraint that is independent
+STEEPEST = 5.1  # largest slope of quadratic shape functions, (-3, 4, -1) over the length of a cell at its end
 
 
-def without_redundant(layout: Layout, works: Sequence[Contribution], unknowns: Unknowns, cell: float) -> Layout:
+def without_redundant(layout: Layout, works: Sequence[Contribution], unknowns: Unknowns,
+                      meshes: Sequence[NamedMesh]) -> Layout:
     """The layout with multipliers fixed at zero that point works among some contributions make redundant."""
-    redundant = redundant_multipliers([w for w in works if isinstance(w, PointWork)], unknowns, layout, cell)
+    redundant = redundant_multipliers([w for w in works if isinstance(w, PointWork)], unknowns, layout, meshes)
     return layout.fixing(redundant) if layout.comm.allreduce(sum(map(len, redundant))) else layout
 
 
 def redundant_multipliers(works: Sequence[Contribution], unknowns: Unknowns, layout: Layout,
-                          cell: float) -> list[np.ndarray]:
+                          meshes: Sequence[NamedMesh]) -> list[np.ndarray]:
     """For each block the local dofs of multipliers that can be zero, because others do what they do.
 
     The constraints are compared as they are now, each by its derivative with respect to the free increments, over what
@@ -40,10 +42,10 @@ def redundant_multipliers(works: Sequence[Contribution], unknowns: Unknowns, lay
     the most independent first (Cholesky's decomposition with pivots of their products; Higham 2002, section 10.3).
     Without this, supports that hold what a weld holds too, or welds that close a loop, would make the tangent singular.
 
-    Parameters
-    ----------
-    cell : size of cells, over which a rotation counts as the displacement that it makes
+    A rotation counts as the displacement that it makes over a cell of the finest mesh.
     """
+    cell = min(mesh.mean_cell for mesh in meshes)
+    rounding = (STEEPEST * SAME * max(mesh.size for mesh in meshes) / cell)**2
     kept: list[np.ndarray] = [np.empty(0, dtype=np.int64) for _ in unknowns.blocks]
     own = [(n, layout.free_numbers[n].ravel()) for n, f in enumerate(unknowns.fields) if f.multiplier]
     rows = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *(numbers for _, numbers in own)]))
@@ -51,7 +53,7 @@ def redundant_multipliers(works: Sequence[Contribution], unknowns: Unknowns, lay
                    for at in (layout, Layout(layout.comm, unknowns.blocks)))
     lengths = np.sqrt(np.asarray((whole * whole).sum(axis=1)).ravel())
     here = np.flatnonzero(lengths)
-    chosen = rows[rows >= 0][here[_dependent(diags_array(1 / lengths[here]) @ free[here])]]
+    chosen = rows[rows >= 0][here[_dependent(diags_array(1 / lengths[here]) @ free[here], rounding)]]
     blocks = [number for number, block in enumerate(unknowns.blocks) for _ in block.fields]
     for number, numbers in own:
         kept[blocks[number]] = unknowns.fields[number].dofs[np.isin(numbers, chosen)]
@@ -72,15 +74,15 @@ def _constraints(works: Sequence[Contribution], unknowns: Unknowns, layout: Layo
                      shape=(len(rows), len(columns))).tocsr()
 
 
-def _dependent(constraints: csr_array) -> np.ndarray:
-    """Numbers of rows that depend on others, or of which nothing is free."""
+def _dependent(constraints: csr_array, rounding: float) -> np.ndarray:
+    """Numbers of rows of which others leave, or is free, no more than rounding, a squared length."""
     products = (constraints @ constraints.T).tocsr()
-    free = products.diagonal() > INDEPENDENT  # LAPACK takes the first pivot, however small
+    free = products.diagonal() > rounding  # LAPACK takes the first pivot, however small
     rows, found = np.flatnonzero(free), [np.flatnonzero(~free)]
     products = products[rows][:, rows]
     pieces, piece = connected_components(products, directed=False)
     for number in range(pieces):
         members = np.flatnonzero(piece == number)
-        _, pivots, rank, _ = dpstrf(products[members][:, members].toarray(), tol=INDEPENDENT)
+        _, pivots, rank, _ = dpstrf(products[members][:, members].toarray(), tol=rounding)
         found.append(rows[members[pivots[rank:] - 1]])
     return np.sort(np.concatenate(found))

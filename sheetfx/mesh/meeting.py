@@ -117,8 +117,8 @@ def along_lines(first: Cells, second: Cells, lines: Sequence[Sequence[Piece]], r
     ----------
     degree : number of Gauss points on a segment
     reach, name : as of `at_points`
-    tied : whether places count at which the parts touch, where these are less than half a cell beside the line, which
-        the fields of the cell do not tell from it
+    tied : whether places count at which each part is closest to the other, where these are less than half a cell beside
+        the line, which the fields of the cell do not tell from it
 
     Raises
     ------
@@ -156,7 +156,7 @@ def along_lines(first: Cells, second: Cells, lines: Sequence[Sequence[Piece]], r
 
 
 def _seat(pair: Pair, cells: np.ndarray, found: list[np.ndarray]) -> None:
-    """Move points of a line, less than half a cell, to where the parts touch.
+    """Move points of a line, less than half a cell, to where each part is closest to the other.
 
     Parameters
     ----------
@@ -164,18 +164,26 @@ def _seat(pair: Pair, cells: np.ndarray, found: list[np.ndarray]) -> None:
         both are changed
     """
     for n, part in enumerate(pair.parts):
-        here, other = (p.places(cells[:, m], found[m]) for m, p in ((n, part), (1 - n, pair.parts[1 - n])))
-        which, reference = cells[:, n].copy(), part.nearest(cells[:, n], other)
-        beyond = np.linalg.norm(part.places(which, reference) - other, axis=1) > pair.tolerance
-        for point in np.flatnonzero(beyond):
-            around = part.around(which[point])
-            along = np.tile(other[point], (len(around), 1))
-            which[point] = around[np.argmin(part.distances(around, along))]
-            reference[[point]] = part.nearest(which[[point]], along[:1])
+        other = pair.parts[1 - n]
+        here, there = part.places(cells[:, n], found[n]), other.places(cells[:, 1 - n], found[1 - n])
+        which, reference = _beside(part, cells[:, n], there, pair.tolerance)
         place = part.places(which, reference)
-        moved, apart = (np.linalg.norm(place - at, axis=1) for at in (here, other))
-        touch = (apart <= pair.tolerance) & (moved < SHORT * part.sizes[which])
-        cells[touch, n], found[n][touch] = which[touch], reference[touch]
+        back = other.places(*_beside(other, cells[:, 1 - n], place, pair.tolerance))
+        moved, off = np.linalg.norm(place - here, axis=1), np.linalg.norm(back - there, axis=1)
+        seated = (off <= pair.tolerance) & (moved < SHORT * part.sizes[which])
+        cells[seated, n], found[n][seated] = which[seated], reference[seated]
+
+
+def _beside(part: Cells, near: np.ndarray, points: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
+    """Of given cells and those around them, not beyond a seam, the closest to points, and reference points in them."""
+    which, reference = near.copy(), part.nearest(near, points)
+    inside = part.holds(near, points) | (np.linalg.norm(part.places(near, reference) - points, axis=1) <= tolerance)
+    for point in np.flatnonzero(~inside):
+        around = part.around(which[point])
+        along = np.tile(points[point], (len(around), 1))
+        which[point] = around[np.argmin(part.distances(around, along))]
+        reference[[point]] = part.nearest(which[[point]], along[:1])
+    return which, reference
 
 
 def _passed(part: Cells, segments: Sequence[Segment], number: int) -> float:

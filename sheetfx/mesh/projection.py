@@ -163,7 +163,10 @@ class Cells:
         return True, along
 
     def passed(self, which: np.ndarray, points: np.ndarray, ways: np.ndarray) -> np.ndarray:
-        """Lengths of straight lines within given cells, through points on them and along unit vectors, one for each."""
+        """Lengths of straight lines within given cells, through points on them and along unit vectors, one for each.
+
+        Lines across a cell, as of a post on a bar, have no length in it.
+        """
         reference = self.nearest(which, points)
         along = np.einsum("nia,na->ni", np.linalg.pinv(self.derivatives(which, reference)), ways)
         margins = self._margins(reference)
@@ -172,7 +175,7 @@ class Cells:
         crossed = np.abs(slopes) > OUTSIDE * size
         ends = margins / np.where(crossed, slopes, 1.0)
         ahead, behind = (np.where(crossed & (sign * slopes < 0), sign * -ends, np.inf).min(axis=1) for sign in (1, -1))
-        return ahead + behind
+        return np.where(crossed.any(axis=1) & (size[:, 0] > 0), ahead + behind, 0.0)
 
     def distances(self, which: np.ndarray, points: np.ndarray) -> np.ndarray:
         """Of points from given cells, one for each."""
