@@ -166,7 +166,7 @@ def _kept(one: Any) -> Iterator[str]:
 def _with(one: Any, changed: dict[str, Any]) -> Any:
     """A thing like another with some attributes changed."""
     if is_dataclass(one) and not isinstance(one, type):
-        return replace(one, **changed)
+        return type(one)(**{f.name: getattr(one, f.name) for f in fields(one) if f.init} | changed)
     new = copy.copy(one)
     vars(new).clear()
     vars(new).update({name: vars(one)[name] for name in _kept(one)} | changed)
