@@ -20,6 +20,7 @@ from .notices import warn
 from .path import Path, PathFailure, Until
 from .record import Record
 from .show.standard import STANDARD
+from .stability.verdict import doubts
 
 if TYPE_CHECKING:
     from .stability.buckling import BucklingLoad
@@ -100,6 +101,9 @@ def trace(case: Case, listeners: Sequence[Callable[[State], None]] = (), start: 
     except PathFailure as failure:
         failure.record = record
         raise
+    finally:
+        for doubt in doubts(path.discretisation, record.states):
+            warn(doubt)
     return record
 
 

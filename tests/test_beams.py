@@ -154,7 +154,7 @@ def contact_scene(points, enforcement, layer, friction):
     mesh = straight(4)
     beam = Beam(mesh, Rectangle(0.1, 0.1), Elastic(1.2e5, 0.3))
     punch = RigidCylinder(0.5, (0.6, 0.5), travel=(0.0, -1.0))
-    contact = Contact(beam, punch, points, friction, enforcement=enforcement, layer=layer)
+    contact = Contact(beam, punch, points, friction, distance=0.0, enforcement=enforcement, layer=layer)
     return Scene([beam], [clamp(mesh, "base")], [ObstacleForce(punch, 1.0)], Monitor(mesh, "tip", "y"),
                  contacts=[contact])
 

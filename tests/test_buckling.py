@@ -1,5 +1,7 @@
 """Linear buckling against theory: bars, plates, cylinders, and nonlinear states near a bifurcation."""
 
+import re
+import warnings
 from dataclasses import replace
 from math import pi
 
@@ -7,6 +9,7 @@ import numpy as np
 import pytest
 from helpers import follow, hinged_arch, ring_under_pressure, whole_arch
 
+import sheetfx as fx
 from sheetfx import meshes
 from sheetfx.case import trace
 from sheetfx.continuation.control import ArcLength, LoadControl
@@ -350,3 +353,45 @@ def test_path_of_no_steps():
     assert [s.step for s in record.states] == [0]
     with pytest.raises(ValueError, match="steps is -1; it must be zero or positive"):
         Until(steps=-1)
+
+
+def loaded_column(preload, rigidity, joints=lambda mesh: ()):
+    """A hinged column whose dead load is a part of Euler's, and a further load of 1 for that."""
+    mesh = fx.read(lambda: fx.meshes.frame({"a": (0, 0), "b": (1, 0)}, {"m": ("a", "b", 6)}), 2)
+    euler = np.pi**2 * 2e11 * 0.01**4 / 12
+    push = [fx.PointForce(mesh, "b", (-share * euler, 0.0)) for share in (preload, 1.0)]
+    scene = fx.Scene([fx.Beam(mesh, fx.Rectangle(0.01, 0.01), fx.Elastic(2e11, 0.3), shear_rigidity=rigidity)],
+                     [fx.pin(mesh, "a"), fx.Support(mesh, "b", "y")], push[1:], fx.Monitor(mesh, "b", "x", -1.0),
+                     joints=joints(mesh), stages=[fx.Stage(push[:1], "dead", fx.LoadControl(1.0, fixed=True))])
+    return fx.trace(fx.Case(scene, fx.LoadControl(0.01), fx.Until(steps=2)))
+
+
+@pytest.mark.parametrize(("preload", "rigidity"), [(0.5, 1.0), (0.5, 1e3), (0.5, 1e4), (-1.0, 1e3)])
+def test_tangents_that_are_not_linear_in_the_load_are_told(preload, rigidity):
+    """Shear that is all but rigid adds the square of the axial strain; what is told is right to 0.5 %, and not 12."""
+    record = loaded_column(preload, rigidity)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        (load,) = record.buckling(record.states[-1], count=1)
+        record.buckling(record.states[-1], count=1, prebuckling=False)
+    left = 1 - preload - record.states[-1].factor
+    if rigidity == 1.0:
+        assert not told and load.increment == pytest.approx(left, rel=1e-3)
+        return
+    (one,) = told
+    words = re.search(r"load factor is (\S+) instead of (\S+)\. ", str(one.message))
+    to_second_order, linear = map(float, words.groups())
+    assert linear == pytest.approx(load.increment, rel=1e-5)
+    assert abs(linear / left - 1) > 1e-2
+    assert to_second_order == pytest.approx(left, rel=5e-3)
+    assert one.filename == __file__
+
+
+def test_contact_that_stays_is_told():
+    def floor(mesh):
+        return [fx.ObstacleContact(mesh, "m", fx.RigidPlane((0.0, -0.01), (0.0, 1.0)))]
+
+    record = loaded_column(0.2, 1.0, floor)
+    with pytest.warns(UserWarning, match="buckling: contact stays as it is in the state, where 0 points touch"):
+        (load,) = record.buckling(record.states[-1], count=1)
+    assert load.factor == pytest.approx(0.8, rel=1e-3), "as without the floor"

@@ -72,7 +72,7 @@ def test_cheap_models(model):
 
 
 def test_welds_that_are_short_for_their_cells_are_told():
-    with pytest.warns(UserWarning, match="welds of 100 mm begin on cells of 1178 mm, more than twice as long"):
+    with pytest.warns(UserWarning, match="its length 100 is less than half of the cell of 1178 that"):
         case(model="contact", divisions=2, weld=100.0)
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -57,11 +57,15 @@ def pressure(beam):
     return fx.LinePressure(beam, 1.0)
 
 
+def suction(beam):
+    return fx.LinePressure(beam, -1.0, side="positive")
+
+
 def follower(beam):
     return fx.LineForce(beam, (0.0, 1.0), follower=True)
 
 
-@pytest.mark.parametrize(("load", "size"), [(pressure, 1.0), (follower, pi)])
+@pytest.mark.parametrize(("load", "size"), [(pressure, 1.0), (suction, 1.0), (follower, pi)])
 def test_half_ring_under_pressure(load, size):
     """p R^3 / EI = n^2 - 1 for n = 2, 3, 4 (Levy 1884), but for a mesh error of h^2 that is the same for both loads."""
     scene = ring(load, 2)

@@ -1,5 +1,7 @@
 """Imperfect shapes: modes, measured deviations and random fields."""
 
+import warnings
+
 import gmsh
 import numpy as np
 import pytest
@@ -168,7 +170,7 @@ def test_nodes_of_a_mixed_mesh_that_were_one_stay_one(order, shape):
 
 def test_bars_on_no_surface_need_a_displacement_of_their_own():
     mesh = read_mixed(stiffened(free=True), ["rib"])
-    with pytest.raises(ValueError, match="imperfect: 2 nodes of the bars rib are on no surface and have no displ"):
+    with pytest.raises(ValueError, match="imperfect: 2 nodes of rib that move with no surface have no displ"):
         imperfect(mesh, lambda x: x[:, 0])
     moved = imperfect(mesh, lambda x: np.outer(x[:, 0], (0.0, 0.0, 1.0))).curves.domain.geometry.x
     assert moved[:, 2] == pytest.approx(moved[:, 0])
@@ -189,3 +191,85 @@ def test_skin_alone_is_not_moved_off_its_rib():
                 sharings_of(scene.joints, fields)
         else:
             assert sharings_of(scene.joints, fields)
+
+
+class Sideways(fx.Load):
+    """A load of one's own, without a dataclass."""
+
+    def __init__(self, part):
+        self.part = part
+
+    def work(self, fields):
+        return fields.factor * fields.vary(fields.displacement(self.part.mesh)[1]) * self.part.measure()
+
+
+def panel_with_rib(surfaces, curves, joint=fx.Compatible):
+    """A panel that bears on its sides, with a rib, and an obstacle beside it."""
+    skin = fx.Shell(surfaces, fx.Plate(0.01), fx.Elastic(7e10, 0.3))
+    rib = fx.Beam(curves, fx.Rectangle(0.01, 0.03), fx.Elastic(7e10, 0.3))
+    return fx.Scene([skin, rib], [fx.Support(surfaces, "west", "x y z"), fx.Support(surfaces, "tip", "z")],
+                    [fx.SurfaceForce(skin, (-1e3, 0.0, 0.0)), Sideways(rib)], fx.Monitor(surfaces, "tip", "x"),
+                    joints=[joint(curves, surfaces), fx.Foundation(skin, (0.0, 0.0, 1.0)),
+                            fx.ObstacleContact(surfaces, "west", fx.RigidPlane((0.0, 0.0, 9.0), (0.0, 0.0, -1.0)))],
+                    stages=[fx.Stage([fx.LineForce(rib, (0.0, 0.0, 1.0))], "weight")])
+
+
+def on(scene):
+    """All meshes that something of a scene is on."""
+    parts = scene.parts
+    return [*scene.meshes, *(s.mesh for s in scene.supports), scene.loads[0].shell.mesh, scene.loads[1].part.mesh,
+            scene.monitor.on, scene.joints[0].mesh, scene.joints[0].to, scene.joints[1].part.mesh,
+            scene.joints[2].mesh, scene.stages[0].loads[0].beam.mesh, *(p.mesh for p in parts)]
+
+
+@pytest.mark.parametrize("shape", ["place", "normal", "mode", "fields"])
+def test_whole_scenes(shape):
+    """All of a scene stands on moved meshes whose common nodes stay one, as of the meshes that are moved alone."""
+    mesh = read_mixed(stiffened(), ["rib"])
+    scene = panel_with_rib(mesh.surfaces, mesh.curves)
+    bow = {"place": lambda x: np.outer(np.sin(x[:, 0]) * x[:, 1], (0.1, 0.2, 0.3)), "normal": lambda x: np.sin(x[:, 0]),
+           "fields": None, "mode": None}[shape]
+    if shape in ("mode", "fields"):
+        record = fx.trace(fx.Case(scene, fx.LoadControl(1e-3, fixed=True), fx.Until(steps=1)))
+        mode = record.buckling(record.states[0], count=1)[0]
+        fields = [fx.mode_displacement(record.path, m, mode) for m in scene.meshes]
+        bow = mode if shape == "mode" else fields
+    made = fx.imperfect(scene, bow, 0.05)
+    assert {id(m) for m in on(made)} == {id(m) for m in made.meshes}
+    assert not {id(m) for m in made.meshes} & {id(m) for m in scene.meshes}
+    assert made.loads[0].shell is made.parts[0]
+    assert made.loads[1].part is made.stages[0].loads[0].beam is made.parts[1]
+    assert made.joints[2].obstacle is scene.joints[2].obstacle
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert sharings_of(made.joints, Fields(made))
+    alone = imperfect(mesh.surfaces, fields[0] if shape in ("mode", "fields") else bow, 0.05)
+    assert made.meshes[0].domain.geometry.x == pytest.approx(alone.domain.geometry.x, abs=1e-12)
+    assert np.abs(shift(mesh.surfaces, fields[0] if shape in ("mode", "fields") else bow, 0.05)).max() > 0.01
+
+
+def test_ties_at_places_go_along():
+    """Stretches between places and along edges, on one part and on the other, of a scene that is bowed."""
+    skin = read(lambda: meshes.rectangle((4, 4)), 3)
+    rib = read(lambda: meshes.frame({"a": (0, 0.5, 0), "b": (1, 0.5, 0)}, {"rib": ("a", "b", 6)}), 3)
+    parts = [fx.Shell(skin, fx.Plate(0.01), fx.Elastic(7e10)), fx.Beam(rib, fx.Rectangle(0.01, 0.03), fx.Elastic(7e10))]
+    joints = [fx.weld(skin, fx.Stretch((0.1, 0.5, 0.0), (0.4, 0.5, 0.0)), (rib, None)),
+              fx.hinge(rib, fx.Stretch("b", along="rib", length=0.3), (skin, None)),
+              fx.bolt(rib, fx.Stretch("b", along=(-1.0, 0.0, 0.0), length=0.9), (skin, None))]
+    scene = fx.Scene(parts, [fx.clamp(skin, "west")], [fx.PointForce(rib, "b", (0.0, 0.0, 1.0))],
+                     fx.Monitor(rib, "b", "z"), joints=joints)
+    made = fx.imperfect(scene, lambda x: np.outer(np.sin(np.pi * x[:, 0]), (0.0, 0.1, 1.0)), 0.02)
+    for joint in made.joints:
+        one, two = joint.meeting.sides
+        assert np.linalg.norm(one.places - two.places, axis=1).max() < 4e-3, "of 0.02, which cells of both follow"
+    assert made.joints[0].meeting.sides[0].places[:, 2].min() > 0.005
+
+
+def test_modes_of_other_scenes_are_refused():
+    mesh = read_mixed(stiffened(), ["rib"])
+    scene = panel_with_rib(mesh.surfaces, mesh.curves)
+    with pytest.raises(ValueError, match="imperfect: the mode has 7 increments and the scene .*of this scene"):
+        fx.imperfect(scene, np.zeros(7))
+    with pytest.raises(ValueError, match="imperfect: 2 nodes of rib that move with no surface"):
+        free = read_mixed(stiffened(free=True), ["rib"])
+        fx.imperfect(panel_with_rib(free.surfaces, free.curves), lambda x: x[:, 0])

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import warnings
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from helpers import distance, move_at_random, tangents
@@ -9,9 +12,10 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
 
 import sheetfx as fx
-from sheetfx.continuation.state import State
+from sheetfx.continuation.state import CriticalPoint, State
 from sheetfx.discrete.discretisation import Discretisation
 from sheetfx.discrete.pair_work import pairs_of
+from sheetfx.stability.verdict import doubts
 
 LENGTH, DEPTH, WIDTH, MODULUS = 1000.0, 10.0, 10.0, 2e5
 BENDING = MODULUS * WIDTH * DEPTH**3 / 12
@@ -231,7 +235,7 @@ def test_length_of_the_travel_is_nothing(touch, way):
     for length in (0.5, 3.0):
         mesh, beam = bar(2)
         punch = fx.RigidCylinder(200.0, (500.0, 250.0), travel=tuple(length * c for c in way))
-        contacts, joints = ([fx.Contact(beam, punch)], []) if touch == "layer" else (
+        contacts, joints = ([fx.Contact(beam, punch, distance=0.0)], []) if touch == "layer" else (
             [], [fx.ObstacleContact(mesh, None, punch, distance=0.0, samples=4)])
         scene = fx.Scene([beam], [fx.clamp(mesh, "start"), fx.clamp(mesh, "end")], [fx.ObstacleForce(punch, 60.0)],
                          fx.Monitor(punch), contacts=contacts, joints=joints)
@@ -242,3 +246,49 @@ def test_length_of_the_travel_is_nothing(touch, way):
         assert carried @ way / np.linalg.norm(way) == pytest.approx(-last.load, rel=1e-5)
         found.append(last.deflection)
     assert found[1] == pytest.approx(found[0], rel=1e-6)
+
+
+def test_faces_touch_whatever_the_class():
+    """A cantilever on a plane 10 mm below its face: the closed form of a beam that is clamped and supported."""
+    length, modulus, depth, gap = 1.0, 2.1e11, 0.02, 0.01
+    bending = modulus * depth**4 / 12
+    force = 144 * bending * gap / 5 / length**3  # three times what lets the end touch
+    reaction = 5 * force / 16 - 3 * bending * gap / length**3
+    wanted = force - reaction, 7 * force * length**3 / 768 / bending + 5 * gap / 16
+    found = []
+    for how in ({"distance": depth / 2}, {"side": -1}, None, {}):
+        mesh = fx.read(lambda: fx.meshes.frame({"a": (0, 0), "q": (0.5, 0), "b": (length, 0)},
+                                               {"l": ("a", "q", 4), "r": ("q", "b", 4)}), 2, order=2)
+        beam = fx.Beam(mesh, fx.Rectangle(depth, depth), fx.Elastic(modulus), shear_rigidity=1e3)
+        plane = fx.RigidPlane((0.0, -gap - depth / 2), (0.0, 1.0))
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always")
+            touch = ({"joints": [fx.ObstacleContact(mesh, "b", plane)]} if how is None else
+                     {"contacts": [fx.Contact(beam, plane, **how)]})
+        assert [str(w.message) for w in told if w.filename == __file__] == ([
+            "Contact: the Beam touches the RigidPlane at its axis, though its faces are 0.01 closer; give "
+            "distance=0.01 for the faces, or distance=0 if the axis is meant"] if how == {} else [])
+        if how == {}:
+            continue
+        scene = fx.Scene([beam], [fx.clamp(mesh, "a")], [fx.PointForce(mesh, "q", (0.0, -1.0))],
+                         fx.Monitor(mesh, "q", "y", -1.0), **touch)
+        record = fx.trace(fx.Case(scene, fx.LoadControl(force / 4, target=force)))
+        found.append((record.reactions("a").force[-1][1], record.states[-1].deflection))
+    assert np.array(found) == pytest.approx(np.tile(wanted, (3, 1)), rel=5e-3)
+
+
+def test_bifurcations_on_augmented_contact_are_doubted():
+    """Once for a path, with what tells: modes are counted with the stiffness of augmentation."""
+    mesh, beam = bar(2)
+
+    def doubted(enforcement, touching, kind="bifurcation"):
+        touch = fx.ObstacleContact(mesh, None, fx.RigidPlane((0.0, -50.0), (0.0, 1.0)), enforcement=enforcement)
+        scene = fx.Scene([beam], [fx.clamp(mesh, "start")], [fx.PointForce(mesh, "end", (0.0, -1.0))],
+                         fx.Monitor(mesh, "end", "y"), joints=[touch])
+        path = fx.Path(scene)
+        points = tuple(CriticalPoint(kind, load, 0.1, 1) for load in (2.0, 3.0))
+        return doubts(path.discretisation, [replace(path.tracer.state, critical=points, contact_points=touching)])
+
+    (words,) = doubted("uzawa", 2)
+    assert words.startswith("bifurcation at load 2 and 1 more: where something touches by ObstacleContact unstable ")
+    assert doubted("uzawa", 0) == doubted("penalty", 2) == doubted("uzawa", 2, "limit") == []

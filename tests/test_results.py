@@ -350,12 +350,34 @@ def test_tables_and_files(tmp_path):
     part = record.case.scene.parts[0]
     assert np.sort(grid["M"]) == pytest.approx(np.sort(record.forces(part)[..., 2].mean(axis=1)))
     assert grid["load"] == pytest.approx(state.load)
+    along, across = (grid[name][:, :2] for name in ("along", "axis 1"))
+    assert np.column_stack((-along[:, 1], along[:, 0])) == pytest.approx(across), "the normal is on the left"
+    assert np.linalg.norm(along, axis=1) == pytest.approx(1.0)
     names = "reactions", "forces", "energies"
     rows = {name: list(csv.DictReader((tmp_path / f"{name}.csv").open())) for name in names}
     last = [float(row["fy"]) for row in rows["reactions"] if row["step"] == str(state.step)]
     assert len(last) == 2 and sum(last) == pytest.approx(state.load)
     assert len(rows["forces"]) == len(record.states) * record.forces(part)[..., 0].size
     assert float(rows["energies"][-1]["Beam 0"]) == pytest.approx(record.energies()[0])
+
+
+@pytest.mark.parametrize(("side", "turned"), [("negative", True), ("positive", False)])
+def test_sides_and_normals(side, turned, tmp_path):
+    """Pressure on the negative side pushes a plate along the normal that ParaView shows, on the positive against it."""
+    import pyvista
+
+    mesh = fx.read(lambda: fx.meshes.rectangle((2, 2)), 3, place=(lambda x: x[:, [1, 0, 2]]) if turned else None)
+    shell = fx.Shell(mesh, fx.Plate(0.05), fx.Elastic(1e7), form="naghdi-q2", axis=(0.0, 1.0, 0.0))
+    scene = fx.Scene([shell], [fx.clamp(mesh, "west")], [fx.Pressure(shell, 1.0, side)],
+                     fx.Monitor(mesh, "north-east", "z"))
+    record = fx.trace(fx.Case(scene, fx.LoadControl(1.0, fixed=True)))
+    paraview(record, tmp_path)
+    grid = pyvista.read(sorted((tmp_path / "paraview").glob("path*.vtu"))[-1])
+    normal = grid["normal"]
+    assert normal == pytest.approx(np.tile([0.0, 0.0, -1.0 if turned else 1.0], (4, 1)), abs=1e-2)
+    assert record.states[-1].deflection * normal[0, 2] * (1 if side == "negative" else -1) > 1e-5
+    assert np.abs(grid["axis 1"][:, 1]) == pytest.approx(1.0, rel=1e-2)
+    assert np.cross(grid["axis 1"], grid["axis 2"]) == pytest.approx(normal, abs=1e-2)
 
 
 @pytest.mark.parametrize("order", [("pressure", "push"), ("push", "pressure"), ("follower", "pressure", "push")])

@@ -183,7 +183,7 @@ def bare_arch(supports, contacts=()):
     mesh = arch_model(7.338, 8, 2, False)
     base = arch_case(no_punch=True, elements=8).scene
     beam = type(base.parts[0])(mesh, base.parts[0].section, base.parts[0].material)
-    made = [Contact(beam, obstacle) for obstacle in contacts]
+    made = [Contact(beam, obstacle, distance=0.0) for obstacle in contacts]
     return Scene([beam], [Support(mesh, *s) for s in supports], [PointForce(mesh, "crown", (0.0, -1.0))],
                  Monitor(mesh, "crown", "y", -1.0), made)
 

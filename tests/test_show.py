@@ -61,7 +61,8 @@ def record(tmp_path_factory):
     beam = Beam(mesh, Rectangle(25.4, 4.7625), Elastic(72395.0))
     punch = RigidCylinder(RADIUS, (0.0, 2 * RADIUS), travel=(0.0, -1.0))
     scene = Scene([beam], [clamp(mesh, "end"), symmetry(mesh, "crown")], [ObstacleForce(punch, 1 / COPIES)],
-                  Monitor(mesh, "crown", "y", -1.0), [Contact(beam, punch, "nodes", friction=0.2)], COPIES)
+                  Monitor(mesh, "crown", "y", -1.0),
+                  [Contact(beam, punch, "nodes", friction=0.2, distance=0.0)], COPIES)
     case = Case(scene, ArcLength(step=0.005), Until(deflection=20.0), axes=("deflection (mm)", "load (N)"))
     archive = Archive(tmp_path_factory.mktemp("run"), MPI.COMM_WORLD)
     archive.clear({})

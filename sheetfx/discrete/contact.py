@@ -105,7 +105,7 @@ class ContactFields:
         """
         obstacle = self.contact.obstacle
         self._position = position
-        self.gap = obstacle.gap(position, travel)
+        self.gap = obstacle.gap(position, travel) - self.contact.apart
         self.slip = obstacle.slip(position, travel, previous(position), [previous(t) for t in travel])
 
     @property

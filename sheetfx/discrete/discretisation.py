@@ -73,7 +73,8 @@ class Discretisation:
             joints = list(self._of_joints())
             others = [*self._of_contacts(), *joints, *chain(*(works for _, works in loads)), FixedIncrements()]
             contributions = [*self._of_parts(), *others]
-        layout = without_redundant(Layout(fields.comm, fields.blocks, fixed, self.sharings), joints, self.unknowns)
+        layout = without_redundant(Layout(fields.comm, fields.blocks, fixed, self.sharings), joints, self.unknowns,
+                                   scene.meshes)
         self.layout = layout
         self.follower = look_for_potentials(loads, self.unknowns, layout, fields.factors, self.clock)
         self.system = System(self.unknowns, contributions, layout, fields.factors, self.clock)
@@ -110,7 +111,7 @@ class Discretisation:
         k = self.kinematics(beam.mesh)
         x = ufl.SpatialCoordinate(beam.mesh.domain) + k.u
         if contact.side:
-            x = x + contact.side * beam.section.depth / 2 * k.rotation.rotate(frame.normal)
+            x = x + contact.lever * k.rotation.rotate(frame.normal)
         return x
 
     def _close_contacts(self) -> None:

@@ -52,7 +52,7 @@ class LayerFields(ContactFields):
         domain, d = beam.mesh.domain, beam.mesh.dimension
         place, jacobian = ufl.SpatialCoordinate(domain), ufl.Jacobian(domain)
         length = ufl.sqrt(sum(jacobian[i, 0] ** 2 for i in range(d)))
-        arm = self.contact.side * beam.section.depth / 2 * beam.frame().normal
+        arm = self.contact.lever * beam.frame().normal
         fixed = self._at_samples([*(place[i] for i in range(d)), *(arm[i] for i in range(d)), length])
         self.places, self.arms, self._lengths = fixed[..., :d], fixed[..., d: 2 * d], fixed[..., 2 * d]
         self._expression = self._compiled(at_rest(ufl.as_vector([self.gap, *(self._position[i] for i in range(d))])))

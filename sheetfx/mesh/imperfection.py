@@ -6,7 +6,7 @@ Shapes are modes, functions of place, measured deviations or random fields, and 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Annotated
+from typing import Annotated, Any
 
 import dolfinx
 import numpy as np
@@ -48,16 +48,29 @@ def imperfect(mesh: NamedMesh | MixedMesh, displacement: Shape | Sequence[Shape]
         If there is not one amplitude for each displacement, a displacement has another shape or is on another mesh,
         there is no normal for deviations along it, or a cell is folded over or has no extent.
     """
+    given = given_shapes(displacement, amplitude)
+    if isinstance(mesh, NamedMesh):
+        return at_places(mesh, _places(mesh, given))
+    shared = mesh.shared_nodes()
+    y, x = moved_together([mesh.surfaces, mesh.curves], given, [(1, 0, shared)])
+    return MixedMesh(at_places(mesh.surfaces, y), at_places(mesh.curves, x))
+
+
+def given_shapes(displacement: Any, amplitude: float | Sequence[float]) -> list[tuple[Any, float]]:
+    """Displacements with their amplitudes.
+
+    Raises
+    ------
+    ValueError
+        If there is no displacement, or not one amplitude for each.
+    """
     shapes = displacement if isinstance(displacement, Sequence) else [displacement]
     if not len(shapes):
         raise ValueError("imperfect: displacement is empty; give at least one")
     amplitudes = np.atleast_1d(amplitude)
     if len(amplitudes) not in (1, len(shapes)):
         raise ValueError(f"imperfect: {len(amplitudes)} amplitudes for {len(shapes)} displacements; give one for each")
-    given = list(zip(shapes, np.broadcast_to(amplitudes, len(shapes)), strict=True))
-    if isinstance(mesh, NamedMesh):
-        return _at_places(mesh, _places(mesh, given))
-    return _mixed(mesh, given)
+    return list(zip(shapes, np.broadcast_to(amplitudes, len(shapes)), strict=True))
 
 
 def _places(mesh: NamedMesh, given: Sequence[tuple[Shape, float]]) -> np.ndarray:
@@ -68,28 +81,66 @@ def _places(mesh: NamedMesh, given: Sequence[tuple[Shape, float]]) -> np.ndarray
     return x
 
 
-def _at_places(mesh: NamedMesh, x: np.ndarray) -> NamedMesh:
+def at_places(mesh: NamedMesh, x: np.ndarray) -> NamedMesh:
     """A mesh like another with its nodes at other places."""
     moved = NamedMesh(moved_mesh(mesh.domain, x), mesh.cells, mesh.edges, mesh.points, mesh.opposed, mesh.model)
     _refuse_bad_cells(moved)
     return moved
 
 
-def _mixed(mesh: MixedMesh, given: Sequence[tuple[Shape, float]]) -> MixedMesh:
-    """A mixed mesh with all its nodes moved; those that are one in gmsh stay one."""
-    curves, surfaces = mesh.curves, mesh.surfaces
-    fields = [one for one in given if isinstance(one[0], fem.Function)]
-    on_curves = [one for one in fields if one[0].function_space.mesh is curves.domain]
-    others = [one for one in given if one not in on_curves]
-    along = [one for one in others if one not in fields and np.ndim(one[0](curves.domain.geometry.x)) == 2]
-    x, y = _places(curves, [*on_curves, *along]), _places(surfaces, others)
-    bars, panels = mesh.shared_nodes().T
-    alone = curves.domain.comm.allreduce(len(x) - len(bars))
-    if alone and not on_curves and len(along) < len(others):
-        raise ValueError(f"imperfect: {alone} nodes of the bars {', '.join(curves.cells)} are on no surface and have "
-                         "no displacement; give one on the curves too, or a function of place of shape (n, 3)")
-    x[bars] = y[panels]
-    return MixedMesh(_at_places(surfaces, y), _at_places(curves, x))
+def moved_together(meshes: Sequence[NamedMesh], given: Sequence[tuple[Shape, float]],
+                   common: Sequence[tuple[int, int, np.ndarray]]) -> list[np.ndarray]:
+    """Places of the moved nodes of several meshes, of which some are one.
+
+    Parameters
+    ----------
+    given : functions of place move all meshes, a Function the one that it is on
+    common : numbers of two meshes, and pairs of nodes of which that of the first goes where that of the second does
+
+    Returns
+    -------
+    for each mesh an array of shape (nodes, dimension)
+
+    Raises
+    ------
+    ValueError
+        If a node has no displacement.
+    """
+    domains, places = [mesh.domain for mesh in meshes], []
+    for number, mesh in enumerate(meshes):
+        elsewhere = [s for s, _ in given if isinstance(s, fem.Function) and s.function_space.mesh is not mesh.domain
+                     and s.function_space.mesh in domains]
+        here = [one for one in given if one[0] not in elsewhere]
+        along = [one for one in here if isinstance(one[0], fem.Function) or _moves(mesh, one[0])]
+        alone = np.ones(len(mesh.domain.geometry.x), dtype=bool)
+        for own, _, pairs in common:
+            if own == number:
+                alone[pairs[:, 0]] = False
+        fields = any(isinstance(one[0], fem.Function) for one in here)
+        if (count := mesh.domain.comm.allreduce(int(alone.sum()))) and not fields and len(along) < len(given):
+            raise ValueError(f"imperfect: {count} nodes of {', '.join(mesh.cells)} that move with no surface have no "
+                             "displacement; give one on them too, or a function of place of shape (n, 3)")
+        places.append(_places(mesh, along))
+    for own, of, pairs in common:
+        places[own][pairs[:, 0]] = places[of][pairs[:, 1]]
+    return places
+
+
+def _moves(mesh: NamedMesh, shape: Callable[[np.ndarray], np.ndarray]) -> bool:
+    """Whether a function of place gives displacements, or deviations along normals that the mesh has."""
+    normals = mesh.domain.topology.dim == 2 or mesh.dimension == 2
+    return normals or np.ndim(shape(mesh.domain.geometry.x)) == 2
+
+
+def geometry_nodes_at(mesh: NamedMesh, at: str | None) -> np.ndarray:
+    """Nodes of the geometry of this process at a named point or edge or on a group of cells; None: all."""
+    domain, nodes = mesh.domain, geometry_nodes(mesh.domain)
+    if at is None or at in mesh.cells:
+        return np.unique(nodes[mesh.group(at)])
+    space = fem.functionspace(domain, domain.ufl_domain().ufl_coordinate_element())
+    of_dofs = np.empty(nodes.max(initial=-1) + 1, dtype=np.int64)
+    of_dofs[space.dofmap.list.ravel()] = nodes.ravel()
+    return np.unique(of_dofs[fem.locate_dofs_topological(space, *mesh.at(at))])
 
 
 @checked

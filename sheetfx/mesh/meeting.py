@@ -7,35 +7,37 @@ from dataclasses import dataclass
 
 import basix
 import numpy as np
-from scipy.optimize import brentq
 from scipy.spatial import cKDTree
 
 from .lines import SAME, Piece
-from .projection import OUTSIDE, Cells
+from .projection import Cells
 from .quadrature import gauss
 from .reader import NamedMesh
+from .segments import Pair, Segment, Side, divided
 
-AHEAD = 1e-5  # how far ahead of a border the next cell is looked for, over the size of a cell
 SHORT = 0.5  # pieces of the multipliers' grid are at least this part of a cell
 MOST = 2**20  # above the number of shape functions at one place
 
 
 @dataclass(frozen=True)
-class Side:
-    """Places of one part at the points of an interface.
+class Line:
+    """A line along which two parts meet.
 
     Attributes
     ----------
-    cells : numbers of the mesh's cells on this process, shape (n,)
-    reference : reference points in these, shape (n, reference dimension)
-    places : in the reference configuration, shape (n, dimension)
-    normals : unit normals of a surface, shape (n, 3); None: it is a curve
+    name : of the joint and the place
+    length : of the line
+    cell : mean length along the line of the cells that it passes, of the part that has the larger ones
     """
 
-    cells: np.ndarray
-    reference: np.ndarray
-    places: np.ndarray
-    normals: np.ndarray | None
+    name: str
+    length: float
+    cell: float
+
+    @property
+    def short(self) -> bool:
+        """Whether it is shorter than half a cell: the fields of the cell do not tell it from a longer one."""
+        return self.length < SHORT * self.cell
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,7 @@ class Meeting:
     nodes, hats : shape (n, k), at each point the numbers of the shape functions of multipliers, and their values
     origins : numbers that tell the shape functions from each other on any number of processes
     size : of the cells at the interface, of the finer part
+    lines : along which they meet; none where they meet at points
     """
 
     sides: tuple[Side, Side]
@@ -57,31 +60,7 @@ class Meeting:
     hats: np.ndarray
     origins: np.ndarray
     size: float
-
-
-class _Pair:
-    """Both parts, and how far they may be apart."""
-
-    def __init__(self, first: Cells, second: Cells, reach: float, name: str):
-        self.parts, self._name = (first, second), name
-        self._tolerance = SAME * max(c.mesh.size for c in self.parts)
-        self._reach = reach
-
-    def check(self, points: np.ndarray, distances: Sequence[np.ndarray]) -> None:
-        """Refuse points that are off a part."""
-        both = np.sum(distances, axis=0)
-        if len(both) and not both.max() <= self._reach + self._tolerance:
-            worst = int(both.argmax())
-            place = ", ".join(f"{c:.6g}" for c in points[worst])
-            beyond = f"more than the reach of {self._reach:.6g}" if self._reach else "and it has no reach"
-            raise ValueError(
-                f"{self._name}: the point ({place}) is {both[worst]:.6g} off the part that it is joined to, {beyond}; "
-                f"move or shorten it, or give a reach of {both[worst]:.6g}, which rigid arms bridge")
-
-    def side(self, number: int, which: np.ndarray, reference: np.ndarray) -> Side:
-        part = self.parts[number]
-        normals = part.normals(which, reference) if part.mesh.domain.topology.dim == 2 else None
-        return Side(part.cells[which], reference, part.places(which, reference), normals)
+    lines: tuple[Line, ...] = ()
 
 
 def at_points(first: Cells, second: Cells, points: np.ndarray, others: np.ndarray | None, reach: float,
@@ -100,7 +79,7 @@ def at_points(first: Cells, second: Cells, points: np.ndarray, others: np.ndarra
     ValueError
         If points are off a part, or the cells of both parts are on different processes.
     """
-    pair, comm = _Pair(first, second, reach, name), first.mesh.domain.comm
+    pair, comm = Pair(first, second, reach, name), first.mesh.domain.comm
     if others is None:
         others = points
     elif not len(points) == len(others) == 1:
@@ -126,7 +105,7 @@ def at_points(first: Cells, second: Cells, points: np.ndarray, others: np.ndarra
 
 
 def along_lines(first: Cells, second: Cells, lines: Sequence[Sequence[Piece]], reach: float, degree: int,
-                name: str) -> Meeting:
+                name: str, tied: bool = False) -> Meeting:
     """Meeting of two parts along lines, at Gauss points of segments that end at the borders of cells of both.
 
     The multipliers are linear and continuous along each line, on the cells of the part that has the larger ones there
@@ -138,20 +117,23 @@ def along_lines(first: Cells, second: Cells, lines: Sequence[Sequence[Piece]], r
     ----------
     degree : number of Gauss points on a segment
     reach, name : as of `at_points`
+    tied : whether places count at which each part is closest to the other, where these are less than half a cell beside
+        the line, which the fields of the cell do not tell from it
 
     Raises
     ------
     ValueError
         If a line is off a part.
     """
-    pair, rule, count = _Pair(first, second, reach, name), gauss(basix.CellType.interval, degree), 0
-    points, weights, nodes, hats, cells, sizes = [], [], [], [], [], []
+    pair, rule, count = Pair(first, second, reach, name), gauss(basix.CellType.interval, degree), 0
+    points, weights, nodes, hats, cells, sizes, told = [], [], [], [], [], [], []
     for line in lines:
-        segments = _segments(line, pair)
+        segments = divided(line, pair)
         own = np.array([s.cells for s in segments])
         arc = np.concatenate(([0.0], np.cumsum([s.length for s in segments])))
         sizes.append([part.sizes[np.unique(c)].mean() for part, c in zip(pair.parts, own.T, strict=True)])
         coarse = int(np.argmax(sizes[-1]))
+        told.append(Line(name, arc[-1], max(_passed(part, segments, n) for n, part in enumerate(pair.parts))))
         borders = arc[1:-1][np.diff(own[:, coarse]) != 0]
         grid = _grid(borders, arc[-1], sizes[-1][coarse])
         for segment, start in zip(segments, arc[:-1], strict=True):
@@ -165,9 +147,52 @@ def along_lines(first: Cells, second: Cells, lines: Sequence[Sequence[Piece]], r
         cells.append(np.repeat(own, len(rule.weights), axis=0))
         count += len(grid)
     places, cells = np.concatenate(points), np.concatenate(cells)
-    sides = tuple(pair.side(n, cells[:, n], part.nearest(cells[:, n], places)) for n, part in enumerate(pair.parts))
+    found = [part.nearest(cells[:, n], places) for n, part in enumerate(pair.parts)]
+    if tied:
+        _seat(pair, cells, found)
+    sides = tuple(pair.side(n, cells[:, n], reference) for n, reference in enumerate(found))
     return Meeting(sides, np.concatenate(weights), np.concatenate(nodes), np.concatenate(hats), np.arange(count),
-                   float(np.min(sizes)))
+                   float(np.min(sizes)), tuple(told))
+
+
+def _seat(pair: Pair, cells: np.ndarray, found: list[np.ndarray]) -> None:
+    """Move points of a line, less than half a cell, to where each part is closest to the other.
+
+    Parameters
+    ----------
+    cells, found : at the points the numbers of the cells of both parts, shape (n, 2), and reference points in them;
+        both are changed
+    """
+    for n, part in enumerate(pair.parts):
+        other = pair.parts[1 - n]
+        here, there = part.places(cells[:, n], found[n]), other.places(cells[:, 1 - n], found[1 - n])
+        which, reference = _beside(part, cells[:, n], there, pair.tolerance)
+        place = part.places(which, reference)
+        back = other.places(*_beside(other, cells[:, 1 - n], place, pair.tolerance))
+        moved, off = np.linalg.norm(place - here, axis=1), np.linalg.norm(back - there, axis=1)
+        seated = (off <= pair.tolerance) & (moved < SHORT * part.sizes[which])
+        cells[seated, n], found[n][seated] = which[seated], reference[seated]
+
+
+def _beside(part: Cells, near: np.ndarray, points: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
+    """Of given cells and those around them, not beyond a seam, the closest to points, and reference points in them."""
+    which, reference = near.copy(), part.nearest(near, points)
+    inside = part.holds(near, points) | (np.linalg.norm(part.places(near, reference) - points, axis=1) <= tolerance)
+    for point in np.flatnonzero(~inside):
+        around = part.around(which[point])
+        along = np.tile(points[point], (len(around), 1))
+        which[point] = around[np.argmin(part.distances(around, along))]
+        reference[[point]] = part.nearest(which[[point]], along[:1])
+    return which, reference
+
+
+def _passed(part: Cells, segments: Sequence[Segment], number: int) -> float:
+    """Mean length of a part's cells along the segments in them; `number` is that of the part."""
+    middles = [np.array([(s.begin + s.end) / 2]) for s in segments]
+    ways = np.array([s.piece.slopes(t)[0] for s, t in zip(segments, middles, strict=True)])
+    places = np.array([s.piece.places(t)[0] for s, t in zip(segments, middles, strict=True)])
+    cells = np.array([s.cells[number] for s in segments])
+    return float(part.passed(cells, places, ways / np.linalg.norm(ways, axis=1, keepdims=True)).mean())
 
 
 def at_pairs(first: Cells, second: Cells, lines: Sequence[Sequence[Piece]], count: int, reach: float,
@@ -184,7 +209,7 @@ def at_pairs(first: Cells, second: Cells, lines: Sequence[Sequence[Piece]], coun
     ValueError
         If a point is off a part.
     """
-    pair, points, weights = _Pair(first, second, reach, name), [], []
+    pair, points, weights = Pair(first, second, reach, name), [], []
     for line in lines:
         ends = np.cumsum([piece.length() for piece in line])
         for wanted in ends[-1] * (np.arange(count) + 0.5) / count:
@@ -211,7 +236,7 @@ def merged(meetings: Sequence[Meeting]) -> Meeting:
                    np.concatenate([m.nodes + before for m, before in zip(meetings, counts, strict=False)]),
                    np.concatenate([m.hats for m in meetings]),
                    np.concatenate([m.origins + n * MOST for n, m in enumerate(meetings)]),
-                   min(m.size for m in meetings))
+                   min(m.size for m in meetings), tuple(line for m in meetings for line in m.lines))
 
 
 def _merged_sides(sides: Sequence[Side]) -> Side:
@@ -225,93 +250,6 @@ def refuse_processes(mesh: NamedMesh, name: str) -> None:
     comm = mesh.domain.comm
     if comm.size > 1:
         raise ValueError(f"{name}: a joint along a line on {comm.size} processes is not possible yet; take one process")
-
-
-@dataclass(frozen=True)
-class _Segment:
-    """Part of a piece, between two parameters, that is in one cell of each part."""
-
-    piece: Piece
-    begin: float
-    end: float
-    length: float
-    cells: tuple[int, ...]
-
-
-def _segments(line: Sequence[Piece], pair: _Pair) -> list[_Segment]:
-    segments = []
-    for piece, *ways in zip(line, *(_ways(part, line, pair) for part in pair.parts), strict=True):
-        begin = 0.0
-        for end in sorted({t for way in ways for t, _ in way}):
-            if end - begin > OUTSIDE:
-                cells = tuple(next(cell for t, cell in way if t > (begin + end) / 2) for way in ways)
-                segments.append(_Segment(piece, begin, end, piece.length(end) - piece.length(begin), cells))
-                begin = end
-    return segments
-
-
-def _ways(part: Cells, line: Sequence[Piece], pair: _Pair) -> list[list[tuple[float, int]]]:
-    """For each piece of a line the parameters at which it leaves cells of a part, and these cells.
-
-    A straight piece that ends closest to the flat cell that it begins over does not leave it in between.
-    """
-    starts = np.concatenate([piece.places(np.array([_just_ahead(part, piece, 0.0)])) for piece in line])
-    ends = np.concatenate([piece.places(np.array([1.0])) for piece in line])
-    cells, _, distances = part.closest(starts)
-    pair.check(starts, [distances])
-    stays = np.array([piece.straight for piece in line]) & part.flat[cells]
-    stays &= part.holds(cells, starts) & part.holds(cells, ends)
-    pair.check(ends[stays], [part.distances(cells[stays], ends[stays])])
-    stays[stays] = part.are_closest(cells[stays], ends[stays])
-    return [[(1.0, int(cell))] if only else _way(part, piece, pair)
-            for piece, cell, only in zip(line, cells, stays, strict=True)]
-
-
-def _just_ahead(part: Cells, piece: Piece, t: float) -> float:
-    """Parameter a little further on a piece, where the cell tells that comes next."""
-    pace = np.linalg.norm(piece.slopes(np.array([0.5]))[0])
-    return min(t + AHEAD * part.sizes.min() / pace, (t + 1.0) / 2)
-
-
-def _way(part: Cells, piece: Piece, pair: _Pair) -> list[tuple[float, int]]:
-    """Parameters at which a piece leaves cells of a part, one after the other, and these cells."""
-    way, t = [], 0.0
-    pace = np.linalg.norm(piece.slopes(np.array([0.5]))[0])
-    while t < 1.0:
-        ahead = _just_ahead(part, piece, t)
-        point = piece.places(np.array([ahead]))
-        cells, _, distances = part.closest(point)
-        pair.check(point, [distances])
-        t = _leaves(part, int(cells[0]), piece, ahead, part.sizes[cells[0]] / pace / 2)
-        way.append((t, int(cells[0])))
-    end = piece.places(np.array([1.0]))
-    pair.check(end, [part.distances(cells, end)])
-    return way
-
-
-def _leaves(part: Cells, cell: int, piece: Piece, t: float, step: float) -> float:
-    """Parameter at which a piece leaves a cell that it is in, or closest to; 1 at its end."""
-    def place(at: float) -> np.ndarray:
-        return piece.places(np.array([at]))[0]
-
-    start = t
-    while t < 1.0:
-        further = min(t + step, 1.0)
-        beside, margins = part.margins(cell, place(t))
-        left = np.flatnonzero((margins(place(further)) < -OUTSIDE) & (margins(place(t)) >= -OUTSIDE))
-        ends = [_zero(lambda at, n=n, margins=margins: margins(place(at))[n], t, further) for n in left]
-        last = min(ends, default=further)
-        may_be_left = not ends if beside else last in (1.0, *ends)
-        if may_be_left and not part.are_closest(np.array([cell]), place(last)[None])[0]:
-            ends = [part.given_over(cell, place, start, last)]
-        if ends:
-            return 1.0 if min(ends) > 1.0 - OUTSIDE else min(ends)
-        t = further
-    return 1.0
-
-
-def _zero(function, low: float, high: float) -> float:
-    return low if function(low) <= 0 else brentq(function, low, high, xtol=1e-15, rtol=1e-14)
 
 
 def _grid(borders: np.ndarray, length: float, size: float) -> np.ndarray:

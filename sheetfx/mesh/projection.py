@@ -7,6 +7,7 @@ cells as if these were straight; so that the closest points of curved cells are 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property
 
 import basix
 import numpy as np
@@ -161,6 +162,21 @@ class Cells:
             return np.array([s, 1 - s])
         return True, along
 
+    def passed(self, which: np.ndarray, points: np.ndarray, ways: np.ndarray) -> np.ndarray:
+        """Lengths of straight lines within given cells, through points on them and along unit vectors, one for each.
+
+        Lines across a cell, as of a post on a bar, have no length in it.
+        """
+        reference = self.nearest(which, points)
+        along = np.einsum("nia,na->ni", np.linalg.pinv(self.derivatives(which, reference)), ways)
+        margins = self._margins(reference)
+        slopes = self._margins(reference + along) - margins
+        size = np.abs(slopes).max(axis=1, keepdims=True)
+        crossed = np.abs(slopes) > OUTSIDE * size
+        ends = margins / np.where(crossed, slopes, 1.0)
+        ahead, behind = (np.where(crossed & (sign * slopes < 0), sign * -ends, np.inf).min(axis=1) for sign in (1, -1))
+        return np.where(crossed.any(axis=1) & (size[:, 0] > 0), ahead + behind, 0.0)
+
     def distances(self, which: np.ndarray, points: np.ndarray) -> np.ndarray:
         """Of points from given cells, one for each."""
         return np.linalg.norm(self.places(which, self.nearest(which, points)) - points, axis=1)
@@ -171,6 +187,18 @@ class Cells:
         found = beyond <= 0
         found[~found] = beyond[~found] <= self.closest(points[~found])[2]
         return found
+
+    def around(self, which: int) -> np.ndarray:
+        """Numbers of the cells that have a corner in common with a given one, which is one of them."""
+        corners = self._corners
+        return np.flatnonzero(np.isin(corners, corners[which]).any(axis=1))
+
+    @cached_property
+    def _corners(self) -> np.ndarray:
+        topology = self.mesh.domain.topology
+        topology.create_connectivity(topology.dim, 0)
+        corners = topology.connectivity(topology.dim, 0)
+        return np.array([corners.links(cell) for cell in self.cells])
 
     def given_over(self, cell: int, place: Callable[[float], np.ndarray], low: float, high: float) -> float:
         """Parameter of a line at which the next cell is closer than one that is closest at `low`, but not at `high`.

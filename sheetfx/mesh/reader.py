@@ -65,6 +65,12 @@ class NamedMesh:
         """Length of all curves, or area of all surfaces."""
         return self.measure_of(None)
 
+    @property
+    def mean_cell(self) -> float:
+        """Mean length of cells of curves; root of the mean area of those of surfaces."""
+        dimension = self.domain.topology.dim
+        return (self.measure / self.domain.topology.index_map(dimension).size_global) ** (1 / dimension)
+
     def measure_of(self, group: str | None) -> float:
         """Length of the curves, or area of the surfaces, of a group (default all)."""
         one = fem.Constant(self.domain, 1.0)

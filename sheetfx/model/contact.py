@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from ..checks import Choice, NotNegative, Positive, check
+from ..notices import warn
 from .beam import Beam
 from .obstacles import RigidCylinder, RigidPlane
 
@@ -18,8 +19,8 @@ class Contact:
     ----------
     points : "nodes" or "quadrature", where contact is checked
     friction : Coulomb's coefficient
-    side : contact at the surface (half the depth off the centre line) instead of at the
-        centre line; the sign says on which side of the frame's normal
+    side : 0: whichever looks to the obstacle; 1 or -1: only that to which the frame's normal points, or the other, on
+        which friction turns about the axis too
     enforcement : "penalty" (the stiffness of the contact layer), "uzawa" (multipliers are updated
         between solutions) or "semismooth" (multipliers are unknowns); None: semismooth where contact is
         exact, penalty where there is a layer, see demos/enforcement.py for the comparison
@@ -27,6 +28,8 @@ class Contact:
     layer : thickness-like length of an elastic contact layer, see `contact.fields.resolution`;
         0: exact; None: 0 at nodes, as thin as it can be for a smooth path otherwise
     approach : multiples of the layer through which each step's solution is approached
+    distance : from the axis to where it touches; None: half the depth with a side, without one zero, at the axis, which
+        is told since faces are half the depth closer
     """
 
     beam: Beam
@@ -38,8 +41,23 @@ class Contact:
     scale: Positive | None = None
     layer: NotNegative | None = None
     approach: tuple[Positive, ...] = (8.0, 4.0, 2.0, 1.0)
+    distance: NotNegative | None = None
 
     def __post_init__(self):
         check(self)
         if self.side:
             self.beam.mesh.require_alike("Contact: side", self.beam.group)
+        elif self.distance is None:
+            half = self.beam.section.depth / 2
+            warn(f"Contact: the Beam touches the {type(self.obstacle).__name__} at its axis, though its faces are "
+                 f"{half:.6g} closer; give distance={half:.6g} for the faces, or distance=0 if the axis is meant")
+
+    @property
+    def apart(self) -> float:
+        """Distance of the axis from the obstacle at which it touches, on whichever side."""
+        return 0.0 if self.side else self.distance or 0.0
+
+    @property
+    def lever(self) -> float:
+        """Place along the normal of the frame of the points that touch; zero without a side."""
+        return self.side * (self.beam.section.depth / 2 if self.distance is None else self.distance)

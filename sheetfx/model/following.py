@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
 from .. import forms
-from ..checks import check, require_components
+from ..checks import Choice, check, require_components
 from ..mesh.reader import NamedMesh
 from .beam import Beam
 from .loads import LINE_PRESSURE, PRESSURE, Load
 from .shell import Shell
+
+SIDES = "negative", "positive"  # of a surface or plane curve, behind and before its normal
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,14 +52,22 @@ class FollowerForce(Load):
 
 @dataclass(frozen=True, eq=False)
 class Pressure(Load):
-    """Pressure along the current normal of a shell, which follows it as it turns.
+    """Pressure on one side of a shell, which follows its current normal as it turns.
 
     Where the shell is closed or its edges are held, such a pressure has a potential; whether it has is seen by its
     tangent.
+
+    Attributes
+    ----------
+    pressure : pushes where it is positive, pulls where it is negative
+    side : that it acts on: "negative", from which it pushes along the normal, or "positive", to which the normal
+        points, against it. The normal is that of the part's cells as they run (`mesh.orientation`), "normal" in files
+        for ParaView
     """
 
     shell: Shell
     pressure: float
+    side: Annotated[str, Choice(SIDES)] = SIDES[0]
     conservative = False
     reports = PRESSURE
 
@@ -66,7 +77,7 @@ class Pressure(Load):
 
     def work(self, fields):
         frame, u = self.shell.frame(), fields.displacement(self.shell.mesh)
-        return forms.load.pressure(fields.factor * self.pressure, u, frame, fields.vary) * self._measure()
+        return forms.load.pressure(fields.factor * _along(self), u, frame, fields.vary) * self._measure()
 
     def _measure(self):
         """Exact for a product of two tangents of the surface and a variation: otherwise it has a potential nowhere."""
@@ -79,16 +90,22 @@ class Pressure(Load):
 
 @dataclass(frozen=True, eq=False)
 class LinePressure(Load):
-    """Pressure on a beam in the plane: force per current length along its current normal.
+    """Pressure on one side of a beam in the plane: force per current length along its current normal.
 
-    The normal is on the left of the direction in which the mesh runs along the beam. As that of a `Pressure`, its
-    tangent shows whether it has a potential: it has on closed rings and between ends that are held. A
-    `LineForce(follower=True)` differs: its size is per reference length, it turns with the cross-section, and no
-    supports give it a potential.
+    As that of a `Pressure`, its tangent shows whether it has a potential: it has on closed rings and between ends that
+    are held. A `LineForce(follower=True)` differs: its size is per reference length, it turns with the cross-section,
+    and no supports give it a potential.
+
+    Attributes
+    ----------
+    pressure : pushes where it is positive, pulls where it is negative
+    side : that it acts on: "negative", from which it pushes along the normal, or "positive", to which the normal
+        points, against it. The normal is on the left of the direction in which the mesh runs along the beam
     """
 
     beam: Beam
     pressure: float
+    side: Annotated[str, Choice(SIDES)] = SIDES[0]
     conservative = False
     reports = LINE_PRESSURE
 
@@ -100,7 +117,12 @@ class LinePressure(Load):
 
     def work(self, fields):
         frame, u = self.beam.frame(), fields.displacement(self.beam.mesh)
-        return forms.load.line_pressure(fields.factor * self.pressure, u, frame, fields.vary) * self.beam.measure()
+        return forms.load.line_pressure(fields.factor * _along(self), u, frame, fields.vary) * self.beam.measure()
 
     def total(self, fields) -> float:
         return abs(self.pressure)
+
+
+def _along(load: Pressure | LinePressure) -> float:
+    """Pressure along the normal."""
+    return load.pressure if load.side == SIDES[0] else -load.pressure

@@ -124,7 +124,8 @@ class Interface(Joint):
     def meeting(self) -> Meeting:
         """Points where the parts meet."""
         return meeting_of(self.mesh, self._places, self.to, self.reach, self.name,
-                          lambda first, second, lines, title: along_lines(first, second, lines, self.reach, 4, title))
+                          lambda first, second, lines, title: along_lines(first, second, lines, self.reach, 4, title,
+                                                                          tied=True))
 
     def unknowns(self, fields) -> None:
         if self.held and self.enforcement == "multiplier":

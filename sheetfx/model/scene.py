@@ -116,6 +116,7 @@ class Scene:
         refuse_overlap(self.parts)
         self._tell_unjoined()
         self._tell_points()
+        self._tell_short()
 
     @property
     def all_stages(self) -> list[Stage]:
@@ -198,6 +199,21 @@ class Scene:
                 warn(f"{alike(name, points)}: {one} of a shell. The displacement and rotation of a plate under a force "
                      "or moment at a point have no limit as its mesh is refined, so that results depend on the mesh; "
                      "join it over a length, see Stretch")
+
+    def _tell_short(self) -> None:
+        """Warn, once for each kind of joint, of those along lines that are shorter than half of a cell there."""
+        found: dict[str, list] = {}
+        for joint in self.joints:
+            if isinstance(joint, Interface):
+                found.setdefault(joint.name, []).extend(line for line in joint.meeting.lines if line.short)
+        for lines in found.values():
+            if lines:
+                worst = min(lines, key=lambda line: line.length / line.cell)
+                more = f" (the shortest of {len(lines)})" if len(lines) > 1 else ""
+                warn(f"{worst.name}{more}: its length {worst.length:.4g} is less than half of the cell of "
+                     f"{worst.cell:.4g} that it is on, where it holds as a longer one would: stiffness, and where "
+                     f"parts part, are those of the mesh. Give cells of at most {2 * worst.length:.4g} there, or a "
+                     "longer joint")
 
     def _check_spaces(self, parts) -> None:
         """Refuse parts of one mesh that cannot share its unknowns, and rotations where there are none."""

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from functools import partial
 
 import numpy as np
 
 from .. import meshes
-from ..mesh.lines import Stretch, lines_of
+from ..mesh.lines import Stretch
 from ..mesh.mixed import MixedMesh, read_mixed
 from ..model.interface import bolt, hinge, weld
 from ..model.joints import Joint
 from ..model.pair_contact import FACES, PairContact
 from ..model.shell import TRIANGLE, ShellForm
-from ..notices import warn
 
 FACES_OF_PANELS = (*FACES, "both")
 TIES = {"weld": weld, "bolt": bolt, "hinge": hinge}  # with all rotations, all but that in the panel's plane, none
@@ -48,18 +46,7 @@ def joints(mesh: MixedMesh, table: meshes.Table, faces: str, length: float, tie:
                          f"{shortest / 2:.4g}")
     if edges == "shared" and faces != "seat":
         raise ValueError(f"dome: faces is {faces!r}, but shared edges of panels do not push against bars; give seat")
-    _warn_of_long_cells(mesh, lines, length)
     chosen = FACES if faces == "both" else (faces,)
     return [TIES[tie](mesh.surfaces, ends, (mesh.curves, None)),
             *(PairContact(mesh.surfaces, list(lines), (mesh.curves, None), face, toward=INWARD, name="contact",
                           **contact) for face in chosen)]
-
-
-def _warn_of_long_cells(mesh: MixedMesh, lines: Iterable[str], length: float) -> None:
-    """Say so where welds are shorter than half of the cells that they begin on, on which all such welds are alike."""
-    pieces = [piece for line in lines for found in lines_of(mesh.surfaces, line) for piece in (found[0], found[-1])]
-    longest = max((piece.length() for piece in pieces), default=0.0)
-    if length < longest / 2:
-        warn(f"dome: welds of {length:g} mm begin on cells of {longest:.4g} mm, more than twice as long: "
-                      "stiffness, and where panels lift, are those of the mesh (demos/dome_contact.md); give more "
-                      "divisions, or a grading")

@@ -74,7 +74,7 @@ def case(
         radius = ratio * RADIUS
         top = crown_height(mesh)
         punch = RigidCylinder(radius, (0.0, top + radius), travel=(0.0, -1.0))
-        contacts = [Contact(beam, punch, contact, friction, layer=layer, enforcement=enforcement)]
+        contacts = [Contact(beam, punch, contact, friction, distance=0.0, layer=layer, enforcement=enforcement)]
         loads = [ObstacleForce(punch, 1.0 / symmetry_factor)]
         pictures += [contact_pictures.contact_history, contact_pictures.tractions(500.0)]
     if yield_stress is not None:

@@ -15,11 +15,12 @@ from ..continuation.state import State
 from ..discrete.kinematics import Kinematics
 from ..jit import compiled_expression
 from ..mesh.reader import NamedMesh
-from ..model.shell import Shell
 from .evaluate import last_state_kept
 from .plastic import largest_strain, mean_share, of_cells, plastic_parts
 from .shown import Shown
 from .tables import names_of
+
+AXES = {1: ("along", "axis 1", "axis 2"), 2: ("axis 1", "axis 2", "normal")}  # of parts that are curves and surfaces
 
 
 def paraview(record: Shown, folder: Folder) -> None:
@@ -27,7 +28,9 @@ def paraview(record: Shown, folder: Folder) -> None:
 
     Both have three components: a planar rotation is an angle about z, a spatial one the rotation
     vector (radians, below a full turn), averaged where cells disagree. Each cell has the load, and the means of the
-    resultants at its points (`tables.names_of`); those of shells act along "axis 1" and what is 90 degrees further.
+    resultants at its points (`tables.names_of`) with the axes that these act along as they have turned: of shells
+    "axis 1" and "axis 2" in the surface and the "normal", by which offsets, plies and sides of pressure go; of beams
+    "along", and "axis 1" (the normal in the plane) and "axis 2" of the section; of bars "along".
     Plastic parts add the largest equivalent plastic strain of each cell, and the share of its volume that has flowed. A
     scene of several meshes gets path.pvd, path1.pvd and so on. A path of a single state is left out.
     """
@@ -86,10 +89,11 @@ class _Resultants:
             cells, values = part.mesh.group(part.group), self._record.forces(part).mean(axis=1)
             for name, column in zip(names_of(part, values.shape[1]), values.T, strict=True):
                 self._function(name, self._space).x.array[cells] = column
-            if isinstance(part, Shell):
-                axes = self._record.section_points(part).axes[:, :, 0].mean(axis=1)
-                axes /= np.linalg.norm(axes, axis=1, keepdims=True)
-                self._function("axis 1", self._vectors).x.array.reshape(-1, 3)[cells] = axes
+            axes = self._record.section_points(part).axes.mean(axis=1)
+            axes /= np.linalg.norm(axes, axis=2, keepdims=True)
+            for name, axis in zip(AXES[part.mesh.domain.topology.dim], axes.transpose(1, 0, 2), strict=False):
+                table = self._function(name, self._vectors).x.array.reshape(-1, 3)
+                table[cells, :part.mesh.dimension] = axis
         for function in self.functions.values():
             function.x.scatter_forward()
 

@@ -26,6 +26,7 @@ from ..continuation.linear import DirectSolver
 from ..continuation.spectrum import solve_by
 from ..continuation.state import State
 from ..discrete.discretisation import Discretisation
+from ..notices import warn
 from ..rounding import NONE, is_real
 from .modes import scaled
 
@@ -70,6 +71,9 @@ def buckling(path, state: State, count: int = 6, *, supports: Sequence | None = 
              tolerance: float = 1e-3) -> list[BucklingLoad]:
     """Buckling loads nearest to a state, the nearest first.
 
+    The tangent counts as linear in the load. By how much it is not, at the nearest load, is told where that is more
+    than `tolerance`; and that contact stays as it is, where the scene has any: modes pass through what does not touch.
+
     Parameters
     ----------
     path : Path or Tracer that the state belongs to; it stays at its present state
@@ -99,6 +103,7 @@ def buckling(path, state: State, count: int = 6, *, supports: Sequence | None = 
         motions = home.system.motions(home.system.create_vector(state.response))
         problem = _Problem(discretisation, state, motions, state.step > 0 if prebuckling is None else prebuckling)
         found = _complete(problem, count, tolerance)
+        problem.tell(*found[0], tolerance, state.contact_points)
         return problem.describe(found, tolerance, home)
 
 
@@ -107,6 +112,7 @@ class _Problem:
 
     def __init__(self, discretisation: Discretisation, state: State, motions: Sequence, prebuckling: bool):
         self.discretisation, self.system, self.state = discretisation, discretisation.system, state
+        self.prebuckling = prebuckling
         self.response = self.system.step_by(motions)
         length = (self.system.weights * self.response).dot(self.response) ** 0.5
         if not length > 0:
@@ -192,6 +198,31 @@ class _Problem:
         force.axpy(increment, change)
         self.solver.solve(force, answer)
         return abs(force.dot(answer) / energy) ** 0.5
+
+    def tell(self, increment: float, mode: PETSc.Vec, tolerance: float, touching: int) -> None:
+        """Warn where contact stays as it is, or else where the tangent is not linear as far as a buckling load."""
+        if any(not (c.smooth or c.remembers) for c in self.system.contributions):
+            warn(f"buckling: contact stays as it is in the state, where {touching} points touch: modes hold these "
+                 "together and pass through all others. The path itself finds where structures with contact buckle")
+        elif self.prebuckling and abs((share := self.nonlinear(increment, mode)) - 1) > tolerance:
+            where = (f"to second order the nearest increment of the load factor is {increment * share:.6g} instead of "
+                     f"{increment:.6g}" if np.isfinite(share) else
+                     f"at the nearest increment of the load factor, {increment:.6g}, it is far from singular")
+            warn(f"buckling: the tangent is not linear in the load; {where}. Ask about a state closer to it, let the "
+                 "path find it, or compare with prebuckling=False")
+
+    def nonlinear(self, increment: float, mode: PETSc.Vec) -> float:
+        """Of a mode the increment at which it buckles, over that where the tangent is linear; infinite: none.
+
+        The second derivative of the tangent K along the response is taken from its value at the increment s, where the
+        mode's energy is c of that at the state instead of zero: 1 - t + c t^2 = 0 at t s, with the root next to 1.
+        """
+        force = mode.duplicate()
+        self.tangent.mult(mode, force)
+        energy = mode.dot(force)
+        self._tangent_at(increment).mult(mode, force)
+        left = 4 * mode.dot(force) / energy
+        return 2 / (1 + (1 - left) ** 0.5) if left <= 1 else np.inf
 
     def describe(self, pairs: list[tuple[float, PETSc.Vec]], tolerance: float,
                  home: Discretisation) -> list[BucklingLoad]:

@@ -19,10 +19,13 @@ def mode_displacement(path, mesh: NamedMesh, mode) -> fem.Function:
     path : Path or Tracer that the mode belongs to
     mode : array of increments on this process, or a BucklingLoad, Vibration or Branch with one
     """
-    vector = path.discretisation.system.create_vector(getattr(mode, "mode", mode))
-    u = path.discretisation.kinematics(mesh).u
-    displacement = fem.Function(u.function_space, name="displacement")
-    displacement.x.array[:] = _displacement(path.discretisation, mesh, vector)
+    return mode_on(path.discretisation, mesh, getattr(mode, "mode", mode))
+
+
+def mode_on(discretisation: Discretisation, mesh: NamedMesh, mode: np.ndarray) -> fem.Function:
+    """Displacement of a mesh's parts in a mode of a discretisation, given by increments."""
+    displacement = fem.Function(discretisation.kinematics(mesh).u.function_space, name="displacement")
+    displacement.x.array[:] = _displacement(discretisation, mesh, discretisation.system.create_vector(mode))
     return displacement
 
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ..continuation.control import StepRule
 from ..continuation.crossings import can_stick
+from ..continuation.state import State
 from ..discrete.discretisation import Discretisation
 from ..discrete.pair_work import PairWork, pairs_of
 from .flutter import COUNT
@@ -82,3 +85,20 @@ def _grazing(work: PairWork) -> int:
     state = work.evaluate()
     near = GRAZING * work.pairs.tolerance
     return int(((np.abs(state.gap) <= near) & (state.pressure <= near * work.pairs.parameters[0])).sum())
+
+
+def doubts(discretisation: Discretisation, states: Sequence[State]) -> list[str]:
+    """What a traced path has found that may be otherwise, in sentences: bifurcations where pressures are augmented.
+
+    Modes are counted with the stiffness of augmentation, which is softer than the rigid bodies that it stands for: a
+    structure on it may have unstable modes that it has not on these.
+    """
+    works = pairs_of(discretisation.system.contributions)
+    names = sorted({work.contact.name for work in works if work.pairs.augmented})
+    loads = [p.load for s in states for p in s.critical if p.kind == "bifurcation" and s.contact_points]
+    if not names or not loads:
+        return []
+    which = f"at load {loads[0]:.6g}" + (f" and {len(loads) - 1} more" if len(loads) > 1 else "")
+    return [f"bifurcation {which}: where something touches by {', '.join(names)} unstable modes are counted with the "
+            "stiffness that pressures are augmented with, and may be its own; what stays with ten times the "
+            "`stiffness` is the structure's"]

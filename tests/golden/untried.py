@@ -82,7 +82,7 @@ def column_beside_wall() -> fx.Case:
     beam = fx.Beam(mesh, fx.Rectangle(1.0, deep), fx.Elastic(1e9, 0.0), shear_rigidity=1e2)
     wall = fx.RigidPlane((0.01, 0.0), (-1.0, 0.0))
     scene = fx.Scene([beam], [fx.pin(mesh, "a"), fx.Support(mesh, "b", "x")], [fx.PointForce(mesh, "b", (0.0, -1.0))],
-                     fx.Monitor(mesh, "b", "y", -1.0), contacts=[fx.Contact(beam, wall)])
+                     fx.Monitor(mesh, "b", "y", -1.0), contacts=[fx.Contact(beam, wall, distance=0.0)])
     return fx.Case(scene, until=fx.Until(load=20 * pi**2 * 1e9 * deep**3 / 12, steps=24))
 
 
@@ -110,7 +110,7 @@ def arch_on_floor(exact: bool) -> fx.Case:
     mesh = frame(nodes, {f"b{i}": (f"n{i}", f"n{i + 1}", 1) for i in range(cells)})
     beam = fx.Beam(mesh, fx.Rectangle(1.0, deep), fx.Elastic(1e4, 0.0), shear_rigidity=1e3)
     plane = fx.RigidPlane((0.0, -0.3), (0.0, 1.0))
-    how = ({"contacts": [fx.Contact(beam, plane)]} if exact else
+    how = ({"contacts": [fx.Contact(beam, plane, distance=0.0)]} if exact else
            {"joints": [fx.ObstacleContact(mesh, None, plane, distance=0.0, samples=4)]})
     scene = fx.Scene([beam], [fx.pin(mesh, "n0"), fx.symmetry(mesh, f"n{cells}")],
                      [fx.LineForce(beam, (0.0, -4e-4))], fx.Monitor(mesh, f"n{cells}", "y", -1.0), **how)

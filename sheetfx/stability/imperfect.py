@@ -1,0 +1,173 @@
+"""Imperfect structures: meshes with moved nodes, and scenes on them."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterator, Sequence
+from dataclasses import fields, is_dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from mpi4py import MPI
+from scipy.spatial import cKDTree
+
+from ..checks import checked
+from ..discrete.contribution import Contribution
+from ..discrete.discretisation import Discretisation
+from ..discrete.fields import SAME_PLACE
+from ..mesh import imperfection
+from ..mesh.imperfection import Shape, at_places, geometry_nodes_at, given_shapes, moved_together
+from ..mesh.lines import Stretch, lines_of
+from ..mesh.mixed import MixedMesh
+from ..mesh.projection import Cells
+from ..mesh.reader import NamedMesh
+from ..model.joints import Compatible
+from ..model.places import each_of
+from ..model.scene import Scene
+from ..model.work import Acting
+from .modes import mode_on
+
+
+@checked
+def imperfect(mesh: NamedMesh | MixedMesh | Scene, displacement: Any,
+              amplitude: float | Sequence[float] = 1.0) -> NamedMesh | MixedMesh | Scene:
+    """A structure like another with all nodes moved by `amplitude` times a displacement; the given one keeps its shape.
+
+    Parameters
+    ----------
+    mesh : a mesh, see `mesh.imperfection.imperfect`; a MixedMesh or a Scene is moved whole: nodes that are one in gmsh,
+        or by `Compatible`, stay one, and bars on surfaces move with these. A new scene is made of new parts, supports,
+        loads, joints, contacts and monitor on the moved meshes; obstacles stay where they are
+    displacement : Function on a mesh (such as `mode_displacement` gives), or a function from coordinates, shape (n, 3),
+        to displacements, shape (n, 3) or (n, 2) in the plane, or to deviations along the unit normal of a surface or
+        plane curve, shape (n,); of a scene also a mode of a path of it: a BucklingLoad, Vibration, Branch, or array of
+        increments; or a sequence of these
+    amplitude : factor, a length where the largest displacement is 1; a sequence has a factor for each displacement
+
+    Raises
+    ------
+    ValueError
+        If there is not one amplitude for each displacement, a displacement has another shape or is on another mesh, a
+        mode is one of another scene, there is no normal for deviations along it, or a cell is folded over or has no
+        extent.
+    """
+    if not isinstance(mesh, Scene):
+        return imperfection.imperfect(mesh, displacement, amplitude)
+    given = [(shape, factor) for one, factor in given_shapes(displacement, amplitude) for shape in _shapes(mesh, one)]
+    return _Moved(mesh, given).scene()
+
+
+def _shapes(scene: Scene, one: Any) -> list[Shape]:
+    """A displacement as it is; of a mode one on each mesh."""
+    mode = getattr(one, "mode", one)
+    if not isinstance(mode, np.ndarray):
+        return [one]
+    discretisation = Discretisation(scene)
+    if len(mode) != discretisation.layout.size:
+        raise ValueError(f"imperfect: the mode has {len(mode)} increments and the scene {discretisation.layout.size}; "
+                         "give a mode of a path of this scene")
+    return [mode_on(discretisation, mesh, mode) for mesh in scene.meshes]
+
+
+class _Moved:
+    """A scene on moved meshes: all that is on one of them is made again, once."""
+
+    def __init__(self, scene: Scene, given: Sequence[tuple[Shape, float]]):
+        self._scene = scene
+        places = moved_together(scene.meshes, given, list(_common(scene)))
+        self._way = scene.meshes[0].domain.comm.allreduce(max(
+            float(np.linalg.norm(x - m.domain.geometry.x[:, :m.dimension], axis=1).max(initial=0.0))
+            for m, x in zip(scene.meshes, places, strict=True)), op=MPI.MAX)
+        self._new: dict[int, Any] = {id(m): at_places(m, x) for m, x in zip(scene.meshes, places, strict=True)}
+
+    def scene(self) -> Scene:
+        return self._again(self._scene)
+
+    def _again(self, one: Any) -> Any:
+        """One thing, or made again where something in it is on a moved mesh."""
+        if id(one) in self._new:
+            return self._new[id(one)]
+        if isinstance(one, (tuple, list)):
+            parts = [self._again(part) for part in one]
+            return one if all(a is b for a, b in zip(one, parts, strict=True)) else type(one)(parts)
+        if isinstance(one, type) or not (is_dataclass(one) or isinstance(one, (Acting, Contribution))):
+            return one
+        names = [f.name for f in fields(one) if f.init] if is_dataclass(one) else list(_kept(one))
+        changed = {name: new for name in names if (new := self._again(old := getattr(one, name))) is not old}
+        if changed and isinstance(getattr(one, "mesh", None), NamedMesh):
+            changed |= self._along_lines(one)
+        self._new[id(one)] = one if not changed else _with(one, changed)
+        return self._new[id(one)]
+
+    def _along_lines(self, joint: Any) -> dict[str, Any]:
+        """Of a joint the stretches on its moved mesh, and a reach over what has moved."""
+        at, changed = getattr(joint, "at", None), {}
+        if not (at is None or isinstance(at, str)):
+            moved = [self._stretch(joint.mesh, a) if isinstance(a, Stretch) else a for a in each_of(at)]
+            changed["at"] = moved[0] if isinstance(at, Stretch) else moved
+        if hasattr(joint, "reach"):
+            changed["reach"] = joint.reach + 2 * self._way
+        return changed
+
+    def _stretch(self, mesh: NamedMesh, stretch: Stretch) -> Stretch:
+        """A stretch that goes along with the mesh it is on."""
+        start, end = (at if at is None or isinstance(at, str) else self._place(mesh, at)
+                      for at in (stretch.start, stretch.end))
+        length = stretch.length
+        if length and isinstance(stretch.along, str):
+            before, after = (sum(p.length() for line in lines_of(m, stretch.along) for p in line)
+                             for m in (mesh, self._new[id(mesh)]))
+            length *= after / before
+        return replace(stretch, start=start, end=end, length=length)
+
+    def _place(self, mesh: NamedMesh, at: Sequence[float]) -> tuple[float, ...]:
+        """Where a place on or beside a mesh is once that has moved."""
+        cells, x = Cells(mesh, mesh.group(None)), np.array([at], dtype=float)
+        which, reference, _ = cells.closest(x)
+        way = Cells(self._new[id(mesh)], cells.cells).places(which, reference) - cells.places(which, reference)
+        return tuple((x + way)[0].tolist())
+
+
+def _common(scene: Scene) -> Iterator[tuple[int, int, np.ndarray]]:
+    """Numbers of meshes of which nodes of the first are nodes of the second, and pairs of these; surfaces first.
+
+    These are nodes that are one in the gmsh model of both, and those that `Compatible` makes one.
+    """
+    meshes = sorted(range(len(scene.meshes)), key=lambda n: -scene.meshes[n].domain.topology.dim)
+    for place, own in enumerate(meshes):
+        for of in meshes[:place]:
+            one, other = scene.meshes[own], scene.meshes[of]
+            pairs = [np.empty((0, 2), dtype=np.int64)]
+            if one.model is not None and one.model is other.model:
+                pairs.append(MixedMesh(other, one).shared_nodes())
+            for joint in scene.joints:
+                if isinstance(joint, Compatible) and {joint.mesh, joint.to} == {one, other}:
+                    pairs.append(_at_one_place(joint, one, other))
+            yield own, of, np.concatenate(pairs)
+
+
+def _at_one_place(joint: Compatible, one: NamedMesh, other: NamedMesh) -> np.ndarray:
+    """Pairs of geometry nodes on this process that stand at one place where a joint shares nodes."""
+    nodes = [geometry_nodes_at(m, joint.at if m is joint.mesh else None) for m in (one, other)]
+    x, y = (m.domain.geometry.x[n] for m, n in zip((one, other), nodes, strict=True))
+    if not len(x) or not len(y):
+        return np.empty((0, 2), dtype=np.int64)
+    distance, nearest = cKDTree(y).query(x)
+    found = distance <= SAME_PLACE * max(one.size, other.size)
+    return np.column_stack((nodes[0][found], nodes[1][nearest[found]]))
+
+
+def _kept(one: Any) -> Iterator[str]:
+    """Names of what an object of one's own has, but for what it has computed."""
+    return (name for name in vars(one) if not isinstance(getattr(type(one), name, None), cached_property))
+
+
+def _with(one: Any, changed: dict[str, Any]) -> Any:
+    """A thing like another with some attributes changed."""
+    if is_dataclass(one) and not isinstance(one, type):
+        return type(one)(**{f.name: getattr(one, f.name) for f in fields(one) if f.init} | changed)
+    new = copy.copy(one)
+    vars(new).clear()
+    vars(new).update({name: vars(one)[name] for name in _kept(one)} | changed)
+    return new
