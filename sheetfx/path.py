@@ -19,6 +19,7 @@ from .continuation.control import ArcLength, DisplacementControl, LoadControl, S
 from .continuation.corner import LEAST, around_corner, change_ahead, up_to_change
 from .continuation.events import Event, Hidden, end_at, occurrences
 from .continuation.failing import explained_failure
+from .continuation.lapse import remembering
 from .continuation.linear import SingularTangent
 from .continuation.scattered import ScatteredState
 from .continuation.segment import Jump, Missed
@@ -32,6 +33,7 @@ from .notices import warn
 from .stability.critical import locate
 from .stability.flutter import Flutter
 from .stability.rest import unstable_at_rest
+from .stability.turning import load_sense
 from .stability.verdict import searched
 
 CORNERED = 1 / 16  # of a step, length with which it fails where the path is taken to have a corner
@@ -187,7 +189,8 @@ class Path:
         else:
             length = min(length, taken[0].length)
         after, points = taken
-        after = replace(after, next_length=min(largest, length * self.control.growth(after.hardest)), critical=points)
+        after = replace(after, next_length=min(largest, length * self.control.growth(after.hardest)), critical=points,
+                        load_sense=load_sense(self.tracer, before, after))
         self.tracer.state, self._earlier, self._hidden = after, before, max(0.0, self._hidden - after.length)
         if self._trail:
             self._trail.append(after)
@@ -246,6 +249,7 @@ class Path:
             if self._trail and self._guards_corners and self._trail.holds(after):
                 self._refusal = "it leads back onto the path that has led here"
             elif turn <= largest_turn:
+                after = remembering(self.tracer, before, after)
                 points = locate(self.tracer, earlier, before, after, self._others)
                 return self._with_events(before, after, points, whole)
             else:

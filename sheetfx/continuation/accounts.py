@@ -19,7 +19,7 @@ GAUSS_ALONG = (1 + np.sqrt(0.6) * np.array([-1.0, 0.0, 1.0])) / 2, np.array([5.0
 
 @dataclass(frozen=True)
 class Account:
-    """What is known of a state: energies, W of each stage so far, q of the present one and its rate by the factor.
+    """What is known of a state: energies, what is dissipated, W of each stage so far, q of the present one and its rate by the factor.
 
     Dead loads are those that W was made of in the first state; `unsure` is the accuracy of q since the state before.
 
@@ -31,6 +31,7 @@ class Account:
     state: State
     parts: list[float]
     joints: float
+    dissipated: float
     done: list[float]
     product: float
     rate: float
@@ -104,9 +105,9 @@ class Accounts:
                 load.array[self._turning].any())
             done.append(_product(system, load.array, place, held))
         product, rate = (_product(system, load.array, by) for by in (place, state.response))
-        return Account(state, [np.nan if work.remembers else discretisation.strain_energy(part) for part, work in zip(
+        return Account(state, [discretisation.strain_energy(part) if work.tells_energy else np.nan for part, work in zip(
             discretisation.scene.parts, discretisation.works_of_parts, strict=True)],
-            sum(c.energy() or 0.0 for c in self._others), done, product, rate, dead,
+            sum(c.energy() or 0.0 for c in self._others), discretisation.dissipated(), done, product, rate, dead,
             dead or _proportional(system, state))
 
     def _followed(self) -> list[Account]:

@@ -116,6 +116,14 @@ class AssumedWork:
         if self.memory:
             self.memory.commit(chunk, self._sample(chunk)[0])
 
+    def keep_halfway(self, chunk: slice) -> None:
+        """Take the present strains for those in the middle of a step."""
+        self.memory.keep_halfway(chunk, self._sample(chunk)[0])
+
+    def forgotten(self, chunk: slice, pieces: int) -> np.ndarray:
+        """What a step to the present strains forgets of its way, see `laws.RememberingLaw.forgotten`."""
+        return self.memory.forgotten(chunk, self._sample(chunk)[0], self._measure[chunk], pieces)
+
     def resultants(self, chunk: slice) -> np.ndarray:
         """Present resultants at the points of integration, (cells, points, strains)."""
         return self._law(chunk, self._sample(chunk)[0])[0]
@@ -123,8 +131,15 @@ class AssumedWork:
     def compile_energy(self) -> None:
         """Nothing has to be compiled for `energy`."""
 
+    def energies(self, chunk: slice) -> tuple[float, float]:
+        """What a law with history stores at the present strains, and has dissipated."""
+        stored, dissipated = self.memory.energies(chunk, self._sample(chunk)[0])
+        return float(np.sum(self._measure[chunk] * stored)), float(np.sum(self._measure[chunk] * dissipated))
+
     def energy(self, chunk: slice) -> float:
-        """Work of the resultants on the way to the present strains."""
+        """Work of the resultants on the way to the present strains; of a law with history what it stores."""
+        if self.memory:
+            return self.energies(chunk)[0]
         strains, _ = self._sample(chunk)
         density = sum(weight * np.sum(self._law(chunk, share * strains)[0] * strains, axis=2) for share, weight in WAY)
         return float(np.sum(self._measure[chunk] * density))

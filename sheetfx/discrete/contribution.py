@@ -139,6 +139,18 @@ class Contribution:
         """Whether laws with history remember something else than in a snapshot, on any process."""
         return False
 
+    def keep_halfway(self) -> None:
+        """Keep the present strains as those in the middle of a step, for `forgotten`."""
+
+    def forgotten(self, pieces: int) -> np.ndarray:
+        """What laws with history forget of the way of a step to the present state, on this process.
+
+        Returns
+        -------
+        Power of resultants that are forgotten at the end of each of so many pieces, and of all resultants, (2, pieces).
+        """
+        return np.zeros((2, pieces))
+
     def rewind(self) -> None:
         """Forget what a step that failed has changed since the last accepted state."""
 

@@ -126,14 +126,23 @@ class ElementWork(Contribution):
         Raises
         ------
         ValueError
-            For a law with history.
+            For a law with history that does not tell it.
         """
-        if self._memories:
+        if not self.tells_energy:
             raise ValueError("strain energy: a law with history does not say how much of the work it has taken is "
-                             "stored; ask for forces instead")
+                             "stored; give it a method `energies`, or ask for forces instead")
         for term in self._terms:
             term.compile_energy()
         return sum(term.energy(chunk) for chunk in self._chunks for term in self._terms)
+
+    def dissipated(self) -> float:
+        """Energy that laws with history of the cells of this process have dissipated since the start."""
+        return sum(term.energies(chunk)[1] for chunk in self._chunks for term, _ in self._memories)
+
+    @property
+    def tells_energy(self) -> bool:
+        """Whether its laws say what they store."""
+        return all(memory.tells_energy for _, memory in self._memories)
 
     @property
     def remembers(self) -> bool:
@@ -170,6 +179,23 @@ class ElementWork(Contribution):
         for term, _ in self._memories:
             for chunk in self._chunks:
                 term.commit(chunk)
+
+    def keep_halfway(self) -> None:
+        for term, _ in self._memories:
+            for chunk in self._chunks:
+                term.keep_halfway(chunk)
+
+    def forgotten(self, pieces: int) -> np.ndarray:
+        return sum((term.forgotten(chunk, pieces) for chunk in self._chunks for term, _ in self._memories),
+                   np.zeros((2, pieces)))
+
+    def apart(self) -> bool:
+        """Whether no point has flowed in the step that leads here, so that its moduli are those beside it too."""
+        if not self._memories:
+            return True
+        goes = any(not np.array_equal(now, self._accepted[name]) for name, now in self.snapshot().items())
+        goes = self.internal.domain.comm.allreduce(goes, op=MPI.LOR)
+        return not (self.history_moved_since(self._accepted) if goes else self.history_moved)
 
     @property
     def history_moved(self) -> bool:

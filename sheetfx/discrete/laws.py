@@ -57,6 +57,7 @@ class RememberingLaw:
     def __init__(self, law: LawWithHistory, shape: tuple[int, int, int]):
         self._law, self.frozen = law, False
         self._strains, self._history = np.zeros(shape), np.zeros((*shape[:2], law.remembered))
+        self._halfway = np.zeros(shape)
         self._found: dict[int, tuple[np.ndarray, tuple[np.ndarray, ...]]] = {}  # strains and what follows
 
     def __call__(self, chunk: slice, strains: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -83,6 +84,59 @@ class RememberingLaw:
         self._found.pop(chunk.start)
         if hasattr(self._law, "accepted"):
             self._law.accepted(strains.reshape(-1, strains.shape[2]), history.reshape(-1, history.shape[2]))
+
+    def keep_halfway(self, chunk: slice, strains: np.ndarray) -> None:
+        """Take strains for those in the middle of a step from the last accepted state."""
+        self._halfway[chunk] = strains
+
+    def forgotten(self, chunk: slice, strains: np.ndarray, measure: np.ndarray, pieces: int) -> np.ndarray:
+        """What a law that goes from the start of a step to strains at once forgets of the way; see `continuation.lapse`.
+
+        The way is a parabola through the strains at the start, halfway and at the end. Each point also stops where
+        the power of its resultants, those at the start of a piece, changes sign.
+
+        Parameters
+        ----------
+        measure : of the points, (cells, points)
+
+        Returns
+        -------
+        Power of the resultants that are forgotten at the end of each piece, and of all resultants, shape (2, pieces).
+        """
+        count = strains.shape[2]
+        start, middle, end = (s.reshape(-1, count) for s in (self._strains[chunk], self._halfway[chunk], strains))
+        along = kept = self._history[chunk].reshape(len(start), -1)
+        slope, bend, powers = 4 * middle - 3 * start - end, 2 * (start - 2 * middle + end), []
+        followed = self._law.update(start, kept)[0]
+        for piece in range(pieces):
+            with np.errstate(divide="ignore", invalid="ignore"):
+                turn = -(followed * slope).sum(axis=1) / (2 * followed * bend).sum(axis=1)
+            for part in (turn, np.full(len(start), piece + 1.0) / pieces):
+                there = np.flatnonzero((part > piece / pieces) & (part <= (piece + 1) / pieces))
+                way = part[there, None]
+                now, rate = start[there] + way * (slope[there] + way * bend[there]), slope[there] + 2 * way * bend[there]
+                along = along.copy()
+                found, _, along[there] = self._law.update(now, along[there])
+            followed = found
+            moved = np.flatnonzero((along != kept).any(axis=1))
+            forgotten = np.zeros_like(followed)
+            if len(moved):
+                forgotten[moved] = followed[moved] - self._law.update(now[moved], kept[moved])[0]
+            powers.append([measure.ravel() @ (forgotten * rate).sum(axis=1),
+                           measure.ravel() @ np.abs((followed * rate).sum(axis=1))])
+        return np.array(powers).T
+
+    @property
+    def tells_energy(self) -> bool:
+        """Whether the law says what it stores and dissipates."""
+        return hasattr(self._law, "energies")
+
+    def energies(self, chunk: slice, strains: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """What points store, and have dissipated since the start, at strains; both (cells, points)."""
+        history = self._update(chunk, strains)[2]
+        found = self._law.energies(strains.reshape(-1, strains.shape[2]), history.reshape(-1, history.shape[2]))
+        stored, dissipated = (values.reshape(strains.shape[:2]) for values in found)
+        return stored, dissipated
 
     @property
     def history(self) -> np.ndarray:

@@ -16,6 +16,10 @@ class LawWithHistory:
     A part takes any object like this as its `law`. History is zero at the start; what `update` returns becomes it when
     a state of the path is accepted, and not before: every iterate of a step starts from the last accepted one.
 
+    A law that knows its energy says so by a method `energies`, which takes strains, and the history that goes with
+    them, and returns the energy that each point stores, and what it has dissipated since the start, both of shape
+    (points,): runs then compare them with the work of the loads.
+
     Attributes
     ----------
     remembered : number of values that each point remembers
