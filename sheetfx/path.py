@@ -19,7 +19,7 @@ from .continuation.control import ArcLength, DisplacementControl, LoadControl, S
 from .continuation.corner import LEAST, around_corner, change_ahead, up_to_change
 from .continuation.events import Event, Hidden, end_at, occurrences
 from .continuation.failing import explained_failure
-from .continuation.lapse import remembering
+from .continuation.lapse import growth_by_history, remembering
 from .continuation.linear import SingularTangent
 from .continuation.scattered import ScatteredState
 from .continuation.segment import Jump, Missed
@@ -189,7 +189,8 @@ class Path:
         else:
             length = min(length, taken[0].length)
         after, points = taken
-        after = replace(after, next_length=min(largest, length * self.control.growth(after.hardest)), critical=points,
+        growth = min(self.control.growth(after.hardest), growth_by_history(self.control, after))
+        after = replace(after, next_length=min(largest, length * growth), critical=points,
                         load_sense=load_sense(self.tracer, before, after))
         self.tracer.state, self._earlier, self._hidden = after, before, max(0.0, self._hidden - after.length)
         if self._trail:

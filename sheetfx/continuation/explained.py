@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
+from scipy.optimize import nnls
 
 from .segment import Segment
 
@@ -25,6 +26,24 @@ def explained(segment: Segment, left: float, right: float) -> bool:
             and not _bulges(load, rates, distance, options.steepest)
             and _follows(_reactions(tracer, x), [_reactions(tracer, motion) for motion in motions],
                          distance, options.unexplained, _reaction_noise(tracer, load, x)))
+
+
+def cornered(segment: Segment, left: float, right: float) -> bool:
+    """Whether the tangents at the ends of a piece lead along it to a corner and on from there."""
+    tracer = segment.tracer
+    chord, tangents = segment.chord(left, right), [segment.states[s].tangent for s in (left, right)]
+    products = np.array([[tracer.inner(one, other) for one in (*tangents, chord)] for other in (*tangents, chord)])
+    parts, rest = nnls(*_rooted(products))
+    load = abs(chord[0] - parts @ [rate for rate, _ in tangents])
+    most = tracer.control.off_load * segment.distance(left, right)
+    return rest <= most and load <= most * max(abs(rate) for rate, _ in tangents)
+
+
+def _rooted(products: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Coordinates of two vectors as columns, and those of a third one, by the products of all three."""
+    values, vectors = np.linalg.eigh(products)
+    places = np.sqrt(np.maximum(values, 0.0))[:, None] * vectors.T
+    return places[:, :2], places[:, 2]
 
 
 def _reactions(tracer, increment: np.ndarray) -> np.ndarray:

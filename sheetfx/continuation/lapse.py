@@ -1,60 +1,73 @@
 """What steps forget: strains that turn back within them, as where points cease to flow and unload.
 
-A law with history goes from the strains at the start of a step to those at its end at once. That is exact where they
-have gone in proportion (Simo and Hughes 1998, section 1.4.3, along one axis): what flowed on a way that turned back is
-forgotten. Along the parabola through the strains at the start, halfway and at the end the law is therefore followed in
-short pieces too. The power of the resultants by which both differ, over that of all resultants, is the share of the
-load that is forgotten, since loads do the power of resultants along a path. A step that forgets more is divided.
+A law with history goes from the strains at the start of a step to those at its end at once. Along one axis that is
+exact where they go one way (Simo and Hughes 1998, section 1.4.3); what flowed on a way that turned back is forgotten.
+Along the cubic through both states with their tangents the law is therefore followed in short pieces too. The
+resultants by which both differ are forgotten: what they tell of the load is their power along the way over that of all
+resultants, and how far the step has led off the path is the correction of their forces by the tangent. Both fall with
+the square of the length; a step is divided until they are small (as by the local errors of methods for differential
+equations; Hairer, Norsett and Wanner 1993, section II.4).
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
+from math import inf, sqrt
 
 import numpy as np
 
 from ..notices import warn
-from .segment import Jump
+from .control import StepRule
+from .segment import Jump, Segment
 from .state import State
-
-PIECES = 4  # of a step, along which laws are followed
 
 
 def remembering(tracer, before: State, after: State) -> State:
-    """A step with the share of the load that it forgets; the tracer ends at it.
+    """A step with what it forgets; the tracer ends at it.
 
     Raises
     ------
     Jump
-        If a step up to an earlier place forgets less, and is not too short, where the control is guarded.
+        If it forgets too much, with the state halfway, unless that is too near or the control is not guarded.
     """
     control = tracer.control
-    shares = _forgotten(tracer, before, after)
-    wrong = np.flatnonzero(shares > control.forgotten)
-    length = after.length * max(int(wrong[0]), 1) / PIECES if len(wrong) else after.length
-    if control.guarded and control.smallest * tracer.shortest < length < after.length:
-        tracer.back_to(before)
-        raise Jump("strains turn back within it", tracer.attempt(length))
-    if shares[-1] > control.forgotten:
-        warn(f"step {after.step}: strains turn back within it, which its law forgets: loads from {after.load:.6g} on may "
-             f"be off by {shares[-1]:.1%}; follow the path by shorter steps")
-    tracer.state = replace(after, forgotten=float(shares[-1]))
+    load, off = _forgotten(tracer, before, after)
+    if load > control.forgotten or off > control.astray:
+        if control.guarded and after.length / 2 > control.smallest * tracer.shortest:
+            tracer.back_to(before)
+            raise Jump("strains turn back within it", tracer.attempt(after.length / 2))
+        warn(f"step {after.step}: strains turn back within it, which its law forgets: the load {after.load:.6g} is off "
+             f"by {load:.1%} and the step by {off:.1%} of its length; follow the path by shorter steps")
+    tracer.state = replace(after, forgotten=load, astray=off)
     return tracer.state
 
 
-def _forgotten(tracer, before: State, after: State) -> np.ndarray:
-    """Share of the load that a step forgets, had it ended after each of its pieces; the tracer ends at its end."""
+def growth_by_history(control: StepRule, state: State) -> float:
+    """Factor on the next step's length, with which it forgets as much as is allowed; infinite: the last forgot nothing."""
+    ratios = (state.forgotten / control.forgotten, state.astray / control.astray)
+    return 1 / sqrt(max(ratios)) if max(ratios) else inf
+
+
+def _forgotten(tracer, before: State, after: State) -> tuple[float, float]:
+    """Share of resultants that a step forgets, and its error off the path over its length; the tracer ends at its end."""
     system = tracer.system
-    laws, x = [c for c in system.contributions if c.remembers], system.create_vector()
+    laws = [c for c in system.contributions if c.remembers]
     if not laws:
-        return np.zeros(PIECES)
+        return 0.0, 0.0
+    middle = Segment(tracer, before, after).curve(0.0, after.length)(after.length / 2)
     tracer.back_to(before)
-    x.array[:] = after.increment / 2
-    system.configure(x, before.factor + after.load_increment / 2)
+    system.configure(system.create_vector(middle[:-1]), before.factor + middle[-1])
     for law in laws:
         law.keep_halfway()
-    x.array[:] = after.increment
-    system.configure(x, after.factor)
-    lost, whole = system.comm.allreduce(sum(law.forgotten(PIECES) for law in laws))
+    system.configure(system.create_vector(after.increment), after.factor)
+    lost, powers = system.create_vector(), np.zeros(2)
+    system.residual_of(laws, lost, lambda law, forces: np.add(powers, law.forgotten(forces), out=powers))
     tracer.back_to(after)
-    return np.abs(lost) / np.maximum(whole, np.finfo(float).tiny)
+    if not lost.norm() > 0:
+        return 0.0, 0.0
+    tracer.factorise_at(after)
+    error, response, inner = lost.duplicate(), system.create_vector(after.response), tracer.tangent.inner
+    tracer.stepper.linear.solve(lost, error)
+    error.axpy(-inner(error, response) / inner(response, response), response)
+    forgotten, whole = system.comm.allreduce(powers)
+    return forgotten / whole, sqrt(inner(error, error)) / tracer.distance(*after.direction)

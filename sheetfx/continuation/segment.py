@@ -50,6 +50,7 @@ class Segment:
     Attributes
     ----------
     wavering : whether tangents waver
+    flows : whether points that begin or cease to flow alone make them do so
     states : those that are known, by their lengths
     close : lengths of states that were found where their neighbours' interpolation had them
     """
@@ -58,6 +59,7 @@ class Segment:
         self.tracer, self.before, self.after = tracer, before, after
         self.wavering = not (tracer.system.smooth or (before.apart and after.apart))
         self.guarded = tracer.control.guarded and not self.wavering
+        self.flows = self.wavering and not tracer.system.rough
         self.states = {0.0: before, after.length: after}
         self.course = Course(tracer, before, after)
         self._spectra: dict[float, tuple[list[float], list]] = {}
@@ -79,7 +81,7 @@ class Segment:
         if length not in self.states:
             left, right = self.neighbours(length)
             guess = self.interpolated(left, right, length)
-            start = None if self.wavering else self.course.at(length, self.states)
+            start = None if self.wavering and not self.flows else self.course.at(length, self.states)
             self.tracer.back_to(self.before)
             state = start and self.tracer.attempt(length, start)
             if state is None and not only_guessed:

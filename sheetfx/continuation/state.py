@@ -107,7 +107,8 @@ class State:
     reference : squared norm of the first response, and its work
     contact_points, penetration : points that touch and largest penetration
     apart : whether contacts do nothing, nor would after a small motion
-    forgotten : share of the load that laws with history forget of the step's way, see `continuation.lapse`
+    forgotten, astray : share of the resultants that laws with history forget of the step's way, and how far that has
+        led off the path, over the length of the step, see `continuation.lapse`
     critical : critical points that this state brought to light, in its step or the one before
     fields : values of all fields on this process
     """
@@ -132,6 +133,7 @@ class State:
     penetration: float = 0.0
     apart: bool = False
     forgotten: float = 0.0
+    astray: float = 0.0
     load_sense: float = 0.0
     stage: int = 0
     critical: tuple[CriticalPoint, ...] = ()

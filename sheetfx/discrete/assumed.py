@@ -120,9 +120,12 @@ class AssumedWork:
         """Take the present strains for those in the middle of a step."""
         self.memory.keep_halfway(chunk, self._sample(chunk)[0])
 
-    def forgotten(self, chunk: slice, pieces: int) -> np.ndarray:
-        """What a step to the present strains forgets of its way, see `laws.RememberingLaw.forgotten`."""
-        return self.memory.forgotten(chunk, self._sample(chunk)[0], self._measure[chunk], pieces)
+    def forgotten(self, chunk: slice):
+        """Number of each field and the internal forces that a step to the present strains forgets, and their power."""
+        strains, slopes = self._sample(chunk)
+        resultants, *powers = self.memory.forgotten(chunk, strains)
+        return (self._integrated(self._forces(chunk, resultants), slopes),
+                np.array([np.sum(self._measure[chunk] * power) for power in powers]))
 
     def resultants(self, chunk: slice) -> np.ndarray:
         """Present resultants at the points of integration, (cells, points, strains)."""

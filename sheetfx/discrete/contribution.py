@@ -142,14 +142,14 @@ class Contribution:
     def keep_halfway(self) -> None:
         """Keep the present strains as those in the middle of a step, for `forgotten`."""
 
-    def forgotten(self, pieces: int) -> np.ndarray:
-        """What laws with history forget of the way of a step to the present state, on this process.
+    def forgotten(self, forces: Forces) -> np.ndarray:
+        """Add the forces that laws with history forget of the way of a step to the present state.
 
         Returns
         -------
-        Power of resultants that are forgotten at the end of each of so many pieces, and of all resultants, (2, pieces).
+        sizes of the power of what is forgotten, and of all, on this process
         """
-        return np.zeros((2, pieces))
+        return np.zeros(2)
 
     def rewind(self) -> None:
         """Forget what a step that failed has changed since the last accepted state."""

@@ -8,7 +8,7 @@ increments.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import combinations_with_replacement, pairwise
@@ -114,8 +114,12 @@ class ElementWork(Contribution):
     def residual(self, forces: Forces) -> None:
         for chunk in self._chunks:
             for term in self._terms:
-                for number, vectors in term.vectors(chunk):
-                    _add_rows(forces.on(number), self._nodes[self.numbers.index(number)][chunk], vectors)
+                self._add(forces, chunk, term.vectors(chunk))
+
+    def _add(self, forces: Forces, chunk: slice, numbered: Iterable[tuple[int, np.ndarray]]) -> None:
+        """Add forces of a chunk on fields of some numbers."""
+        for number, vectors in numbered:
+            _add_rows(forces.on(number), self._nodes[self.numbers.index(number)][chunk], vectors)
 
     def energy(self) -> float:
         """Energy that the cells of this process store now: the work of resultants on the way to the present strains.
@@ -185,9 +189,14 @@ class ElementWork(Contribution):
             for chunk in self._chunks:
                 term.keep_halfway(chunk)
 
-    def forgotten(self, pieces: int) -> np.ndarray:
-        return sum((term.forgotten(chunk, pieces) for chunk in self._chunks for term, _ in self._memories),
-                   np.zeros((2, pieces)))
+    def forgotten(self, forces: Forces) -> np.ndarray:
+        powers = np.zeros(2)
+        for term, _ in self._memories:
+            for chunk in self._chunks:
+                vectors, power = term.forgotten(chunk)
+                self._add(forces, chunk, vectors)
+                powers += power
+        return powers
 
     def apart(self) -> bool:
         """Whether no point has flowed in the step that leads here, so that its moduli are those beside it too."""

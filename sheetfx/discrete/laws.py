@@ -12,6 +12,8 @@ from ..mesh.quadrature import Rule
 from ..model.history import LawWithHistory
 from .densities import at_points, put, values_at_points
 
+PIECES = 4  # of the way of a step, which a law is followed along
+
 
 class FormulaLaw:
     """A law written in UFL.
@@ -89,42 +91,37 @@ class RememberingLaw:
         """Take strains for those in the middle of a step from the last accepted state."""
         self._halfway[chunk] = strains
 
-    def forgotten(self, chunk: slice, strains: np.ndarray, measure: np.ndarray, pieces: int) -> np.ndarray:
-        """What a law that goes from the start of a step to strains at once forgets of the way; see `continuation.lapse`.
-
-        The way is a parabola through the strains at the start, halfway and at the end. Each point also stops where
-        the power of its resultants, those at the start of a piece, changes sign.
-
-        Parameters
-        ----------
-        measure : of the points, (cells, points)
+    def forgotten(self, chunk: slice, strains: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """What a law forgets that goes from the start of a step to strains at once.
 
         Returns
         -------
-        Power of the resultants that are forgotten at the end of each piece, and of all resultants, shape (2, pieces).
+        resultants that are forgotten, shape of the strains; sizes of their power, and of that of all, (cells, points)
+
+        Those along the way lead on from one of PIECES to the next. It is a parabola through the strains at the start,
+        halfway and at the end. Each point also stops where the power of its resultants, those at the start of a piece,
+        changes sign.
         """
         count = strains.shape[2]
         start, middle, end = (s.reshape(-1, count) for s in (self._strains[chunk], self._halfway[chunk], strains))
         along = kept = self._history[chunk].reshape(len(start), -1)
-        slope, bend, powers = 4 * middle - 3 * start - end, 2 * (start - 2 * middle + end), []
-        followed = self._law.update(start, kept)[0]
-        for piece in range(pieces):
+        slope, bend, resultants = 4 * middle - 3 * start - end, 2 * (start - 2 * middle + end), None
+        for piece in range(PIECES):
+            resultants = self._law.update(start, kept)[0] if resultants is None else resultants
             with np.errstate(divide="ignore", invalid="ignore"):
-                turn = -(followed * slope).sum(axis=1) / (2 * followed * bend).sum(axis=1)
-            for part in (turn, np.full(len(start), piece + 1.0) / pieces):
-                there = np.flatnonzero((part > piece / pieces) & (part <= (piece + 1) / pieces))
-                way = part[there, None]
-                now, rate = start[there] + way * (slope[there] + way * bend[there]), slope[there] + 2 * way * bend[there]
-                along = along.copy()
+                turn = -(resultants * slope).sum(axis=1) / (2 * resultants * bend).sum(axis=1)
+            for part in (turn, np.full(len(start), piece + 1.0) / PIECES):
+                there = np.flatnonzero((part > piece / PIECES) & (part <= (piece + 1) / PIECES))
+                way, along = part[there, None], along.copy()
+                now = start[there] + way * (slope[there] + way * bend[there])
                 found, _, along[there] = self._law.update(now, along[there])
-            followed = found
-            moved = np.flatnonzero((along != kept).any(axis=1))
-            forgotten = np.zeros_like(followed)
-            if len(moved):
-                forgotten[moved] = followed[moved] - self._law.update(now[moved], kept[moved])[0]
-            powers.append([measure.ravel() @ (forgotten * rate).sum(axis=1),
-                           measure.ravel() @ np.abs((followed * rate).sum(axis=1))])
-        return np.array(powers).T
+            resultants = found
+        moved, lost = np.flatnonzero((along != kept).any(axis=1)), np.zeros_like(end)
+        if len(moved):
+            lost[moved] = resultants[moved] - self._law.update(end[moved], kept[moved])[0]
+        powers = (np.abs((values * (slope + 2 * bend)).sum(axis=1)).reshape(strains.shape[:2])
+                  for values in (lost, resultants))
+        return lost.reshape(strains.shape), *powers
 
     @property
     def tells_energy(self) -> bool:

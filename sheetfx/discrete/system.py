@@ -151,12 +151,13 @@ class System:
         support = self.residual_of(self.contributions, out)
         self.reaction = self.comm.allreduce(float(support @ support)) ** 0.5
 
-    def residual_of(self, contributions: Sequence[Contribution], out: PETSc.Vec) -> np.ndarray:
+    def residual_of(self, contributions: Sequence[Contribution], out: PETSc.Vec,
+                    act=lambda contribution, forces: contribution.residual(forces)) -> np.ndarray:
         """Forces of some contributions on free increments, in `out`; return those on fixed ones of this process."""
         with self.clock("assembly"):
             forces = self._forces()
             for contribution in contributions:
-                contribution.residual(forces)
+                act(contribution, forces)
             return self._gather(forces, out)
 
     def at_nodes(self, act: Callable[[Forces], None]) -> PETSc.Vec:
