@@ -19,7 +19,7 @@ from .continuation.control import ArcLength, DisplacementControl, LoadControl, S
 from .continuation.corner import LEAST, around_corner, change_ahead, up_to_change
 from .continuation.events import Event, Hidden, end_at, occurrences
 from .continuation.failing import explained_failure
-from .continuation.lapse import growth_by_history, remembering
+from .continuation.lapse import growth_by_history
 from .continuation.linear import SingularTangent
 from .continuation.scattered import ScatteredState
 from .continuation.segment import Jump, Missed
@@ -250,9 +250,8 @@ class Path:
             if self._trail and self._guards_corners and self._trail.holds(after):
                 self._refusal = "it leads back onto the path that has led here"
             elif turn <= largest_turn:
-                after = remembering(self.tracer, before, after)
                 points = locate(self.tracer, earlier, before, after, self._others)
-                return self._with_events(before, after, points, whole)
+                return self._with_events(before, self.tracer.state, points, whole)
             else:
                 self._refusal = f"it turns off the path by {turn:.2g} radians, more than {self.control.turn:g}"
         except Jump as jump:

@@ -36,7 +36,8 @@ def cornered(segment: Segment, left: float, right: float) -> bool:
     parts, rest = nnls(*_rooted(products))
     load = abs(chord[0] - parts @ [rate for rate, _ in tangents])
     most = tracer.control.off_load * segment.distance(left, right)
-    return rest <= most and load <= most * max(abs(rate) for rate, _ in tangents)
+    told = tracer.control.forgotten * max(abs(segment.states[s].factor) for s in (left, right))
+    return rest <= most and load <= most * max(abs(rate) for rate, _ in tangents) + told
 
 
 def _rooted(products: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

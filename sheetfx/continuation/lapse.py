@@ -2,7 +2,7 @@
 
 A law with history goes from the strains at the start of a step to those at its end at once. Along one axis that is
 exact where they go one way (Simo and Hughes 1998, section 1.4.3); what flowed on a way that turned back is forgotten.
-Along the cubic through both states with their tangents the law is therefore followed in short pieces too. The
+Along the curve through both states, and those that are known between, with their tangents, the law is therefore followed in short pieces too. The
 resultants by which both differ are forgotten: what they tell of the load is their power along the way over that of all
 resultants, and how far the step has led off the path is the correction of their forces by the tangent. Both fall with
 the square of the length; a step is divided until they are small (as by the local errors of methods for differential
@@ -22,20 +22,20 @@ from .segment import Jump, Segment
 from .state import State
 
 
-def remembering(tracer, before: State, after: State) -> State:
-    """A step with what it forgets; the tracer ends at it.
+def remembering(segment: Segment) -> State:
+    """The end of a step with what the step forgets; the tracer ends there.
 
     Raises
     ------
     Jump
         If it forgets too much, with the state halfway, unless that is too near or the control is not guarded.
     """
-    control = tracer.control
-    load, off = _forgotten(tracer, before, after)
+    tracer, control, after = segment.tracer, segment.tracer.control, segment.after
+    half = after.length / 2
+    load, off = _forgotten(segment)
     if load > control.forgotten or off > control.astray:
-        if control.guarded and after.length / 2 > control.smallest * tracer.shortest:
-            tracer.back_to(before)
-            raise Jump("strains turn back within it", tracer.attempt(after.length / 2))
+        if control.guarded and half > control.smallest * tracer.shortest:
+            raise Jump("strains turn back within it", segment.states[half] if segment.reach(half) else None)
         warn(f"step {after.step}: strains turn back within it, which its law forgets: the load {after.load:.6g} is off "
              f"by {load:.1%} and the step by {off:.1%} of its length; follow the path by shorter steps")
     tracer.state = replace(after, forgotten=load, astray=off)
@@ -48,18 +48,17 @@ def growth_by_history(control: StepRule, state: State) -> float:
     return 1 / sqrt(max(ratios)) if max(ratios) else inf
 
 
-def _forgotten(tracer, before: State, after: State) -> tuple[float, float]:
-    """Share of resultants that a step forgets, and its error off the path over its length; the tracer ends at its end."""
-    system = tracer.system
+def _forgotten(segment: Segment) -> tuple[float, float]:
+    """Share of resultants that a step forgets, and its error off the path over its length; the tracer ends at its end.
+    """
+    tracer, system, before, after = segment.tracer, segment.tracer.system, segment.before, segment.after
     laws = [c for c in system.contributions if c.remembers]
-    if not laws:
-        return 0.0, 0.0
-    middle = Segment(tracer, before, after).curve(0.0, after.length)(after.length / 2)
-    tracer.back_to(before)
-    system.configure(system.create_vector(middle[:-1]), before.factor + middle[-1])
-    for law in laws:
-        law.keep_halfway()
-    system.configure(system.create_vector(after.increment), after.factor)
+    for left, right in segment.pairs():
+        for length in ((left + right) / 2, right):
+            load, x = segment.course.at(length, segment.states)
+            system.configure(system.create_vector(x), before.factor + load)
+            for law in laws if length < after.length else ():
+                law.pass_by(begins=not left and length < right)
     lost, powers = system.create_vector(), np.zeros(2)
     system.residual_of(laws, lost, lambda law, forces: np.add(powers, law.forgotten(forces), out=powers))
     tracer.back_to(after)

@@ -81,7 +81,8 @@ class Segment:
         if length not in self.states:
             left, right = self.neighbours(length)
             guess = self.interpolated(left, right, length)
-            start = None if self.wavering and not self.flows else self.course.at(length, self.states)
+            guesses = not self.wavering or (self.flows and only_guessed)
+            start = self.course.at(length, self.states) if guesses else None
             self.tracer.back_to(self.before)
             state = start and self.tracer.attempt(length, start)
             if state is None and not only_guessed:
@@ -212,11 +213,11 @@ class Segment:
         Contact elsewhere changes the load more than the displacements.
         """
         distance, off = self.distance(left, right), state.load_increment - guess[0]
-        if self.wavering:
+        if self.wavering and not self.flows:
             rates = [abs(self.states[s].load_rate) for s in (left, right)]
             if abs(off) > CORNERED * distance * max(rates):
                 return True
-        elif not self.guarded:
+        elif not (self.guarded or self.flows):
             return False
         off = self._off(state, guess)
         if self.wavering:

@@ -116,9 +116,9 @@ class AssumedWork:
         if self.memory:
             self.memory.commit(chunk, self._sample(chunk)[0])
 
-    def keep_halfway(self, chunk: slice) -> None:
-        """Take the present strains for those in the middle of a step."""
-        self.memory.keep_halfway(chunk, self._sample(chunk)[0])
+    def pass_by(self, chunk: slice, begins: bool) -> None:
+        """Add the present strains to those that a step comes by, see `laws.RememberingLaw.pass_by`."""
+        self.memory.pass_by(chunk, self._sample(chunk)[0], begins)
 
     def forgotten(self, chunk: slice):
         """Number of each field and the internal forces that a step to the present strains forgets, and their power."""

@@ -139,8 +139,13 @@ class Contribution:
         """Whether laws with history remember something else than in a snapshot, on any process."""
         return False
 
-    def keep_halfway(self) -> None:
-        """Keep the present strains as those in the middle of a step, for `forgotten`."""
+    def pass_by(self, begins: bool) -> None:
+        """Add the present strains to those that a step comes by, for `forgotten`: halfway to a state, there, and so on.
+
+        Parameters
+        ----------
+        begins : whether they are the first ones
+        """
 
     def forgotten(self, forces: Forces) -> np.ndarray:
         """Add the forces that laws with history forget of the way of a step to the present state.

@@ -184,10 +184,10 @@ class ElementWork(Contribution):
             for chunk in self._chunks:
                 term.commit(chunk)
 
-    def keep_halfway(self) -> None:
+    def pass_by(self, begins: bool) -> None:
         for term, _ in self._memories:
             for chunk in self._chunks:
-                term.keep_halfway(chunk)
+                term.pass_by(chunk, begins)
 
     def forgotten(self, forces: Forces) -> np.ndarray:
         powers = np.zeros(2)

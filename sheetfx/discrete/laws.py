@@ -12,7 +12,7 @@ from ..mesh.quadrature import Rule
 from ..model.history import LawWithHistory
 from .densities import at_points, put, values_at_points
 
-PIECES = 4  # of the way of a step, which a law is followed along
+PIECES = 4  # of the way between two states, along which a law is followed
 
 
 class FormulaLaw:
@@ -59,7 +59,7 @@ class RememberingLaw:
     def __init__(self, law: LawWithHistory, shape: tuple[int, int, int]):
         self._law, self.frozen = law, False
         self._strains, self._history = np.zeros(shape), np.zeros((*shape[:2], law.remembered))
-        self._halfway = np.zeros(shape)
+        self._way: dict[int, list[np.ndarray]] = {}
         self._found: dict[int, tuple[np.ndarray, tuple[np.ndarray, ...]]] = {}  # strains and what follows
 
     def __call__(self, chunk: slice, strains: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -87,9 +87,11 @@ class RememberingLaw:
         if hasattr(self._law, "accepted"):
             self._law.accepted(strains.reshape(-1, strains.shape[2]), history.reshape(-1, history.shape[2]))
 
-    def keep_halfway(self, chunk: slice, strains: np.ndarray) -> None:
-        """Take strains for those in the middle of a step from the last accepted state."""
-        self._halfway[chunk] = strains
+    def pass_by(self, chunk: slice, strains: np.ndarray, begins: bool) -> None:
+        """Add strains to those that a step from the last accepted state comes by: a halfway place, a state, in turn."""
+        if begins:
+            self._way[chunk.start] = []
+        self._way[chunk.start].append(strains.reshape(-1, strains.shape[2]).copy())
 
     def forgotten(self, chunk: slice, strains: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """What a law forgets that goes from the start of a step to strains at once.
@@ -97,31 +99,37 @@ class RememberingLaw:
         Returns
         -------
         resultants that are forgotten, shape of the strains; sizes of their power, and of that of all, (cells, points)
-
-        Those along the way lead on from one of PIECES to the next. It is a parabola through the strains at the start,
-        halfway and at the end. Each point also stops where the power of its resultants, those at the start of a piece,
-        changes sign.
         """
-        count = strains.shape[2]
-        start, middle, end = (s.reshape(-1, count) for s in (self._strains[chunk], self._halfway[chunk], strains))
-        along = kept = self._history[chunk].reshape(len(start), -1)
-        slope, bend, resultants = 4 * middle - 3 * start - end, 2 * (start - 2 * middle + end), None
+        end = strains.reshape(-1, strains.shape[2])
+        start, history = self._strains[chunk].reshape(end.shape), self._history[chunk].reshape(len(end), -1)
+        along, resultants, rate = history, self._law.update(start, history)[0], None
+        way = [*self._way.pop(chunk.start), end]
+        for middle, after in zip(way[::2], way[1::2], strict=True):
+            resultants, along, rate = self._followed(start, middle, after, along, resultants)
+            start = after
+        moved, lost = np.flatnonzero((along != history).any(axis=1)), np.zeros_like(end)
+        if len(moved):
+            lost[moved] = resultants[moved] - self._law.update(end[moved], history[moved])[0]
+        powers = (np.abs((values * rate).sum(axis=1)).reshape(strains.shape[:2]) for values in (lost, resultants))
+        return lost.reshape(strains.shape), *powers
+
+    def _followed(self, start, middle, end, along, resultants) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Resultants and history at the end of a parabola through strains, and the rate of strains there.
+
+        It is followed in PIECES. Each point also stops where the power of its resultants, those at the start of a
+        piece, changes sign.
+        """
+        slope, bend = 4 * middle - 3 * start - end, 2 * (start - 2 * middle + end)
         for piece in range(PIECES):
-            resultants = self._law.update(start, kept)[0] if resultants is None else resultants
             with np.errstate(divide="ignore", invalid="ignore"):
                 turn = -(resultants * slope).sum(axis=1) / (2 * resultants * bend).sum(axis=1)
-            for part in (turn, np.full(len(start), piece + 1.0) / PIECES):
+            for part in (turn, np.full(len(start), (piece + 1.0) / PIECES)):
                 there = np.flatnonzero((part > piece / PIECES) & (part <= (piece + 1) / PIECES))
                 way, along = part[there, None], along.copy()
-                now = start[there] + way * (slope[there] + way * bend[there])
-                found, _, along[there] = self._law.update(now, along[there])
+                found, _, along[there] = self._law.update(
+                    start[there] + way * (slope[there] + way * bend[there]), along[there])
             resultants = found
-        moved, lost = np.flatnonzero((along != kept).any(axis=1)), np.zeros_like(end)
-        if len(moved):
-            lost[moved] = resultants[moved] - self._law.update(end[moved], kept[moved])[0]
-        powers = (np.abs((values * (slope + 2 * bend)).sum(axis=1)).reshape(strains.shape[:2])
-                  for values in (lost, resultants))
-        return lost.reshape(strains.shape), *powers
+        return resultants, along, slope + 2 * bend
 
     @property
     def tells_energy(self) -> bool:

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..continuation.defect import interpolates
 from ..continuation.explained import cornered, explained
+from ..continuation.lapse import remembering
 from ..continuation.segment import Jump, Missed, Segment
 from ..continuation.state import CriticalPoint, State
 from ..continuation.tracer import tracer_of
@@ -53,11 +54,13 @@ def locate(tracer, earlier: State | None, before: State, after: State,
     segment = Segment(tracer, before, after)
     if segment.guarded and _crowded(before, after, tracer.control.crowded):
         raise Jump("too many bifurcations lie in one step")
+    if segment.flows and tracer.control.guarded:
+        _check(segment)
+    if any(contribution.remembers for contribution in tracer.system.contributions):
+        after = segment.states[after.length] = segment.after = remembering(segment)
     if segment.wavering:
         if tracer.control.guarded and not work_matches(segment, earlier):
             raise Jump("the work done along the step is not what is stored and dissipated")
-        if tracer.control.guarded and segment.flows:
-            _check(segment)
         limits, returns = [limit for limit in turning_loads(segment, earlier) if limit[0].wavering], []
     else:
         if segment.guarded:
