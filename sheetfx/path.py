@@ -16,7 +16,7 @@ from typing import Any
 
 from .checks import require
 from .continuation.control import ArcLength, DisplacementControl, LoadControl, StepRule
-from .continuation.corner import LEAST, around_corner, change_ahead, up_to_change
+from .continuation.corner import LEAST, around_corner, change_ahead, up_to_bifurcation, up_to_change
 from .continuation.events import Event, Hidden, end_at, occurrences
 from .continuation.failing import explained_failure
 from .continuation.lapse import growth_by_history
@@ -180,7 +180,7 @@ class Path:
             if length <= wanted / 2 and (taken := self._by_change(before, wanted, length)):
                 length = taken[0].length
                 break
-            if shortest and (taken := self._whole(before)):
+            if shortest and (taken := self._whole(before) or self._up_to_bifurcation(before, length)):
                 length = taken[0].length
                 break
             if shortest:
@@ -229,6 +229,12 @@ class Path:
         """A step around a corner of the path, before which loads say nothing of those behind it."""
         after = around_corner(self.tracer, before, wanted, failed, self._trail, self._earlier)
         return None if after is None else self._searched(before, after, None, pi, whole=True)
+
+    def _up_to_bifurcation(self, before: State,
+                           failed: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:
+        """A step up to where points begin to flow with which stability is lost."""
+        found = up_to_bifurcation(self.tracer, before, failed)
+        return found and (found[0], (found[1],))
 
     def _whole(self, before: State) -> tuple[State, tuple[CriticalPoint, ...]] | None:
         """A step up to where one was refused for an event that no shorter ones lead to; None where none was."""
