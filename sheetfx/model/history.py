@@ -81,6 +81,11 @@ def require_update(name: str, law, count: int) -> None:
                              f"{count} strains; it must be {shape}")
         if not np.isfinite(values).all():
             raise ValueError(f"{title}: update returns {what} that are no numbers, of strains up to {STRAINS}")
+    told = law.energies(strains, np.asarray(found[2])) if hasattr(law, "energies") else ()
+    for values in map(np.asarray, told):
+        if values.shape != (len(strains),) or not np.isfinite(values).all():
+            raise ValueError(f"{title}: energies returns shape {values.shape} for {len(strains)} points; return what "
+                             "they store and what they have dissipated, one finite number for each point")
     moduli = np.asarray(found[1])
     wrong = np.abs(moduli - moduli.transpose(0, 2, 1)) > SYMMETRIC * np.abs(moduli).max()
     if wrong.any():
