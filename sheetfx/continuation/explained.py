@@ -29,15 +29,19 @@ def explained(segment: Segment, left: float, right: float) -> bool:
 
 
 def cornered(segment: Segment, left: float, right: float) -> bool:
-    """Whether the tangents at the ends of a piece lead along it to a corner and on from there."""
-    tracer = segment.tracer
-    chord, tangents = segment.chord(left, right), [segment.states[s].tangent for s in (left, right)]
-    products = np.array([[tracer.inner(one, other) for one in (*tangents, chord)] for other in (*tangents, chord)])
-    parts, rest = nnls(*_rooted(products))
-    load = abs(chord[0] - parts @ [rate for rate, _ in tangents])
-    most = tracer.control.off_load * segment.distance(left, right)
-    told = tracer.control.forgotten * max(abs(segment.states[s].factor) for s in (left, right))
-    return rest <= most and load <= most * max(abs(rate) for rate, _ in tangents) + told
+    """Whether the tangents at the ends of a piece lead along it to a corner and on from there, in motions and load.
+
+    Loads count over the steeper rate of both. What laws with history may forget of the first rate of the path is the
+    least: where all points flow little is left of stiffness, and none of resistance.
+    """
+    tracer, states = segment.tracer, [segment.states[s] for s in (left, right)]
+    ways = [*(state.tangent for state in states), segment.chord(left, right)]
+    steepest = max(*(abs(state.load_rate) for state in states),
+                   tracer.control.forgotten / segment.before.reference[0] ** 0.5)
+    products = np.array([[tracer.inner((0.0, one[1]), (0.0, other[1])) + one[0] * other[0] / steepest**2
+                          for one in ways] for other in ways])
+    _, rest = nnls(*_rooted(products))
+    return bool(rest <= tracer.control.off_load * segment.distance(left, right))
 
 
 def _rooted(products: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -3,9 +3,9 @@
 A law with history goes from the strains at the start of a step to those at its end at once. Along one axis that is
 exact where they go one way (Simo and Hughes 1998, section 1.4.3); what flowed on a way that turned back is forgotten.
 Along the curve through both states, and those that are known between, with their tangents, the law is therefore followed in short pieces too. The
-resultants by which both differ are forgotten: what they tell of the load is their power along the way over that of all
-resultants, and how far the step has led off the path is the correction of their forces by the tangent. Both fall with
-the square of the length; a step is divided until they are small (as by the local errors of methods for differential
+resultants by which both differ, at the end of the step or at a state within it, are forgotten: what they tell of the
+load is their power along the way over that of all resultants, and how far the step has led off the path is the
+correction of their forces by the tangent. Both fall with the square of the length; a step is divided until they are small (as by the local errors of methods for differential
 equations; Hairer, Norsett and Wanner 1993, section II.4).
 """
 
@@ -49,7 +49,9 @@ def growth_by_history(control: StepRule, state: State) -> float:
 
 
 def _forgotten(segment: Segment) -> tuple[float, float]:
-    """Share of resultants that a step forgets, and its error off the path over its length; the tracer ends at its end.
+    """Largest share of resultants that a step forgets, at its end or before, and its error off the path over its length.
+
+    The tracer ends at its end.
     """
     tracer, system, before, after = segment.tracer, segment.tracer.system, segment.before, segment.after
     laws = [c for c in system.contributions if c.remembers]
@@ -59,14 +61,15 @@ def _forgotten(segment: Segment) -> tuple[float, float]:
             system.configure(system.create_vector(x), before.factor + load)
             for law in laws if length < after.length else ():
                 law.pass_by(begins=not left and length < right)
-    lost, powers = system.create_vector(), np.zeros(2)
-    system.residual_of(laws, lost, lambda law, forces: np.add(powers, law.forgotten(forces), out=powers))
+    lost, powers = system.create_vector(), []
+    system.residual_of(laws, lost, lambda law, forces: powers.append(law.forgotten(forces)))
     tracer.back_to(after)
+    forgotten, whole = system.comm.allreduce(sum(powers)).T
+    share = float(np.max(forgotten / np.maximum(whole, np.finfo(float).tiny)))
     if not lost.norm() > 0:
-        return 0.0, 0.0
+        return share, 0.0
     tracer.factorise_at(after)
     error, response, inner = lost.duplicate(), system.create_vector(after.response), tracer.tangent.inner
     tracer.stepper.linear.solve(lost, error)
     error.axpy(-inner(error, response) / inner(response, response), response)
-    forgotten, whole = system.comm.allreduce(powers)
-    return forgotten / whole, sqrt(inner(error, error)) / tracer.distance(*after.direction)
+    return share, sqrt(inner(error, error)) / tracer.distance(*after.direction)

@@ -285,7 +285,8 @@ class Tracer(Measuring):
             iterations=iterations, hardest=self._most, factorisations=self.total_factorisations - factorisations,
             length=length, next_length=length, load_increment=load_increment,
             current_stiffness=tangent.current_stiffness, displacement_extremes=extremes, reference=self._reference,
-            contact_points=touching, penetration=penetration, apart=apart,
+            contact_points=touching, penetration=penetration,
+            apart=apart and (start is not None or not system.history.moved),
             increment=increment, response=self._response.array.copy(), fields=system.snapshot())
 
     def _load_weight(self) -> float:

@@ -121,11 +121,13 @@ class AssumedWork:
         self.memory.pass_by(chunk, self._sample(chunk)[0], begins)
 
     def forgotten(self, chunk: slice):
-        """Number of each field and the internal forces that a step to the present strains forgets, and their power."""
+        """Number of each field and the internal forces that a step to the present strains forgets; powers on the way.
+
+        See `laws.RememberingLaw.forgotten`.
+        """
         strains, slopes = self._sample(chunk)
-        resultants, *powers = self.memory.forgotten(chunk, strains)
-        return (self._integrated(self._forces(chunk, resultants), slopes),
-                np.array([np.sum(self._measure[chunk] * power) for power in powers]))
+        resultants, powers = self.memory.forgotten(chunk, strains, self._measure[chunk])
+        return self._integrated(self._forces(chunk, resultants), slopes), powers
 
     def resultants(self, chunk: slice) -> np.ndarray:
         """Present resultants at the points of integration, (cells, points, strains)."""

@@ -152,9 +152,9 @@ class Contribution:
 
         Returns
         -------
-        sizes of the power of what is forgotten, and of all, on this process
+        sizes of the power of what is forgotten, and of all, on this process, at places of the way; (places, 2)
         """
-        return np.zeros(2)
+        return np.zeros((1, 2))
 
     def rewind(self) -> None:
         """Forget what a step that failed has changed since the last accepted state."""

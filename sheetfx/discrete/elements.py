@@ -190,21 +190,17 @@ class ElementWork(Contribution):
                 term.pass_by(chunk, begins)
 
     def forgotten(self, forces: Forces) -> np.ndarray:
-        powers = np.zeros(2)
+        powers = []
         for term, _ in self._memories:
             for chunk in self._chunks:
                 vectors, power = term.forgotten(chunk)
                 self._add(forces, chunk, vectors)
-                powers += power
-        return powers
+                powers.append(power)
+        return np.sum(powers, axis=0)
 
     def apart(self) -> bool:
         """Whether no point has flowed in the step that leads here, so that its moduli are those beside it too."""
-        if not self._memories:
-            return True
-        goes = any(not np.array_equal(now, self._accepted[name]) for name, now in self.snapshot().items())
-        goes = self.internal.domain.comm.allreduce(goes, op=MPI.LOR)
-        return not (self.history_moved_since(self._accepted) if goes else self.history_moved)
+        return self.smooth or not self.history_moved_since(self._accepted)
 
     @property
     def history_moved(self) -> bool:

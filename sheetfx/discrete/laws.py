@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import ufl
@@ -93,31 +93,35 @@ class RememberingLaw:
             self._way[chunk.start] = []
         self._way[chunk.start].append(strains.reshape(-1, strains.shape[2]).copy())
 
-    def forgotten(self, chunk: slice, strains: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """What a law forgets that goes from the start of a step to strains at once.
+    def forgotten(self, chunk: slice, strains: np.ndarray, measure: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """What a law forgets that goes from the start of a step to strains at once, or to those on the way to them.
+
+        Parameters
+        ----------
+        measure : of the points, (cells, points)
 
         Returns
         -------
-        resultants that are forgotten, shape of the strains; sizes of their power, and of that of all, (cells, points)
+        resultants that are forgotten at the end, shape of the strains; at the ends of all pieces of the way, sums of
+        the sizes of their power and of that of all resultants, (pieces, 2)
         """
-        end = strains.reshape(-1, strains.shape[2])
+        end, powers = strains.reshape(-1, strains.shape[2]), []
         start, history = self._strains[chunk].reshape(end.shape), self._history[chunk].reshape(len(end), -1)
-        along, resultants, rate = history, self._law.update(start, history)[0], None
+        along, resultants, lost = history, self._law.update(start, history)[0], np.zeros_like(end)
         way = [*self._way.pop(chunk.start), end]
         for middle, after in zip(way[::2], way[1::2], strict=True):
-            resultants, along, rate = self._followed(start, middle, after, along, resultants)
+            for now, rate, resultants, along in self._followed(start, middle, after, along, resultants):
+                moved, lost = np.flatnonzero((along != history).any(axis=1)), np.zeros_like(end)
+                if len(moved):
+                    lost[moved] = resultants[moved] - self._law.update(now[moved], history[moved])[0]
+                powers.append([measure.ravel() @ np.abs((values * rate).sum(axis=1)) for values in (lost, resultants)])
             start = after
-        moved, lost = np.flatnonzero((along != history).any(axis=1)), np.zeros_like(end)
-        if len(moved):
-            lost[moved] = resultants[moved] - self._law.update(end[moved], history[moved])[0]
-        powers = (np.abs((values * rate).sum(axis=1)).reshape(strains.shape[:2]) for values in (lost, resultants))
-        return lost.reshape(strains.shape), *powers
+        return lost.reshape(strains.shape), np.array(powers)
 
-    def _followed(self, start, middle, end, along, resultants) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Resultants and history at the end of a parabola through strains, and the rate of strains there.
+    def _followed(self, start, middle, end, along, resultants) -> Iterator[tuple[np.ndarray, ...]]:
+        """Strains, their rate, resultants and history at the ends of PIECES of a parabola through strains.
 
-        It is followed in PIECES. Each point also stops where the power of its resultants, those at the start of a
-        piece, changes sign.
+        Each point also stops where the power of its resultants, those at the start of a piece, changes sign.
         """
         slope, bend = 4 * middle - 3 * start - end, 2 * (start - 2 * middle + end)
         for piece in range(PIECES):
@@ -126,10 +130,9 @@ class RememberingLaw:
             for part in (turn, np.full(len(start), (piece + 1.0) / PIECES)):
                 there = np.flatnonzero((part > piece / PIECES) & (part <= (piece + 1) / PIECES))
                 way, along = part[there, None], along.copy()
-                found, _, along[there] = self._law.update(
-                    start[there] + way * (slope[there] + way * bend[there]), along[there])
-            resultants = found
-        return resultants, along, slope + 2 * bend
+                now = start[there] + way * (slope[there] + way * bend[there])
+                resultants, _, along[there] = self._law.update(now, along[there])
+            yield now, slope + 2 * (piece + 1) / PIECES * bend, resultants, along
 
     @property
     def tells_energy(self) -> bool:
