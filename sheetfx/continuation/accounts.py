@@ -19,7 +19,7 @@ GAUSS_ALONG = (1 + np.sqrt(0.6) * np.array([-1.0, 0.0, 1.0])) / 2, np.array([5.0
 
 @dataclass(frozen=True)
 class Account:
-    """What is known of a state: energies, what is dissipated, W of each stage so far, q of the present one and its rate by the factor.
+    """What is known of a state: energies, W of each stage so far, q of the present one and its rate by the factor.
 
     Dead loads are those that W was made of in the first state; `unsure` is the accuracy of q since the state before.
 
@@ -105,10 +105,10 @@ class Accounts:
                 load.array[self._turning].any())
             done.append(_product(system, load.array, place, held))
         product, rate = (_product(system, load.array, by) for by in (place, state.response))
-        return Account(state, [discretisation.strain_energy(part) if work.tells_energy else np.nan for part, work in zip(
-            discretisation.scene.parts, discretisation.works_of_parts, strict=True)],
-            sum(c.energy() or 0.0 for c in self._others), discretisation.dissipated(), done, product, rate, dead,
-            dead or _proportional(system, state))
+        parts = zip(discretisation.scene.parts, discretisation.works_of_parts, strict=True)
+        stored = [discretisation.strain_energy(part) if work.tells_energy else np.nan for part, work in parts]
+        return Account(state, stored, sum(c.energy() or 0.0 for c in self._others), discretisation.dissipated(), done,
+                       product, rate, dead, dead or _proportional(system, state))
 
     def _followed(self) -> list[Account]:
         """Accounts in which W and q are integrals of the loads along the way, which change with the structure."""

@@ -77,9 +77,9 @@ class Balance:
             return ""
         dissipated = f" and {self.dissipated[-1]:.8g} dissipated" if self.dissipated.any() else ""
         return (f"the energy does not balance: the loads have done {self.work[-1]:.8g}, {self.stored[-1]:.8g} is "
-                f"stored{dissipated}; along the path these differ by up to {self.off:.2g} of the largest, more than the "
-                f"{self.tolerance:.2g} that the length of the steps explains. States may lie on other paths than those "
-                "before them (try shorter steps), or a law or a load may not be what it says")
+                f"stored{dissipated}; along the path these differ by up to {self.off:.2g} of the largest, more than "
+                f"the {self.tolerance:.2g} that the length of the steps explains. States may lie on other paths than "
+                "those before them (try shorter steps), or a law or a load may not be what it says")
 
     def summary(self) -> dict:
         """Energies of the last state, and the balance along the path, for people to read."""
@@ -87,8 +87,8 @@ class Balance:
             return float(value) if np.isfinite(value) else None
 
         return {"strain": list(map(known, self.parts[-1])), "joints_and_contacts": known(self.joints[-1]),
-                "dissipated": known(self.dissipated[-1]), "work_of_loads": known(self.work[-1]), "off": self.off, "accuracy": known(self.tolerance),
-                "not_balanced": list(self.untold)}
+                "dissipated": known(self.dissipated[-1]), "work_of_loads": known(self.work[-1]), "off": self.off,
+                "accuracy": known(self.tolerance), "not_balanced": list(self.untold)}
 
     @property
     def _taken(self) -> np.ndarray:

@@ -19,6 +19,9 @@ def explained_failure(control: StepRule, tracer: Tracer, before: State | None, s
     before : state before that one
     length : of the shortest step that has been tried
     """
+    if any(point.name == "comparison solid" and point.length == state.length for point in state.critical):
+        return ("points that begin to flow there take the stability of the comparison solid (Hill 1958): a "
+                "bifurcation, and no state close behind it is found", "follow the path by another control or steps")
     limit = _limit_ahead(before, state, length) if before and isinstance(control, LoadControl) else None
     if limit is not None:
         return (f"a limit point lies just ahead, at a load of about {limit:.6g}, as the stiffness along the path falls "
@@ -37,7 +40,7 @@ def explained_failure(control: StepRule, tracer: Tracer, before: State | None, s
 
 
 def _plastic_limit(tracer: Tracer, before: State, state: State, length: float) -> float | None:
-    """Load that the monitored displacement of one step more takes, where points flow; None: it is beyond the last try."""
+    """Load at the monitored displacement of one step more, where points flow; None: it is beyond the last try."""
     way = abs(state.deflection - before.deflection)
     tracer.back_to(state)
     if not any(c.remembers for c in tracer.system.contributions) or not way or not tracer.rate("deflection"):

@@ -2,11 +2,13 @@
 
 A law with history goes from the strains at the start of a step to those at its end at once. Along one axis that is
 exact where they go one way (Simo and Hughes 1998, section 1.4.3); what flowed on a way that turned back is forgotten.
-Along the curve through both states, and those that are known between, with their tangents, the law is therefore followed in short pieces too. The
-resultants by which both differ, at the end of the step or at a state within it, are forgotten: what they tell of the
-load is their power along the way over that of all resultants, and how far the step has led off the path is the
-correction of their forces by the tangent. Both fall with the square of the length; a step is divided until they are small (as by the local errors of methods for differential
-equations; Hairer, Norsett and Wanner 1993, section II.4).
+The law is therefore also followed in short pieces, along the curve through all known states of the step with their
+tangents. The resultants by which both differ are forgotten.
+
+Their power along the way, over that of all resultants, tells how far the load is off, at the end of the step or at a
+state within it. The correction of their forces by the tangent tells how far the step has led off the path. Both fall
+with the square of the length. A step is divided until they are small, as by the local errors of methods for
+differential equations (Hairer, Norsett and Wanner 1993, section II.4).
 """
 
 from __future__ import annotations
@@ -43,13 +45,13 @@ def remembering(segment: Segment) -> State:
 
 
 def growth_by_history(control: StepRule, state: State) -> float:
-    """Factor on the next step's length, with which it forgets as much as is allowed; infinite: the last forgot nothing."""
+    """Factor on the next step's length, with which it forgets what it may; infinite: the last one forgot nothing."""
     ratios = (state.forgotten / control.forgotten, state.astray / control.astray)
     return 1 / sqrt(max(ratios)) if max(ratios) else inf
 
 
 def _forgotten(segment: Segment) -> tuple[float, float]:
-    """Largest share of resultants that a step forgets, at its end or before, and its error off the path over its length.
+    """Largest share of resultants that a step forgets on its way, and its error off the path over its length.
 
     The tracer ends at its end.
     """

@@ -107,10 +107,11 @@ class RememberingLaw:
         """
         end, powers = strains.reshape(-1, strains.shape[2]), []
         start, history = self._strains[chunk].reshape(end.shape), self._history[chunk].reshape(len(end), -1)
-        along, resultants, lost = history, self._law.update(start, history)[0], np.zeros_like(end)
+        known, lost = (self._law.update(start, history)[0], history), np.zeros_like(end)
         way = [*self._way.pop(chunk.start), end]
         for middle, after in zip(way[::2], way[1::2], strict=True):
-            for now, rate, resultants, along in self._followed(start, middle, after, along, resultants):
+            for now, rate, *found in self._followed(start, middle, after, *known):
+                known = resultants, along = found
                 moved, lost = np.flatnonzero((along != history).any(axis=1)), np.zeros_like(end)
                 if len(moved):
                     lost[moved] = resultants[moved] - self._law.update(now[moved], history[moved])[0]
@@ -118,7 +119,7 @@ class RememberingLaw:
             start = after
         return lost.reshape(strains.shape), np.array(powers)
 
-    def _followed(self, start, middle, end, along, resultants) -> Iterator[tuple[np.ndarray, ...]]:
+    def _followed(self, start, middle, end, resultants, along) -> Iterator[tuple[np.ndarray, ...]]:
         """Strains, their rate, resultants and history at the ends of PIECES of a parabola through strains.
 
         Each point also stops where the power of its resultants, those at the start of a piece, changes sign.
@@ -129,6 +130,8 @@ class RememberingLaw:
                 turn = -(resultants * slope).sum(axis=1) / (2 * resultants * bend).sum(axis=1)
             for part in (turn, np.full(len(start), (piece + 1.0) / PIECES)):
                 there = np.flatnonzero((part > piece / PIECES) & (part <= (piece + 1) / PIECES))
+                if not len(there):
+                    continue
                 way, along = part[there, None], along.copy()
                 now = start[there] + way * (slope[there] + way * bend[there])
                 resultants, _, along[there] = self._law.update(now, along[there])
