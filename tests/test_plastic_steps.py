@@ -64,6 +64,13 @@ def test_random_cycles_of_a_bar(seed):
     assert balance.dissipated[-1] == pytest.approx(1e5 * energies[2], rel=1e-6)
 
 
+def test_a_load_may_end_where_a_bar_yields_again():
+    """Pulled and pushed to the same stress, at which its tangent is that of flow already."""
+    *_, last = fx.Path(bar(steel(235.0, 2e3), [3e4, -3e4]), fx.LoadControl(0.25))
+    assert last.factor == pytest.approx(1.0, rel=1e-12)
+    assert last.deflection == pytest.approx(1000 * ((300 - 235) / 2e3 - 300 / MODULUS), rel=1e-9)
+
+
 def toggle(material, rise, half=1000.0):
     """Two bars under a force at the node between them."""
     mesh = fx.read(lambda: fx.meshes.frame({"a": (-half, 0), "top": (0, rise), "b": (half, 0)},

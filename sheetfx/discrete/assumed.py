@@ -234,7 +234,7 @@ def _measure_and_roots(term: Term, domain: Mesh, cells: np.ndarray) -> tuple[np.
     shares = term.tying.shares if term.tying else ()
     data = ufl.as_vector([ufl.JacobianDeterminant(domain) * term.stretch, *shares])
     values = at_points(data, term.rule.points).eval(domain, cells)
-    values = values.reshape(len(cells), len(term.rule.points), -1)
+    values = values.reshape(len(cells), len(term.rule.points), 1 + len(shares))
     measure = values[..., 0] * term.rule.weights
     return measure, np.sqrt(np.einsum("cq,cqi->ci", measure, values[..., 1:]) / measure.sum(axis=1)[:, None])
 

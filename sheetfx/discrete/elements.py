@@ -199,8 +199,10 @@ class ElementWork(Contribution):
         return np.sum(powers, axis=0)
 
     def apart(self) -> bool:
-        """Whether no point has flowed in the step that leads here, so that its moduli are those beside it too."""
-        return self.smooth or not self.history_moved_since(self._accepted)
+        """Whether no point has flowed in the step that leads here, nor is on the point of it."""
+        still = all(memory.stands_still(self._accepted[f"{self._name} {n}"])
+                    for n, (_, memory) in enumerate(self._memories))
+        return self.smooth or self.internal.domain.comm.allreduce(still, op=MPI.LAND)
 
     @property
     def history_moved(self) -> bool:

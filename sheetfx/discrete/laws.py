@@ -12,6 +12,7 @@ from ..mesh.quadrature import Rule
 from ..model.history import LawWithHistory
 from .densities import at_points, put, values_at_points
 
+SAME = 1e-6  # relative difference of moduli that is rounding
 PIECES = 4  # of the way between two states, along which a law is followed
 
 
@@ -162,6 +163,16 @@ class RememberingLaw:
     def moved_since(self, kept: np.ndarray) -> bool:
         """Whether a point of this process remembers something else than in a snapshot."""
         return not np.array_equal(self._history, kept[..., self._strains.shape[2]:])
+
+    def stands_still(self, kept: np.ndarray) -> bool:
+        """Whether points of this process remember what they did in a snapshot, with the moduli of halfway from there."""
+        if self.moved_since(kept):
+            return False
+        count = self._strains.shape[2]
+        halfway, now, history = (values.reshape(-1, values.shape[2]) for values in (
+            (kept[..., :count] + self._strains) / 2, self._strains, self._history))
+        moduli = [self._law.update(strains, history)[1] for strains in (halfway, now)]
+        return bool(np.allclose(*moduli, rtol=0.0, atol=SAME * np.abs(moduli[0]).max(initial=0.0)))
 
     def snapshot(self) -> np.ndarray:
         """Strains and history of the last accepted state."""
