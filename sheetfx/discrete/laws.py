@@ -107,7 +107,8 @@ class RememberingLaw:
         the sizes of their power and of that of all resultants, (pieces, 2)
         """
         end, powers = strains.reshape(-1, strains.shape[2]), []
-        start, history = self._strains[chunk].reshape(end.shape), self._history[chunk].reshape(len(end), -1)
+        start = self._strains[chunk].reshape(end.shape)
+        history = self._history[chunk].reshape(len(end), self._history.shape[2])
         known, lost = (self._law.update(start, history)[0], history), np.zeros_like(end)
         way = [*self._way.pop(chunk.start), end]
         for middle, after in zip(way[::2], way[1::2], strict=True):
@@ -146,7 +147,8 @@ class RememberingLaw:
     def energies(self, chunk: slice, strains: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """What points store, and have dissipated since the start, at strains; both (cells, points)."""
         history = self._update(chunk, strains)[2]
-        found = self._law.energies(strains.reshape(-1, strains.shape[2]), history.reshape(-1, history.shape[2]))
+        points = strains.shape[0] * strains.shape[1]
+        found = self._law.energies(strains.reshape(points, -1), history.reshape(points, history.shape[2]))
         stored, dissipated = (values.reshape(strains.shape[:2]) for values in found)
         return stored, dissipated
 
@@ -165,11 +167,11 @@ class RememberingLaw:
         return not np.array_equal(self._history, kept[..., self._strains.shape[2]:])
 
     def stands_still(self, kept: np.ndarray) -> bool:
-        """Whether points of this process remember what they did in a snapshot, with the moduli of halfway from there."""
+        """Whether points of this process remember what they did in a snapshot, with the moduli halfway from there."""
         if self.moved_since(kept):
             return False
         count = self._strains.shape[2]
-        halfway, now, history = (values.reshape(-1, values.shape[2]) for values in (
+        halfway, now, history = (values.reshape(values.shape[0] * values.shape[1], values.shape[2]) for values in (
             (kept[..., :count] + self._strains) / 2, self._strains, self._history))
         moduli = [self._law.update(strains, history)[1] for strains in (halfway, now)]
         return bool(np.allclose(*moduli, rtol=0.0, atol=SAME * np.abs(moduli[0]).max(initial=0.0)))
