@@ -16,9 +16,10 @@ from typing import Any
 
 from .checks import require
 from .continuation.control import ArcLength, DisplacementControl, LoadControl, StepRule
-from .continuation.corner import LEAST, around_corner, change_ahead, up_to_change
+from .continuation.corner import LEAST, around_corner, change_ahead, up_to_bifurcation, up_to_change
 from .continuation.events import Event, Hidden, end_at, occurrences
 from .continuation.failing import explained_failure
+from .continuation.lapse import growth_by_history
 from .continuation.linear import SingularTangent
 from .continuation.scattered import ScatteredState
 from .continuation.segment import Jump, Missed
@@ -33,6 +34,7 @@ from .rounding import SAME, same
 from .stability.critical import locate
 from .stability.flutter import Flutter
 from .stability.rest import unstable_at_rest
+from .stability.turning import load_sense
 from .stability.verdict import searched
 
 CORNERED = 1 / 16  # of a step, length with which it fails where the path is taken to have a corner
@@ -178,7 +180,7 @@ class Path:
             if length <= wanted / 2 and (taken := self._by_change(before, wanted, length)):
                 length = taken[0].length
                 break
-            if shortest and (taken := self._whole(before)):
+            if shortest and (taken := self._whole(before) or self._up_to_bifurcation(before, length)):
                 length = taken[0].length
                 break
             if shortest:
@@ -187,7 +189,9 @@ class Path:
         else:
             length = min(length, taken[0].length)
         after, points = taken
-        after = replace(after, next_length=min(largest, length * self.control.growth(after.hardest)), critical=points)
+        growth = min(self.control.growth(after.hardest), growth_by_history(self.control, after))
+        after = replace(after, next_length=min(largest, length * growth), critical=points,
+                        load_sense=load_sense(self.tracer, before, after))
         self.tracer.state, self._earlier, self._hidden = after, before, max(0.0, self._hidden - after.length)
         if self._trail:
             self._trail.append(after)
@@ -226,6 +230,12 @@ class Path:
         after = around_corner(self.tracer, before, wanted, failed, self._trail, self._earlier)
         return None if after is None else self._searched(before, after, None, pi, whole=True)
 
+    def _up_to_bifurcation(self, before: State,
+                           failed: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:
+        """A step up to where points begin to flow with which stability is lost."""
+        found = up_to_bifurcation(self.tracer, before, failed)
+        return found and (found[0], (found[1],))
+
     def _whole(self, before: State) -> tuple[State, tuple[CriticalPoint, ...]] | None:
         """A step up to where one was refused for an event that no shorter ones lead to; None where none was."""
         after = self.tracer.attempt(self._hidden) if self._hidden else None
@@ -247,7 +257,7 @@ class Path:
                 self._refusal = "it leads back onto the path that has led here"
             elif turn <= largest_turn:
                 points = locate(self.tracer, earlier, before, after, self._others)
-                return self._with_events(before, after, points, whole)
+                return self._with_events(before, self.tracer.state, points, whole)
             else:
                 self._refusal = f"it turns off the path by {turn:.2g} radians, more than {self.control.turn:g}"
         except Jump as jump:

@@ -31,6 +31,7 @@ class Account:
     state: State
     parts: list[float]
     joints: float
+    dissipated: float
     done: list[float]
     product: float
     rate: float
@@ -104,10 +105,10 @@ class Accounts:
                 load.array[self._turning].any())
             done.append(_product(system, load.array, place, held))
         product, rate = (_product(system, load.array, by) for by in (place, state.response))
-        return Account(state, [np.nan if work.remembers else discretisation.strain_energy(part) for part, work in zip(
-            discretisation.scene.parts, discretisation.works_of_parts, strict=True)],
-            sum(c.energy() or 0.0 for c in self._others), done, product, rate, dead,
-            dead or _proportional(system, state))
+        parts = zip(discretisation.scene.parts, discretisation.works_of_parts, strict=True)
+        stored = [discretisation.strain_energy(part) if work.tells_energy else np.nan for part, work in parts]
+        return Account(state, stored, sum(c.energy() or 0.0 for c in self._others), discretisation.dissipated(), done,
+                       product, rate, dead, dead or _proportional(system, state))
 
     def _followed(self) -> list[Account]:
         """Accounts in which W and q are integrals of the loads along the way, which change with the structure."""

@@ -32,6 +32,7 @@ CLOSE = 1e-3  # residual over the load, below which it does not
 SAME = 1e-2  # relative difference of residuals that are the same
 TO_AND_FRO = ("contact changes to and fro, as where no equilibrium lies ahead; `record.snap(state, 'displacement')` "
               "finds what the structure falls to")
+FLOWS_TO_AND_FRO = "points flow and unload to and fro, as where no equilibrium lies ahead"
 FARTHEST = 100.0  # increment in the scaled norm (sizes of the structure, radians), beyond which an iteration is lost
 
 

@@ -1,4 +1,4 @@
-"""The balance of energy along a path: what its loads have done, and what is stored.
+"""The balance of energy along a path: what its loads have done, and what is stored and dissipated.
 
 Along a path of equilibrium states the loads f of a stage do the work
 
@@ -38,8 +38,10 @@ class Balance:
 
     Attributes
     ----------
-    parts : strain energy of each part of the scene in all states, shape (states, parts); NaN where laws have history
+    parts : energy that each part of the scene stores in all states, by its strains and by hardening, shape (states,
+        parts); NaN where a law with history does not tell
     joints : energy of joints and contacts, shape (states,)
+    dissipated : by plastic flow since the first state, shape (states,)
     work : that loads and prescribed motions have done since the first state, shape (states,); NaN where it is not known
     accuracy : of the work, shape (states,)
     untold : what does not tell its energy or its work, so that there is no balance
@@ -47,6 +49,7 @@ class Balance:
 
     parts: np.ndarray
     joints: np.ndarray
+    dissipated: np.ndarray
     work: np.ndarray
     accuracy: np.ndarray
     untold: tuple[str, ...]
@@ -59,8 +62,8 @@ class Balance:
 
     @property
     def off(self) -> float | None:
-        """Largest difference of work and stored energy over the largest of these; None: not known."""
-        return None if self.untold else float(np.abs(self.work - self.stored).max() / self._largest)
+        """Largest difference of work and energy, stored and dissipated, over the largest of both; None: not known."""
+        return None if self.untold else float(np.abs(self.work - self._taken).max() / self._largest)
 
     @property
     def tolerance(self) -> float:
@@ -72,10 +75,11 @@ class Balance:
         """What is wrong with the balance, "" if nothing is or it is not known."""
         if self.off is None or self.off <= ROUNDING + SAFETY * self.tolerance:
             return ""
+        dissipated = f" and {self.dissipated[-1]:.8g} dissipated" if self.dissipated.any() else ""
         return (f"the energy does not balance: the loads have done {self.work[-1]:.8g}, {self.stored[-1]:.8g} is "
-                f"stored; along the path these differ by up to {self.off:.2g} of the largest, more than the "
-                f"{self.tolerance:.2g} that the length of the steps explains. States may lie on other paths than those "
-                "before them (try shorter steps), or a law or a load may not be what it says")
+                f"stored{dissipated}; along the path these differ by up to {self.off:.2g} of the largest, more than "
+                f"the {self.tolerance:.2g} that the length of the steps explains. States may lie on other paths than "
+                "those before them (try shorter steps), or a law or a load may not be what it says")
 
     def summary(self) -> dict:
         """Energies of the last state, and the balance along the path, for people to read."""
@@ -83,12 +87,16 @@ class Balance:
             return float(value) if np.isfinite(value) else None
 
         return {"strain": list(map(known, self.parts[-1])), "joints_and_contacts": known(self.joints[-1]),
-                "work_of_loads": known(self.work[-1]), "off": self.off, "accuracy": known(self.tolerance),
-                "not_balanced": list(self.untold)}
+                "dissipated": known(self.dissipated[-1]), "work_of_loads": known(self.work[-1]), "off": self.off,
+                "accuracy": known(self.tolerance), "not_balanced": list(self.untold)}
+
+    @property
+    def _taken(self) -> np.ndarray:
+        return self.stored + self.dissipated
 
     @property
     def _largest(self) -> float:
-        return float(max(np.abs(self.work).max(), np.abs(self.stored).max())) or 1.0
+        return float(max(np.abs(self.work).max(), np.abs(self._taken).max())) or 1.0
 
 
 def balance(tracer: Tracer, states: Sequence[State], accuracy: float | None = None) -> Balance:
@@ -103,12 +111,12 @@ def balance(tracer: Tracer, states: Sequence[State], accuracy: float | None = No
     system, works, present = tracer.system, tracer.discretisation.works_of_parts, tracer.state
     untold = {f"{c.called or type(c).__name__} does not tell its energy" for c in system.contributions
               if c.stage is None and c not in works and c.energy() is None}
-    if any(work.remembers for work in works):
+    if not all(work.tells_energy for work in works):
         untold.add("a law with history does not tell what it stores")
     books = Accounts(tracer, states)
     accounts = books.balanced()
     for _ in range(ROUNDS if accuracy and not untold else 0):
-        most = accuracy * (np.ptp([sum(a.parts) + a.joints for a in accounts]) or 1.0) / len(accounts)
+        most = accuracy * (np.ptp([sum(a.parts) + a.joints + a.dissipated for a in accounts]) or 1.0) / len(accounts)
         if not books.halve([i for i in range(len(accounts) - 1) if _step(accounts, i)[1] > most]):
             break
         accounts = books.balanced()
@@ -120,8 +128,10 @@ def balance(tracer: Tracer, states: Sequence[State], accuracy: float | None = No
     sums = np.concatenate([[(0.0, 0.0)], np.cumsum(steps, axis=0)])
     given = [i for i, account in enumerate(accounts) if account.place == 0.0]
     work, unsure = sums[given].T
-    return Balance(np.array([accounts[i].parts for i in given]), np.array([accounts[i].joints for i in given]),
-                   work if known else np.full_like(work, np.nan), unsure, tuple(sorted(untold)))
+    parts, joints, dissipated = (np.array([getattr(accounts[i], name) for i in given])
+                                 for name in ("parts", "joints", "dissipated"))
+    return Balance(parts, joints, dissipated - dissipated[0], work if known else np.full_like(work, np.nan), unsure,
+                   tuple(sorted(untold)))
 
 
 def _step(accounts: Sequence[Account], i: int) -> tuple[float, float]:

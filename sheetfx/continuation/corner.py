@@ -17,7 +17,7 @@ from petsc4py import PETSc
 
 from .crossings import can_stick, sticking
 from .linear import SingularTangent
-from .state import State
+from .state import CriticalPoint, State
 from .trail import Trail
 
 SHORTER, FEWEST = 1 / 4, 3  # ratio of the lengths of steps that are tried, and how many at least
@@ -62,6 +62,36 @@ def around_corner(tracer, before: State, wanted: float, failed: float, trail: Tr
                     and not (flows and _unloads(tracer, before, after))):
                 return after
     tracer.back_to(before)
+    return None
+
+
+def up_to_bifurcation(tracer, before: State, failed: float) -> tuple[State, CriticalPoint] | None:
+    """The last state before points begin to flow with which the comparison solid loses stability, and that point.
+
+    None where nothing tells of it, or where it is known. Beyond it no short step has converged: as at the collapse of a
+    frame that sways, the tangent of loading has lost its stability at once, and what follows is not near.
+
+    Parameters
+    ----------
+    failed : length of the shortest step that has been tried
+    """
+    system, modes = tracer.system, before.unstable_modes
+    known = any(point.kind == "bifurcation" for point in before.critical)
+    if system.smooth or system.rough or not system.conservative or not tracer.control.passes_limits or known:
+        return None
+    try:
+        _, forwards = _ahead(tracer, before, failed, sticks=False)
+        pivots = tracer.stepper.linear.negative_pivots()
+    except SingularTangent:
+        pivots = None
+    tracer.back_to(before)
+    count = 0 if None in (pivots, modes) else abs(pivots - system.multipliers - modes) - (forwards < 0)
+    exact, *_ = tracer.snes.getTolerances()
+    while count > 0 and failed * abs(before.load_rate) > exact * abs(before.factor):
+        failed /= 2
+        if (after := tracer.attempt(failed)) is not None:
+            return after, CriticalPoint("bifurcation", after.load, after.deflection, after.step, after.length, count,
+                                        "comparison solid")
     return None
 
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from mpi4py import MPI
+from scipy.optimize import nnls
 
 from .. import rounding
 from .segment import Segment
@@ -24,6 +25,29 @@ def explained(segment: Segment, left: float, right: float) -> bool:
             and not _bulges(load, rates, distance, options.steepest)
             and _follows(_reactions(tracer, x), [_reactions(tracer, motion) for motion in motions],
                          distance, options.unexplained, _reaction_noise(tracer, load, x)))
+
+
+def cornered(segment: Segment, left: float, right: float) -> bool:
+    """Whether the tangents at the ends of a piece lead along it to a corner and on from there, in motions and load.
+
+    Loads count over the steeper rate of both. What laws with history may forget of the first rate of the path is the
+    least: where all points flow little is left of stiffness, and none of resistance.
+    """
+    tracer, states = segment.tracer, [segment.states[s] for s in (left, right)]
+    ways = [*(state.tangent for state in states), segment.chord(left, right)]
+    steepest = max(*(abs(state.load_rate) for state in states),
+                   tracer.control.forgotten / segment.before.reference[0] ** 0.5)
+    products = np.array([[tracer.inner((0.0, one[1]), (0.0, other[1])) + one[0] * other[0] / steepest**2
+                          for one in ways] for other in ways])
+    _, rest = nnls(*_rooted(products))
+    return bool(rest <= tracer.control.off_load * segment.distance(left, right))
+
+
+def _rooted(products: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Coordinates of two vectors as columns, and those of a third one, by the products of all three."""
+    values, vectors = np.linalg.eigh(products)
+    places = np.sqrt(np.maximum(values, 0.0))[:, None] * vectors.T
+    return places[:, :2], places[:, 2]
 
 
 def _reactions(tracer, increment: np.ndarray) -> np.ndarray:

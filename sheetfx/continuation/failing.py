@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from ..discrete.free_motions import without_numbers
-from .control import LoadControl, StepRule
+from .control import DisplacementControl, LoadControl, StepRule
 from .state import State
 from .tracer import Tracer
+
+THROUGH = "follow the path through it by fx.ArcLength() or fx.DisplacementControl(...)"
 
 
 def explained_failure(control: StepRule, tracer: Tracer, before: State | None, state: State,
@@ -17,18 +19,35 @@ def explained_failure(control: StepRule, tracer: Tracer, before: State | None, s
     before : state before that one
     length : of the shortest step that has been tried
     """
+    if any(point.name == "comparison solid" and point.length == state.length for point in state.critical):
+        return ("points that begin to flow there take the stability of the comparison solid (Hill 1958): a "
+                "bifurcation, and no state close behind it is found", "follow the path by another control or steps")
     limit = _limit_ahead(before, state, length) if before and isinstance(control, LoadControl) else None
     if limit is not None:
         return (f"a limit point lies just ahead, at a load of about {limit:.6g}, as the stiffness along the path falls "
                 "to zero; load control finds no state beyond it",
-                "follow the path through it by fx.ArcLength() or fx.DisplacementControl(...), or let the structure "
-                "fall from the last state by `record.snap(state)`")
+                f"{THROUGH}, or let the structure fall from the last state by `record.snap(state)`")
+    flowing = _plastic_limit(tracer, before, state, length) if before and isinstance(control, LoadControl) else None
+    if flowing is not None:
+        return (f"points flow, so that the load has its limit at about {flowing:.6g} (plastic collapse); load control "
+                "finds no state beyond it", THROUGH)
     if found := _unfinished(tracer, state):
         return found, "look at the strains and the law of that part, and at its numbers"
     if tracer.stepper.rounds:
         return (f"the residual is rounding (relative residuals {tracer.stepper.history[-1]:.1e} at last), as the load "
                 "is too small beside the stiffness of the structure", "give a larger load and scale the results")
     return None
+
+
+def _plastic_limit(tracer: Tracer, before: State, state: State, length: float) -> float | None:
+    """Load at the monitored displacement of one step more, where points flow; None: it is beyond the last try."""
+    way = abs(state.deflection - before.deflection)
+    tracer.back_to(state)
+    if not any(c.remembers for c in tracer.system.contributions) or not way or not tracer.rate("deflection"):
+        return None
+    beyond = tracer.attempt_by(DisplacementControl(), way)
+    tracer.back_to(state)
+    return beyond.load if beyond is not None and abs(beyond.factor - state.factor) <= length else None
 
 
 def _unfinished(tracer: Tracer, state: State) -> str:

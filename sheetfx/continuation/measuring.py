@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import acos
 
 import numpy as np
+from mpi4py import MPI
 from petsc4py import PETSc
 
 from .. import rounding
@@ -22,10 +23,12 @@ class Measuring:
     Attributes
     ----------
     discretisation, system : the system's weights make the unknowns commensurate
+    control : of the path
     """
 
     discretisation: Discretisation
     system: System
+    control: StepRule
     _monitor: Functional
 
     def _load_weight(self) -> float:
@@ -56,11 +59,15 @@ class Measuring:
         """Largest angle in radians between the increment of a step and what it should go on from and lead to.
 
         These are the tangents at its start and its end. With contact, where tangents waver and paths have corners, it
-        has to go on from either the increment before or the tangent at its start.
+        has to go on from either the increment before or the tangent at its start. Where the load turns because it is
+        made to, and nothing has flowed, points unload: the tangent at its end is that of the whole step.
         """
         if self.system.smooth:
             return max(self.angle(after.direction, d) for d in (before.tangent, after.tangent))
-        ways = [before.tangent, before.direction] if before.increment.any() else [before.tangent]
+        goes_on = self.system.comm.allreduce(bool(before.increment.any()), op=MPI.LOR)
+        ways = [before.tangent, before.direction] if goes_on else [before.tangent]
+        if after.apart and not (goes_on and self.control.passes_limits):
+            ways.append(after.tangent)
         return min(self.angle(after.direction, way) for way in ways)
 
     def angle(self, one: tuple[float, np.ndarray], other: tuple[float, np.ndarray]) -> float:

@@ -48,6 +48,7 @@ class Segment:
     Attributes
     ----------
     wavering : whether tangents waver
+    flows : whether points that begin or cease to flow alone make them do so
     states : those that are known, by their lengths
     close : lengths of states that were found where their neighbours' interpolation had them
     """
@@ -56,6 +57,7 @@ class Segment:
         self.tracer, self.before, self.after = tracer, before, after
         self.wavering = not (tracer.system.smooth or (before.apart and after.apart))
         self.guarded = tracer.control.guarded and not self.wavering
+        self.flows = self.wavering and not tracer.system.rough
         self.states = {0.0: before, after.length: after}
         self.course = Course(tracer, before, after)
         self._spectra: dict[float, tuple[list[float], list]] = {}
@@ -77,7 +79,8 @@ class Segment:
         if length not in self.states:
             left, right = self.neighbours(length)
             guess = self.interpolated(left, right, length)
-            start = None if self.wavering else self.course.at(length, self.states)
+            guesses = not self.wavering or (self.flows and only_guessed)
+            start = self.course.at(length, self.states) if guesses else None
             self.tracer.back_to(self.before)
             state = start and self.tracer.attempt(length, start)
             if state is None and not only_guessed:
@@ -188,11 +191,11 @@ class Segment:
         Contact elsewhere changes the load more than the displacements.
         """
         distance, off = self.distance(left, right), state.load_increment - guess[0]
-        if self.wavering:
+        if self.wavering and not self.flows:
             rates = [abs(self.states[s].load_rate) for s in (left, right)]
             if abs(off) > CORNERED * distance * max(rates):
                 return True
-        elif not self.guarded:
+        elif not (self.guarded or self.flows):
             return False
         off = self._off(state, guess)
         if self.wavering:

@@ -99,6 +99,7 @@ class State:
     iterations, factorisations : of the step that led here, failed tries included
     hardest : most iterations of one Newton solution in its last try
     length, next_length : of that step and the next; 0: the first of the control
+    load_sense : 1 or -1, in which the load has changed last by more than it is exact; 0: it has not yet
     load_increment, increment : of that step (increment: this process's part of the solver's vector)
     response : displacement by a unit of load, with the tangent of the step that led here
     current_stiffness : Bergan's current stiffness parameter
@@ -106,6 +107,8 @@ class State:
     reference : squared norm of the first response, and its work
     contact_points, penetration : points that touch and largest penetration
     apart : whether contacts do nothing, nor would after a small motion
+    forgotten, astray : share of the resultants that laws with history forget of the step's way, and how far that has
+        led off the path, over the length of the step, see `continuation.lapse`
     critical : critical points that this state brought to light, in its step or the one before
     fields : values of all fields on this process
     """
@@ -129,6 +132,9 @@ class State:
     contact_points: int = 0
     penetration: float = 0.0
     apart: bool = False
+    forgotten: float = 0.0
+    astray: float = 0.0
+    load_sense: float = 0.0
     stage: int = 0
     critical: tuple[CriticalPoint, ...] = ()
     increment: np.ndarray = field(repr=False, default=None)

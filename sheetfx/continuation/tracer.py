@@ -10,7 +10,7 @@ from petsc4py import PETSc
 
 from ..discrete.discretisation import Discretisation
 from ..discrete.free_motions import usual_stiffness, why_singular
-from .arclength import TO_AND_FRO, create, fewer_iterations
+from .arclength import FLOWS_TO_AND_FRO, TO_AND_FRO, create, fewer_iterations
 from .callbacks import interruptible
 from .control import LoadResponse, StepRule
 from .crossings import Uncounted, UnstableModes, first_critical
@@ -246,7 +246,7 @@ class Tracer(Measuring):
     def reason(self) -> str:
         """Why the last attempt failed."""
         if self.failure or self.stepper.cycles:
-            return self.failure or TO_AND_FRO
+            return self.failure or (TO_AND_FRO if self.system.rough else FLOWS_TO_AND_FRO)
         names = {v: k for k, v in vars(PETSc.SNES.ConvergedReason).items() if isinstance(v, int)}
         return names.get(self.snes.getConvergedReason(), "contact augmentation did not converge")
 
@@ -285,7 +285,8 @@ class Tracer(Measuring):
             iterations=iterations, hardest=self._most, factorisations=self.total_factorisations - factorisations,
             length=length, next_length=length, load_increment=load_increment,
             current_stiffness=tangent.current_stiffness, displacement_extremes=extremes, reference=self._reference,
-            contact_points=touching, penetration=penetration, apart=apart,
+            contact_points=touching, penetration=penetration,
+            apart=apart and (start is not None or not system.history.moved),
             increment=increment, response=self._response.array.copy(), fields=system.snapshot())
 
     def _load_weight(self) -> float:

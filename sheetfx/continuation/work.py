@@ -45,8 +45,7 @@ def _energy(segment: Segment, increment_before: np.ndarray) -> tuple[float, floa
     """
     before, after, tracer = segment.before, segment.after, segment.tracer
     system, increment = tracer.system, after.increment
-    smooth, rough = ([c for c in system.contributions if (c.smooth or c.remembers) == wanted]
-                     for wanted in (True, False))
+    rough, smooth = system.rough, [c for c in system.contributions if c not in system.rough]
     out, moved, ways = system.create_vector(), system.create_vector(), []
     tracer.back_to(before)
     places = [c.place() for c in rough]

@@ -116,6 +116,19 @@ class AssumedWork:
         if self.memory:
             self.memory.commit(chunk, self._sample(chunk)[0])
 
+    def pass_by(self, chunk: slice, begins: bool) -> None:
+        """Add the present strains to those that a step comes by, see `laws.RememberingLaw.pass_by`."""
+        self.memory.pass_by(chunk, self._sample(chunk)[0], begins)
+
+    def forgotten(self, chunk: slice):
+        """Number of each field and the internal forces that a step to the present strains forgets; powers on the way.
+
+        See `laws.RememberingLaw.forgotten`.
+        """
+        strains, slopes = self._sample(chunk)
+        resultants, powers = self.memory.forgotten(chunk, strains, self._measure[chunk])
+        return self._integrated(self._forces(chunk, resultants), slopes), powers
+
     def resultants(self, chunk: slice) -> np.ndarray:
         """Present resultants at the points of integration, (cells, points, strains)."""
         return self._law(chunk, self._sample(chunk)[0])[0]
@@ -123,8 +136,15 @@ class AssumedWork:
     def compile_energy(self) -> None:
         """Nothing has to be compiled for `energy`."""
 
+    def energies(self, chunk: slice) -> tuple[float, float]:
+        """What a law with history stores at the present strains, and has dissipated."""
+        stored, dissipated = self.memory.energies(chunk, self._sample(chunk)[0])
+        return float(np.sum(self._measure[chunk] * stored)), float(np.sum(self._measure[chunk] * dissipated))
+
     def energy(self, chunk: slice) -> float:
-        """Work of the resultants on the way to the present strains."""
+        """Work of the resultants on the way to the present strains; of a law with history what it stores."""
+        if self.memory:
+            return self.energies(chunk)[0]
         strains, _ = self._sample(chunk)
         density = sum(weight * np.sum(self._law(chunk, share * strains)[0] * strains, axis=2) for share, weight in WAY)
         return float(np.sum(self._measure[chunk] * density))
@@ -214,7 +234,7 @@ def _measure_and_roots(term: Term, domain: Mesh, cells: np.ndarray) -> tuple[np.
     shares = term.tying.shares if term.tying else ()
     data = ufl.as_vector([ufl.JacobianDeterminant(domain) * term.stretch, *shares])
     values = at_points(data, term.rule.points).eval(domain, cells)
-    values = values.reshape(len(cells), len(term.rule.points), -1)
+    values = values.reshape(len(cells), len(term.rule.points), 1 + len(shares))
     measure = values[..., 0] * term.rule.weights
     return measure, np.sqrt(np.einsum("cq,cqi->ci", measure, values[..., 1:]) / measure.sum(axis=1)[:, None])
 

@@ -139,6 +139,23 @@ class Contribution:
         """Whether laws with history remember something else than in a snapshot, on any process."""
         return False
 
+    def pass_by(self, begins: bool) -> None:
+        """Add the present strains to those that a step comes by, for `forgotten`: halfway to a state, there, and so on.
+
+        Parameters
+        ----------
+        begins : whether they are the first ones
+        """
+
+    def forgotten(self, forces: Forces) -> np.ndarray:
+        """Add the forces that laws with history forget of the way of a step to the present state.
+
+        Returns
+        -------
+        sizes of the power of what is forgotten, and of all, on this process, at places of the way; (places, 2)
+        """
+        return np.zeros((1, 2))
+
     def rewind(self) -> None:
         """Forget what a step that failed has changed since the last accepted state."""
 

@@ -163,6 +163,10 @@ class Discretisation:
         """Energy that a part stores now, on all processes."""
         return part.mesh.domain.comm.allreduce(self.work_of(part).energy())
 
+    def dissipated(self) -> float:
+        """Energy that laws with history of all parts have dissipated by now, as far as they tell, on all processes."""
+        return self.fields.comm.allreduce(sum(work.dissipated() for work in self.works_of_parts if work.tells_energy))
+
     def total_load(self) -> float:
         """Load of the present stage on the whole structure, of the magnitudes of its loads or the reaction.
 

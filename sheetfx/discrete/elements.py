@@ -8,7 +8,7 @@ increments.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import combinations_with_replacement, pairwise
@@ -114,8 +114,12 @@ class ElementWork(Contribution):
     def residual(self, forces: Forces) -> None:
         for chunk in self._chunks:
             for term in self._terms:
-                for number, vectors in term.vectors(chunk):
-                    _add_rows(forces.on(number), self._nodes[self.numbers.index(number)][chunk], vectors)
+                self._add(forces, chunk, term.vectors(chunk))
+
+    def _add(self, forces: Forces, chunk: slice, numbered: Iterable[tuple[int, np.ndarray]]) -> None:
+        """Add forces of a chunk on fields of some numbers."""
+        for number, vectors in numbered:
+            _add_rows(forces.on(number), self._nodes[self.numbers.index(number)][chunk], vectors)
 
     def energy(self) -> float:
         """Energy that the cells of this process store now: the work of resultants on the way to the present strains.
@@ -126,14 +130,23 @@ class ElementWork(Contribution):
         Raises
         ------
         ValueError
-            For a law with history.
+            For a law with history that does not tell it.
         """
-        if self._memories:
+        if not self.tells_energy:
             raise ValueError("strain energy: a law with history does not say how much of the work it has taken is "
-                             "stored; ask for forces instead")
+                             "stored; give it a method `energies`, or ask for forces instead")
         for term in self._terms:
             term.compile_energy()
         return sum(term.energy(chunk) for chunk in self._chunks for term in self._terms)
+
+    def dissipated(self) -> float:
+        """Energy that laws with history of the cells of this process have dissipated since the start."""
+        return sum(term.energies(chunk)[1] for chunk in self._chunks for term, _ in self._memories)
+
+    @property
+    def tells_energy(self) -> bool:
+        """Whether its laws say what they store."""
+        return all(memory.tells_energy for _, memory in self._memories)
 
     @property
     def remembers(self) -> bool:
@@ -170,6 +183,26 @@ class ElementWork(Contribution):
         for term, _ in self._memories:
             for chunk in self._chunks:
                 term.commit(chunk)
+
+    def pass_by(self, begins: bool) -> None:
+        for term, _ in self._memories:
+            for chunk in self._chunks:
+                term.pass_by(chunk, begins)
+
+    def forgotten(self, forces: Forces) -> np.ndarray:
+        powers = []
+        for term, _ in self._memories:
+            for chunk in self._chunks:
+                vectors, power = term.forgotten(chunk)
+                self._add(forces, chunk, vectors)
+                powers.append(power)
+        return np.sum(powers, axis=0)
+
+    def apart(self) -> bool:
+        """Whether no point has flowed in the step that leads here, nor is on the point of it."""
+        still = all(memory.stands_still(self._accepted[f"{self._name} {n}"])
+                    for n, (_, memory) in enumerate(self._memories))
+        return self.smooth or self.internal.domain.comm.allreduce(still, op=MPI.LAND)
 
     @property
     def history_moved(self) -> bool:

@@ -36,6 +36,7 @@ class System:
     ----------
     smooth, conservative : whether all contributions are
     steep : contributions that are
+    rough : contributions that are not smooth, laws with history aside
     history : History of fields and contributions
     size : number of free unknowns
     fixed_rows : of fixed unknowns in this process's part of a vector
@@ -50,6 +51,7 @@ class System:
         self.smooth = all(c.smooth for c in contributions)
         self.conservative = all(c.conservative for c in contributions)
         self.steep = [c for c in contributions if c.steep]
+        self.rough = [c for c in contributions if not (c.smooth or c.remembers)]
         self.history = History(unknowns.fields, contributions)
         self._layout = layout
         self.fixed_rows = layout.fixed
@@ -73,9 +75,8 @@ class System:
     @property
     def work_known(self) -> bool:
         """Whether there are contributions that are not smooth, laws with history aside, and all tell their work."""
-        rough = [c for c in self.contributions if not (c.smooth or c.remembers)]
-        return bool(rough) and all(c.conservative or c in rough for c in self.contributions) and all(
-            c.taken(c.place()) is not None for c in rough)
+        return bool(self.rough) and all(c.conservative or c in self.rough for c in self.contributions) and all(
+            c.taken(c.place()) is not None for c in self.rough)
 
     def free_rows(self, wanted: Callable[[AdditiveField], bool]) -> np.ndarray:
         """Rows of the free increments of some fields in this process's part of a vector."""
@@ -145,12 +146,13 @@ class System:
         support = self.residual_of(self.contributions, out)
         self.reaction = self.comm.allreduce(float(support @ support)) ** 0.5
 
-    def residual_of(self, contributions: Sequence[Contribution], out: PETSc.Vec) -> np.ndarray:
+    def residual_of(self, contributions: Sequence[Contribution], out: PETSc.Vec,
+                    act=lambda contribution, forces: contribution.residual(forces)) -> np.ndarray:
         """Forces of some contributions on free increments, in `out`; return those on fixed ones of this process."""
         with self.clock("assembly"):
             forces = self._forces()
             for contribution in contributions:
-                contribution.residual(forces)
+                act(contribution, forces)
             return self._gather(forces, out)
 
     def at_nodes(self, act: Callable[[Forces], None]) -> PETSc.Vec:

@@ -16,6 +16,10 @@ class LawWithHistory:
     A part takes any object like this as its `law`. History is zero at the start; what `update` returns becomes it when
     a state of the path is accepted, and not before: every iterate of a step starts from the last accepted one.
 
+    A law that knows its energy says so by a method `energies`, which takes strains, and the history that goes with
+    them, and returns the energy that each point stores, and what it has dissipated since the start, both of shape
+    (points,): runs then compare them with the work of the loads.
+
     Attributes
     ----------
     remembered : number of values that each point remembers
@@ -77,6 +81,11 @@ def require_update(name: str, law, count: int) -> None:
                              f"{count} strains; it must be {shape}")
         if not np.isfinite(values).all():
             raise ValueError(f"{title}: update returns {what} that are no numbers, of strains up to {STRAINS}")
+    told = law.energies(strains, np.asarray(found[2])) if hasattr(law, "energies") else ()
+    for values in map(np.asarray, told):
+        if values.shape != (len(strains),) or not np.isfinite(values).all():
+            raise ValueError(f"{title}: energies returns shape {values.shape} for {len(strains)} points; return what "
+                             "they store and what they have dissipated, one finite number for each point")
     moduli = np.asarray(found[1])
     wrong = np.abs(moduli - moduli.transpose(0, 2, 1)) > SYMMETRIC * np.abs(moduli).max()
     if wrong.any():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numba
 import numpy as np
 
+from .plastic_energy import isotropic_energies, quadratic
 from .plasticity import Plastic, PlasticLaw, transverse_squares
 from .plate import Plate
 from .return_mapping import ON_SURFACE
@@ -55,6 +56,13 @@ class Ilyushin(PlasticLaw):
         after = np.array(history)
         _update(np.ascontiguousarray(strains), after, resultants, moduli, *self._constants)
         return resultants, moduli, after
+
+    def energies(self, strains, history):
+        thickness, _, _, strength, hardening = self._constants
+        within = strains.copy()
+        within[:, :6] -= history[:, :6]
+        stored, dissipated = isotropic_energies(thickness * history[:, 6], strength, hardening / thickness)
+        return quadratic(within, self._elastic) + stored, dissipated
 
     def flowed(self, history):
         return (history[:, -1] > 0).astype(float), history[:, -1]

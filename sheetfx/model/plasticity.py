@@ -13,6 +13,7 @@ from ..checks import NotNegative, Positive
 from ..forms.section import linear_elastic, linear_shell
 from ..notices import warn
 from .history import LawWithHistory
+from .plastic_energy import fibre_energies, layer_energies
 from .plate import Plate
 from .return_mapping import ON_SURFACE, REMEMBERED, one_axis, plane_stress
 from .section import Elastic
@@ -135,6 +136,9 @@ class Layers(PlasticLaw):
         return _layers(np.ascontiguousarray(strains), np.ascontiguousarray(history), self.places, self.weights,
                        self._elastic, *self._constants)
 
+    def energies(self, strains, history):
+        return layer_energies(strains, history, self.places, self.weights, self._elastic, *self._constants)
+
     def flowed(self, history):
         strains = history.reshape(len(history), len(self.places), REMEMBERED)[..., -1]
         return (strains > 0) @ (self.weights / self.weights.sum()), strains.max(axis=1)
@@ -191,6 +195,9 @@ class Fibres(PlasticLaw):
     def update(self, strains, history):
         return _fibres(np.ascontiguousarray(strains), np.ascontiguousarray(history), self._arms, self.areas,
                        self._elastic, *self._constants)
+
+    def energies(self, strains, history):
+        return fibre_energies(strains, history, self._arms, self.areas, self._elastic, *self._constants)
 
     def flowed(self, history):
         strains = history.reshape(len(history), -1, 3)[..., -1]

@@ -104,10 +104,10 @@ def one_axis(strain, plastic, back, hardened, modulus, strength, isotropic, kine
     """
     trial = modulus * (strain - plastic) - back
     size = strength + isotropic * hardened
-    if size <= 0:
+    if size <= ON_SURFACE * strength:
         size, isotropic = 0.0, 0.0
     excess = abs(trial) - size
-    if excess <= -ON_SURFACE * size:
+    if size > 0 and excess <= -ON_SURFACE * size:
         return trial + back, modulus, plastic, back, hardened
     sign = 1.0 if trial > 0 else -1.0
     excess = max(excess, 0.0)

@@ -58,9 +58,10 @@ def _reactions(record: Shown) -> tuple[list[str], list]:
 def _energies(record: Shown) -> tuple[list[str], list]:
     balance = record.balance()
     names = [f"{type(part).__name__} {part.group or i}" for i, part in enumerate(record.case.scene.parts)]
-    rows = [[*_along(state), *parts, joints, work, accuracy] for state, parts, joints, work, accuracy in zip(
-        record.states, balance.parts, balance.joints, balance.work, balance.accuracy, strict=True)]
-    return [*ALONG, *names, "joints and contacts", "work of loads", "accuracy of work"], rows
+    columns = balance.joints, balance.dissipated, balance.work, balance.accuracy
+    rows = [[*_along(state), *parts, *values] for state, parts, *values in zip(
+        record.states, balance.parts, *columns, strict=True)]
+    return [*ALONG, *names, "joints and contacts", "dissipated", "work of loads", "accuracy of work"], rows
 
 
 def _forces(record: Shown, part) -> tuple[list[str], list]:

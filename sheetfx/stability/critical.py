@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from ..continuation.defect import interpolates
-from ..continuation.explained import explained
+from ..continuation.explained import cornered, explained
+from ..continuation.lapse import remembering
 from ..continuation.segment import Jump, Missed, Segment
 from ..continuation.state import CriticalPoint, State
 from ..continuation.tracer import tracer_of
@@ -54,6 +55,10 @@ def locate(tracer, earlier: State | None, before: State, after: State,
     segment = Segment(tracer, before, after)
     if segment.guarded and _crowded(before, after, tracer.control.crowded):
         raise Jump("too many bifurcations lie in one step")
+    if segment.flows and tracer.control.guarded:
+        _check(segment)
+    if any(contribution.remembers for contribution in tracer.system.contributions):
+        after = segment.states[after.length] = segment.after = remembering(segment)
     if segment.wavering:
         if tracer.control.guarded and not work_matches(segment, earlier):
             raise Jump("the work done along the step is not what is stored and dissipated")
@@ -131,7 +136,7 @@ def _check(segment: Segment) -> None:
     pieces = segment.pairs()[::-1]
     while pieces:
         left, right = pieces.pop()
-        if not (explained(segment, left, right) and interpolates(segment, left, right)):
+        if not _is_clear(segment, left, right):
             sound = segment.states[left] if left else None
             if right - left < SHORTEST * segment.after.length:
                 raise Jump("tangents within the step do not explain its load", sound)
@@ -139,6 +144,13 @@ def _check(segment: Segment) -> None:
             if not segment.reach(middle, only_guessed=sound is not None):
                 raise Jump("the middle of the step does not converge", sound)
             pieces += [(middle, right), (left, middle)]
+
+
+def _is_clear(segment: Segment, left: float, right: float) -> bool:
+    """Whether tangents tell what lies between two states; where points flow they may have a corner."""
+    if segment.flows:
+        return explained(segment, left, right) or cornered(segment, left, right)
+    return explained(segment, left, right) and interpolates(segment, left, right)
 
 
 def _limit(segment: Segment, length: float, rising: bool) -> tuple[CriticalPoint, State]:

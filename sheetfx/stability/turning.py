@@ -21,7 +21,8 @@ def turning_loads(segment: Segment, earlier: State | None) -> list[tuple[Segment
     Where the control prescribes the load it turns because the control does, which is no limit point.
 
     It is searched by parabolas through loads, which rates that waver do not disturb, then by halving the way between
-    states where the load rises and falls: where something sticks, slips or opens the path has a corner.
+    states where the load rises and falls: where something sticks, slips or opens the path has a corner. Without
+    contact rates do not waver, and points that begin to flow make corners: the way is halved first.
 
     Raises
     ------
@@ -29,9 +30,9 @@ def turning_loads(segment: Segment, earlier: State | None) -> list[tuple[Segment
         If the states beside it do not converge.
     """
     before, after = segment.before, segment.after
-    if not before.load_increment * after.load_increment < 0 or not segment.tracer.control.passes_limits:
+    sign = before.load_sense or np.sign(before.load_increment)
+    if not sign * load_sense(segment.tracer, before, after) < 0 or not segment.tracer.control.passes_limits:
         return []
-    sign = 1.0 if before.load_increment > 0 else -1.0
     segments = [segment] if earlier is None else [Segment(segment.tracer, earlier, before), segment]
     starts = [0.0] if earlier is None else [-before.length, 0.0]
     known = {start + length: (one, length) for one, start in zip(segments, starts, strict=True)
@@ -49,11 +50,14 @@ def turning_loads(segment: Segment, earlier: State | None) -> list[tuple[Segment
         places = sorted(known)
         best = places.index(max(places[1:-1] or places, key=load))
         around = places[max(best - 1, 0): best + 2]
-        place = _vertex(around, [load(s) for s in around])
-        if place is None or min(abs(place - s) for s in known) < RESOLUTION * after.length:
-            place = _behind_corner(around, [load(s) for s in around], [rate(s) for s in around])
-            if place is None:
-                break
+        loads, rates = [load(s) for s in around], [rate(s) for s in around]
+        place = None if segment.tracer.system.rough else _behind_corner(around, loads, rates)
+        if place is None:
+            place = _vertex(around, loads)
+            if place is None or min(abs(place - s) for s in known) < RESOLUTION * after.length:
+                place = _behind_corner(around, loads, rates)
+        if place is None:
+            break
         one, start = next((one, start) for one, start in zip(segments, starts, strict=True)
                           if start <= place <= start + one.after.length)
         if not one.reach(place - start):
@@ -63,6 +67,13 @@ def turning_loads(segment: Segment, earlier: State | None) -> list[tuple[Segment
         known[place] = one, place - start
     one, length = known[max(known, key=load)]
     return [(one, length, sign > 0)]
+
+
+def load_sense(tracer, before: State, after: State) -> float:
+    """Sense in which the load has changed last, by more than Newton's iteration leaves open; 0: it has not yet."""
+    exact, *_ = tracer.snes.getTolerances()
+    told = abs(after.load_increment) > exact * abs(after.factor)
+    return float(np.sign(after.load_increment)) if told else before.load_sense
 
 
 def _behind_corner(places: Sequence[float], loads: Sequence[float], rates: Sequence[float]) -> float | None:
