@@ -1,0 +1,134 @@
+"""Relations that hold whatever is right: each over random structures of pairs of features, see `random_scenes.py`.
+
+A structure is the same in halves and whole, in one part and in two that are joined, turned and mirrored, in other
+units, with loads at once and in stages, on one process and two, of a material that never yields, and gone on with from
+files; reactions and loads balance. `-k "[17]"` is the case of the number 17, `print(draw(17))` what it is.
+"""
+
+from __future__ import annotations
+
+import json
+import warnings
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers import on_two_processes
+from random_scenes import Builder, Structure, View, draw, measures, off, turned
+
+import sheetfx as fx
+from sheetfx.continuation.state import State
+
+QUICK, ALL = 120, 1120
+TOLERANCE = 1e-6
+WELDED = 0.03  # of shells along a line, whose multipliers are linear on cells
+
+pytestmark = pytest.mark.filterwarnings("ignore")
+
+
+def compared(structure: Structure, view: View, tolerance: float = TOLERANCE, **more) -> None:
+    """Measures of a view are those of the structure as drawn."""
+    agree(measures(Builder(structure, View())), measures(Builder(structure, replace(view, **more))), tolerance)
+
+
+def agree(one: dict, other: dict, tolerance: float = TOLERANCE) -> None:
+    wrong = {name: value for name, value in off(one, other).items() if not value <= tolerance}
+    assert not wrong, {name: (value, one[name].tolist(), other[name].tolist()) for name, value in wrong.items()}
+
+
+def half(structure, _):
+    compared(structure, View(half=True))
+
+
+def groups(structure, _):
+    compared(structure, View(parts="groups"))
+
+
+def compatible(structure, _):
+    compared(structure, View(parts="compatible"))
+
+
+def weld(structure, _):
+    compared(structure, View(parts="weld"), WELDED if structure.surface else TOLERANCE)
+
+
+def rotated(structure, _):
+    compared(structure, turned(structure, mirrored=False))
+
+
+def mirrored(structure, _):
+    compared(structure, turned(structure, mirrored=True))
+
+
+def units(structure, _):
+    """Newtons and millimetres against kilonewtons and metres."""
+    compared(structure, View(length=1e3, force=1e3))
+
+
+def stages(structure, _):
+    compared(structure, View(staged=True))
+
+
+def plastic(structure, _):
+    compared(structure, View(plastic=True))
+
+
+def processes(structure, _):
+    (line,) = on_two_processes(
+        f"import json, random_scenes as r\nfound = r.measures(r.Builder(r.draw({structure.number}), r.View()))\n"
+        "print(json.dumps({name: value.tolist() for name, value in found.items()}))")
+    agree(measures(Builder(structure, View())), {name: np.array(value) for name, value in json.loads(line).items()})
+
+
+def restart(structure, folder):
+    """From the files of all states but the last."""
+    builder = Builder(structure, View())
+    case = builder.case()
+    whole = fx.trace(case)
+    for state in whole.states[:-1]:
+        state.save(folder / f"{state.step}.npz")
+    read = [State.load_from(folder / f"{n}.npz") for n in range(len(whole.states) - 1)]
+    again = fx.trace(case, start=read)
+    assert len(again.states) == len(whole.states)
+    agree(measures(builder, whole), measures(builder, again))
+
+
+def balance(structure, _):
+    """Forces and moments about the origin, and energies."""
+    builder = Builder(structure, View())
+    record = fx.trace(builder.case())
+    assert not record.balance().broken
+    scene, state = record.case.scene, record.states[-1]
+    record.show(state)
+    if structure.gap is not None or structure.foundation or {"pressure", "moment", "heat"} & {n for n, _ in structure.loads}:
+        return
+    force = sum(reaction.force for _, reaction in record.shown_reactions())
+    total, size = force, np.abs(force).max()
+    for stage, loads in enumerate((*(s.loads for s in scene.stages), scene.loads)):
+        factor = 1.0 if stage < state.stage else state.factor
+        for load in loads:
+            if isinstance(load, fx.PointForce):
+                total = total + factor * np.array(load.force)
+            elif isinstance(load, fx.EdgeForce):
+                total = total + factor * np.array(load.force) * load.mesh.edge_length(load.at)
+            elif isinstance(load, fx.LineForce):
+                total = total + factor * np.array(load.force) * load.beam.mesh.measure_of(load.beam.group)
+            elif isinstance(load, fx.SurfaceForce):
+                total = total + factor * np.array(load.force) * load.shell.mesh.measure_of(load.shell.group)
+    if structure.spring:
+        return
+    assert np.abs(total).max() < 1e-7 * size, (total, force)
+
+
+CHECKS = {check.__name__: check for check in (
+    half, groups, compatible, weld, rotated, mirrored, units, stages, processes, plastic, restart, balance)}
+
+
+@pytest.mark.parametrize("number", [*range(QUICK), *(pytest.param(n, marks=pytest.mark.slow)
+                                                     for n in range(QUICK, ALL))])
+def test_relation(number, tmp_path):
+    structure = draw(number)
+    print(structure)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        CHECKS[structure.relation](structure, tmp_path)
