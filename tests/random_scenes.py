@@ -15,6 +15,7 @@ from sheetfx.model.reported import FACTOR, FORCE, LINE_PRESSURE, MOMENT, PRESSUR
 NEVER = 1e9  # yield stress over Young's modulus of what never yields
 DOWN = {"bars": 1, "plane": 1, "space": 2, "shell": 2, "stiffened": 2}  # component along which structures bend
 KINDS = tuple(DOWN)
+SHARES = {"bars": 5, "plane": 6, "space": 4, "shell": 4, "stiffened": 1}  # of structures; the last ones cost most
 FEATURES = {
     "bars": ("strains", "heat", "spring", "second load", "prescribed", "stage", "path", "foundation", "joint"),
     "plane": ("section", "strains", "offset", "heat", "spring", "foundation", "second load", "pressure", "moment",
@@ -87,7 +88,7 @@ class Structure:
     gap: float | None = None
     imperfect: tuple = ()
     joint: str = ""
-    path: tuple = ("load", 0.5)
+    path: tuple = ("load", 1.0)
     extra: str = ""
 
     @property
@@ -97,10 +98,6 @@ class Structure:
     @property
     def surface(self) -> bool:
         return self.kind in ("shell", "stiffened")
-
-    @property
-    def curved(self) -> bool:
-        return self.kind != "bars" and bool(self.rise or self.tilt or self.imperfect)
 
     @property
     def symmetric(self) -> bool:
@@ -114,8 +111,10 @@ def draw(number: int) -> Structure:
     """The structure of a number: its relation by turns, all else at random."""
     random = np.random.default_rng(number)
     relation = RELATIONS[number % len(RELATIONS)]
-    kinds = {"weld": ("plane", "space", "shell"), "compatible": KINDS[:4], "groups": KINDS}.get(relation, KINDS)
-    kind = str(random.choice(kinds))
+    kinds = [k for k in KINDS if not (relation == "weld" and k == "bars" or relation in ("weld", "compatible")
+                                      and k == "stiffened")]
+    shares = np.array([SHARES[k] for k in kinds])
+    kind = str(random.choice(kinds, p=shares / shares.sum()))
     barred = {"groups": ("joint",), "compatible": ("joint",), "weld": ("joint",), "half": ("joint",),
               "stages": ("stage", "obstacle"), "plastic": ("heat",)}.get(relation, ())
     if relation == "plastic" and kind == "stiffened":
@@ -164,7 +163,7 @@ def _drawn(s: Structure, random) -> Structure:
     if "joint" in has:
         s = replace(s, joint="hinge" if s.kind == "bars" else str(random.choice(("compatible", "weld"))))
     if "cells" in has and not {"section", "offset", "strains"} & has:
-        s = replace(s, form=str(random.choice(("naghdi-q3", "naghdi-p2cr"))))
+        s = replace(s, form="naghdi-q3" if s.symmetric else str(random.choice(("naghdi-q3", "naghdi-p2cr"))))
     if "obstacle" in has:
         loads = [("spread", -3 * size * down), *loads[1:]]
         s = replace(s, gap=random.uniform(0.003, 0.01))
@@ -174,6 +173,8 @@ def _drawn(s: Structure, random) -> Structure:
         s = replace(s, path=(str(random.choice(("arc", "displacement"))), random.uniform(0.02, 0.06)))
         if s.kind == "bars" and "prescribed" not in has:
             s = replace(s, path=("arc", random.uniform(0.3, 0.5)))
+    if s.relation in ("restart", "balance") and s.path[0] == "load":
+        s = replace(s, path=("load", 0.4))
     if s.symmetric or s.relation == "stages" or s.gap is not None:
         s = replace(s, extra="")
     return replace(s, loads=tuple(loads))
@@ -189,6 +190,8 @@ def _ends(s: Structure, random) -> tuple[str, str]:
         pairs = [pair for pair in pairs if "roller" not in pair]
     if {"obstacle", "heat", "prescribed"} & set(s.features):
         pairs = [pair for pair in pairs if not {"free", "roller"} & set(pair)]
+    if "moment" in s.features:
+        pairs = [pair for pair in pairs if pair != ("clamp", "clamp")]
     return pairs[random.integers(len(pairs))]
 
 
@@ -205,7 +208,7 @@ def _special(s: Structure, random):
     if s.kind == "shell":
         if s.relation == "plastic":
             return fx.Plate(0.05, rule="simpson", drilling=random.uniform(0.2, 1.0))
-        angles = random.choice((0.0, 90.0), 3) if s.symmetric else random.uniform(-90, 90, 2)
+        angles = (0.0, 90.0) if s.symmetric else random.uniform(-90, 90, 2)
         return fx.Laminate([fx.Ply(t, a, *random.uniform((5.0, 1.0), (20.0, 2.0)), 0.2, *random.uniform(0.4, 0.8, 1))
                             for a, t in zip(angles, random.uniform(0.01, 0.03, len(angles)), strict=True)])
     name = random.choice(("tube", "flanged", "fibres"))
@@ -271,6 +274,11 @@ class Builder:
 
     # Meshes.
 
+    @property
+    def places(self) -> np.ndarray:
+        """Of a, m and b."""
+        return self._place(np.array([(-1.0, 0.0, 0.0), (0.0, 0.0, 0.0), (1.0, 0.0, 0.0)]))
+
     def _place(self, x):
         s, v = self.s, self.v
         y, across = s.rise * (1 - x[:, 0] ** 2) + s.tilt * x[:, 0] * (1 + x[:, 1]), s.width * x[:, 1]
@@ -291,7 +299,7 @@ class Builder:
 
     def _mesh(self, sides):
         s = self.s
-        order = 1 if s.kind == "bars" else 2 if s.curved else 1
+        order = 1 if s.kind == "bars" else 2  # also of what is straight, which needs no kernels of its own then
         if s.surface:
             nodes = {"a": (-1, 0, 0), "m": (0, 0, 0), "b": (1, 0, 0), "B": (1, 1, 0), "M": (0, 1, 0), "A": (-1, 1, 0)}
             faces = {side: {"left": "amMA", "right": "mbBM"}[side] for side in sides}
@@ -337,7 +345,8 @@ class Builder:
 
     def _material(self, modulus: float):
         v = self.v
-        own = (modulus * v.force / v.length**2, self.s.poisson, v.force / v.length**4)
+        density = v.force / v.length**4 if self.s.extra == "frequencies" else None
+        own = (modulus * v.force / v.length**2, self.s.poisson, density)
         return fx.Plastic(*own, yield_stress=NEVER * own[0]) if v.plastic else fx.Elastic(*own)
 
     def _section(self, section):
@@ -358,7 +367,7 @@ class Builder:
             return replace(section, thickness=L * section.thickness)
         moduli = v.force / L**2
         plies = [replace(p, thickness=L * p.thickness, along=moduli * p.along, across=moduli * p.across,
-                         shear=moduli * p.shear, density=v.force / L**4) for p in section.plies]
+                         shear=moduli * p.shear) for p in section.plies]
         return fx.Laminate(plies[::int(v.side)])
 
     def _groups(self):
@@ -518,7 +527,7 @@ def measures(builder: Builder, record=None) -> dict[str, np.ndarray]:
     size = {FORCE: v.force, MOMENT: v.force * v.length, PRESSURE: v.force / v.length**2,
             LINE_PRESSURE: v.force / v.length, FACTOR: 1.0}[counted(record.case.scene.loads)[0]]
     turn = v.turn[:s.dimension, :s.dimension]
-    found = {"deflection": state.deflection / v.length}
+    found = {"deflection": state.deflection / v.length} if v.along_axes else {}
     if not v.staged and s.relation != "stages":
         found["load"] = state.load / size
     found |= {f"u {at}": turn.T @ record.displacement(at, mesh) / v.length
@@ -526,7 +535,8 @@ def measures(builder: Builder, record=None) -> dict[str, np.ndarray]:
     for support in record.case.scene.supports:
         if support.at == builder._at("b") and support.mesh is builder.right:
             found["reaction b"] = turn.T @ record.reactions(support).force[-1] / v.force
-    found["energy"] = sum(record.energies()) * (2 if v.half else 1) / v.force / v.length
+    if s.relation != "plastic":
+        found["energy"] = sum(record.energies()) * (2 if v.half else 1) / v.force / v.length
     points = [p.load / size for p in record.critical_points if not s.symmetric or p.kind == "limit"]
     found["critical"] = np.array(points)
     if s.extra == "buckling":

@@ -94,30 +94,49 @@ def restart(structure, folder):
 
 
 def balance(structure, _):
-    """Forces and moments about the origin, and energies."""
+    """Energies; where loads have a direction of their own forces, and where they act at points moments too."""
     builder = Builder(structure, View())
     record = fx.trace(builder.case())
     assert not record.balance().broken
-    scene, state = record.case.scene, record.states[-1]
+    scene, state, kinds = record.case.scene, record.states[-1], {name for name, _ in structure.loads}
+    if structure.gap is not None or structure.foundation or kinds & {"pressure", "heat"} or (
+            structure.spring and structure.surface):
+        return
     record.show(state)
-    if structure.gap is not None or structure.foundation or {"pressure", "moment", "heat"} & {n for n, _ in structure.loads}:
-        return
-    force = sum(reaction.force for _, reaction in record.shown_reactions())
-    total, size = force, np.abs(force).max()
-    for stage, loads in enumerate((*(s.loads for s in scene.stages), scene.loads)):
-        factor = 1.0 if stage < state.stage else state.factor
+    now = builder.places[1] + np.pad(record.displacement("m"), (0, 3 - structure.dimension))
+    held = [reaction for _, reaction in record.shown_reactions()]
+    forces, moments = [one.force for one in held], [one.moment(np.zeros(structure.dimension)) for one in held]
+    for spring in (joint for joint in scene.joints if isinstance(joint, fx.Spring)):
+        moved = np.where(np.array(("x", "y", "z")) == spring.component, record.displacement("m", spring.mesh), 0.0)
+        forces.append(-spring.stiffness * moved)
+        moments.append(about_origin(now, forces[-1]))
+    for number, loads in enumerate((*(stage.loads for stage in scene.stages), scene.loads)):
+        factor = state.factor if number == state.stage else 1.0
         for load in loads:
-            if isinstance(load, fx.PointForce):
-                total = total + factor * np.array(load.force)
-            elif isinstance(load, fx.EdgeForce):
-                total = total + factor * np.array(load.force) * load.mesh.edge_length(load.at)
-            elif isinstance(load, fx.LineForce):
-                total = total + factor * np.array(load.force) * load.beam.mesh.measure_of(load.beam.group)
-            elif isinstance(load, fx.SurfaceForce):
-                total = total + factor * np.array(load.force) * load.shell.mesh.measure_of(load.shell.group)
-    if structure.spring:
-        return
-    assert np.abs(total).max() < 1e-7 * size, (total, force)
+            if isinstance(load, fx.Moment):
+                moments.append(factor * np.atleast_1d(load.moment))
+            elif not isinstance(load, fx.PrescribedDisplacement):
+                forces.append(factor * extent(load) * np.array(load.force))
+                moments.append(about_origin(now, forces[-1]))
+    assert np.abs(sum(forces)).max() < 1e-7 * np.abs(forces).max(), forces
+    if not structure.surface and "spread" not in kinds:
+        assert np.abs(sum(moments)).max() < 1e-7 * max(np.abs(moments).max(), np.abs(forces).max()), moments
+
+
+def about_origin(place: np.ndarray, force: np.ndarray) -> np.ndarray:
+    """Moment of a force, a number in the plane."""
+    moment = np.cross(place, np.pad(force, (0, 3 - len(force))))
+    return moment if len(force) == 3 else moment[2:]
+
+
+def extent(load) -> float:
+    """Length or area that a force is told for."""
+    if isinstance(load, fx.EdgeForce):
+        return load.mesh.edge_length(load.at)
+    if isinstance(load, fx.PointForce):
+        return 1.0
+    part = load.beam if isinstance(load, fx.LineForce) else load.shell
+    return part.mesh.measure_of(part.group)
 
 
 CHECKS = {check.__name__: check for check in (
