@@ -286,7 +286,7 @@ class Builder:
         if s.kind == "space":
             places[:, 1] = 0.3 * s.rise * (1 - x[:, 0] ** 2)
         if s.kind == "bars":
-            places[:, 2] = 0.2 * x[:, 1]
+            places[:, 2] = 0.2 * x[:, 1] + s.tilt * x[:, 0]
         return v.length * places @ v.turn.T
 
     def _meshes(self):
@@ -311,7 +311,7 @@ class Builder:
             nodes = {"a": (-1, 0, 0), "m": (0, 0, 0), "b": (1, 0, 0)}
             cells = 1 if s.kind == "bars" else 2 * s.cells
             members = {side: (*{"left": "am", "right": "mb"}[side], cells) for side in sides}
-            if s.kind == "bars" and "left" in sides:
+            if s.kind == "bars" and "left" in sides and not s.symmetric:
                 nodes |= {"c": (0.0, -1.0, 0), "d": (0.0, 2.0, 0)}
                 members |= {"third": ("c", "m", 1), "fourth": ("d", "m", 1)}
 
@@ -439,13 +439,13 @@ class Builder:
         s, left, right = self.s, self.left, self.right
         held = [self._support(right, self._at("b"), s.ends[1])] if s.ends[1] != "free" else []
         if self.v.half:
-            held.append(fx.symmetry(right, self._at("m")))
+            held.append(fx.Support(right, "m", "x z") if s.kind == "bars" else fx.symmetry(right, self._at("m")))
             if s.kind == "stiffened":
                 held.append(fx.symmetry(self.ribs, "m"))
         elif s.ends[0] != "free":
             held.insert(0, self._support(left, self._at("a"), s.ends[0]))
         if s.kind == "bars" and not self.v.half:
-            held += [self._support(left, name, "pin") for name in "cd"]
+            held += [fx.Support(left, "m", "z")] if s.symmetric else [self._support(left, name, "pin") for name in "cd"]
         return held
 
     def _load(self, name: str, size):
@@ -518,16 +518,19 @@ class Builder:
 
 
 def measures(builder: Builder, record=None) -> dict[str, np.ndarray]:
-    """What the last state of a path is, and critical points, as the structure has them."""
+    """What the last state of a path is, and critical points, as the structure has them; or that it has stopped."""
     s, v = builder.s, builder.v
-    record = record or fx.trace(builder.case())
+    try:
+        record = record or fx.trace(builder.case())
+    except fx.PathFailure:
+        return {"stopped": np.ones(1)}
     state = record.states[-1]
     record.show(state)
     meshes = {"a": builder.left, "m": builder.right, "b": builder.right}
     size = {FORCE: v.force, MOMENT: v.force * v.length, PRESSURE: v.force / v.length**2,
             LINE_PRESSURE: v.force / v.length, FACTOR: 1.0}[counted(record.case.scene.loads)[0]]
     turn = v.turn[:s.dimension, :s.dimension]
-    found = {"deflection": state.deflection / v.length} if v.along_axes else {}
+    found = {"u deflection": state.deflection / v.length} if v.along_axes else {}
     if not v.staged and s.relation != "stages":
         found["load"] = state.load / size
     found |= {f"u {at}": turn.T @ record.displacement(at, mesh) / v.length
@@ -563,8 +566,8 @@ def turned(structure: Structure, mirrored: bool) -> View:
 
 def off(one: dict, other: dict) -> dict[str, float]:
     """Relative differences of measures; of displacements over the largest one."""
-    largest = max(np.abs(value).max() for name, value in one.items() if name[0] == "u")
-    found = {}
+    largest = max((np.abs(value).max() for name, value in one.items() if name[0] == "u"), default=0.0)
+    found = {name: np.inf for name in one.keys() ^ other.keys() if "stopped" in one | other}
     for name in one.keys() & other.keys():
         a, b = one[name], other[name]
         size = largest if name[0] == "u" else max(np.abs(a).max(initial=0.0), np.abs(b).max(initial=0.0), 1e-300)

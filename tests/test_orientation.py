@@ -190,3 +190,60 @@ def test_strip_of_one_side_is_refused_where_sides_matter():
             fx.Pressure(shell, 1.0)
         with pytest.raises(ValueError, match="Shell: offset: cells of group 'all' run against each other"):
             fx.Shell(mesh, fx.Plate(0.01), fx.Elastic(1e5), offset=0.1)
+
+
+def tube(sides, reversed_panels, triangles=False):
+    """A prism of a unit radius and length 2, open at its ends, of panels of which some run the other way."""
+
+    def source():
+        geo, count = gmsh.model.geo, len(reversed_panels)
+        rings = [[geo.addPoint(x, np.cos(a), np.sin(a)) for a in 2 * np.pi * np.arange(count) / count] for x in (0, 2)]
+        around = [[geo.addLine(ring[i], ring[(i + 1) % count]) for i in range(count)] for ring in rings]
+        along = [geo.addLine(a, b) for a, b in zip(*rings, strict=True)]
+        faces = []
+        for i, against in enumerate(reversed_panels):
+            loop = [around[0][i], along[(i + 1) % count], -around[1][i], -along[i]]
+            faces.append(geo.addPlaneSurface([geo.addCurveLoop([-c for c in loop[::-1]] if against else loop)]))
+        for curve in (*around[0], *around[1], *along):
+            geo.mesh.setTransfiniteCurve(curve, 2)
+        for face in faces:
+            geo.mesh.setTransfiniteSurface(face)
+            if not triangles:
+                geo.mesh.setRecombine(2, face)
+        geo.synchronize()
+        for name, chosen in sides.items():
+            gmsh.model.addPhysicalGroup(2, [faces[i] for i in chosen], name=name)
+        gmsh.model.addPhysicalGroup(1, around[0], name="foot")
+        gmsh.model.addPhysicalGroup(1, around[1], name="head")
+        gmsh.model.addPhysicalGroup(0, [rings[1][0]], name="corner")
+
+    return source
+
+
+def pushed_out(mesh, offset, angles):
+    """Energy of a clamped tube under a pressure and a force at its head, and what of these its foot carries."""
+    section = fx.Plate(0.05)
+    if len(angles):
+        section = fx.Laminate([fx.Ply(0.03, a, along=20.0, across=1.0, poisson=0.3, shear=0.5) for a in angles])
+    shell = fx.Shell(mesh, section, fx.Elastic(10.0, 0.3), offset=offset, axis=(1.0, 0.0, 0.0))
+    loads = [fx.Pressure(shell, 1e-3), fx.PointForce(mesh, "corner", (0.0, 2e-4, 1e-4))]
+    scene = fx.Scene([shell], [fx.clamp(mesh, "foot")], loads, fx.Monitor(mesh, "corner", "y"))
+    record = fx.trace(fx.Case(scene, fx.LoadControl(1.0, fixed=True)))
+    record.show(record.states[-1])
+    return record.energies()[0], record.reactions("foot").force[-1]
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_tube_of_random_panels_is_one_of_two(seed):
+    """All its normals point in or out: of plies and an offset it is stiff as one of these, and pressure holds itself."""
+    random = np.random.default_rng(seed)
+    count = random.integers(3, 6)
+    offset, angles = [(random.uniform(0.02, 0.05), ()), (0.0, random.uniform(-90, 90, 2))][seed % 2]
+    group = {"tube": range(count)}
+    right = [pushed_out(fx.read(tube(group, [way] * count), 3, 2), offset, angles)[0] for way in (0, 1)]
+    mesh = fx.read(tube(group, random.integers(2, size=count)), 3, 2)
+    energy, force = pushed_out(mesh, offset, angles)
+    assert min(abs(energy / one - 1) for one in right) < 1e-6
+    assert max(right) / min(right) - 1 > 1e-3, "the sides differ"
+    assert force[1:] == pytest.approx((-2e-4, -1e-4), abs=1e-5), "a pressure within a tube carries itself"
+    assert abs(enclosed(mesh)) == pytest.approx(2 * count * np.sin(2 * np.pi / count) / 3, rel=1e-9)
