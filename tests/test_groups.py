@@ -102,3 +102,49 @@ def test_any_number_of_groups_carry_loads():
                          [fx.LineForce(p, (0.0, -7.7e2)) for p in parts], fx.Monitor(mesh, "p6", "y", -1.0))
         found.append(fx.trace(fx.Case(scene, fx.LoadControl(1.0, fixed=True))).states[-1].deflection)
     assert found[1] == pytest.approx(found[0], rel=1e-8)
+
+
+def chain(**groups):
+    """Six members in a row, and groups of some of them."""
+
+    def source():
+        geo = gmsh.model.geo
+        points = [geo.addPoint(float(i), 0.1 * (i % 2), 0) for i in range(7)]
+        lines = [geo.addLine(points[i], points[i + 1]) for i in range(6)]
+        geo.synchronize()
+        for line in lines:
+            gmsh.model.mesh.setTransfiniteCurve(line, 2)
+        for name, chosen in groups.items():
+            gmsh.model.addPhysicalGroup(1, [lines[i] for i in chosen], name=name)
+        for name, at in {"first": 0, "middle": 3, "last": 6}.items():
+            gmsh.model.addPhysicalGroup(0, [points[at]], name=name)
+
+    return source
+
+
+def bent(mesh, names):
+    """Deflection of beams on groups of a chain, each with a load of its own."""
+    parts = [fx.Beam(mesh, fx.Rectangle(0.1, 0.1), fx.Elastic(2e11), group=name) for name in names]
+    scene = fx.Scene(parts, [fx.clamp(mesh, "first"), fx.clamp(mesh, "last")],
+                     [fx.LineForce(part, (1e2, -7.7e2)) for part in parts], fx.Monitor(mesh, "middle", "y", -1.0))
+    return fx.trace(fx.Case(scene, fx.LoadControl(1.0, fixed=True))).states[-1].deflection
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_beams_on_random_groups_are_one_or_refused(seed):
+    """Groups that share no member bend as one part; of others the first two that meet are named with their members."""
+    random = np.random.default_rng(seed)
+    owner = random.permutation([0, 1, 2, *random.integers(3, size=3)])
+    groups = {f"g{k}": np.flatnonzero(owner == k).tolist() for k in range(3)}
+    if seed % 2:
+        groups["g1"] = sorted({*groups["g1"], *random.choice(6, size=2, replace=False).tolist()})
+    mesh = fx.read(chain(whole=range(6), **groups), 2)
+    names = [str(name) for name in random.permutation(list(groups))]
+    shared = [(a, b, n) for i, a in enumerate(names) for b in names[i + 1:] if (n := len({*groups[a]} & {*groups[b]}))]
+    if not shared:
+        assert bent(mesh, names) == pytest.approx(bent(mesh, ["whole"]), rel=1e-8)
+        return
+    (one, two, count), *_ = shared
+    cells = "cell" if count == 1 else "cells"
+    with pytest.raises(ValueError, match=f"Beam on group '{one}' and Beam on group '{two}' have {count} {cells} in common"):
+        bent(mesh, names)
