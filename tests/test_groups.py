@@ -104,8 +104,8 @@ def test_any_number_of_groups_carry_loads():
     assert found[1] == pytest.approx(found[0], rel=1e-8)
 
 
-def chain(**groups):
-    """Six members in a row, and groups of some of them."""
+def chain(nodes=None, **groups):
+    """Six members in a row, and groups of some of them; `nodes` names groups of nodes."""
 
     def source():
         geo = gmsh.model.geo
@@ -116,8 +116,8 @@ def chain(**groups):
             gmsh.model.mesh.setTransfiniteCurve(line, 2)
         for name, chosen in groups.items():
             gmsh.model.addPhysicalGroup(1, [lines[i] for i in chosen], name=name)
-        for name, at in {"first": 0, "middle": 3, "last": 6}.items():
-            gmsh.model.addPhysicalGroup(0, [points[at]], name=name)
+        for name, chosen in ({"first": [0], "middle": [3], "last": [6]} | (nodes or {})).items():
+            gmsh.model.addPhysicalGroup(0, [points[i] for i in chosen], name=name)
 
     return source
 
@@ -148,3 +148,22 @@ def test_beams_on_random_groups_are_one_or_refused(seed):
     cells = "cell" if count == 1 else "cells"
     with pytest.raises(ValueError, match=f"Beam on group '{one}' and Beam on group '{two}' have {count} {cells} in common"):
         bent(mesh, names)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_random_groups_of_nodes_that_overlap(seed):
+    """Forces act at each node once for each load; displacements that differ at a common node are refused."""
+    random = np.random.default_rng(seed)
+    nodes = {name: random.choice(np.arange(1, 6), size=3, replace=False).tolist() for name in ("one", "two")}
+    mesh = fx.read(chain(nodes, whole=range(6)), 2)
+    beam = fx.Beam(mesh, fx.Rectangle(0.1, 0.1), fx.Elastic(2e11))
+
+    def scene(*loads):
+        return fx.Scene([beam], [fx.clamp(mesh, "first"), fx.clamp(mesh, "last")], loads, fx.Monitor(mesh, "middle", "y"))
+
+    both = scene(fx.PointForce(mesh, "one", (0.0, -1.0)), fx.PointForce(mesh, "two", (0.0, -2.0)))
+    record = fx.trace(fx.Case(both, fx.LoadControl(1.0, fixed=True)))
+    assert sum(record.reactions(name).force[-1, 1] for name in ("first", "last")) == pytest.approx(9.0, rel=1e-8)
+    assert record.states[-1].load == pytest.approx(9.0)
+    with pytest.raises(ValueError, match="component y is -0.1 where that of 'two', with which it has points in common"):
+        scene(*(fx.PrescribedDisplacement(mesh, name, "y", d) for name, d in (("one", -0.1), ("two", -0.2))))

@@ -96,3 +96,28 @@ def test_offset_beyond_the_centre_of_curvature_is_refused():
         with pytest.raises(ValueError, match=f"Shell: offset {offset:g} lies beyond the centre of curvature"):
             shell(offset, bends)
         shell(offset / 2 if bends != (0.5, 0.5) else 0.8, bends)
+
+
+def octant(radius):
+    """An eighth of a sphere in three patches of quadrilaterals."""
+    nodes = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1)}
+    return fx.read(lambda: fx.meshes.panels(nodes, {"sphere": ("x", "y", "z")}, 4), 3, 2,
+                   lambda x: radius * x / np.linalg.norm(x, axis=1, keepdims=True))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_sphere_is_the_same_on_whichever_surface_it_is_meshed(seed):
+    """A pressure p on the meshed surface at r moves it by w = p r^2 (1 - nu) / (2 E t), and does the work p w pi r^2 / 4.
+
+    The eighth; nodes of three cells move by 3 % less with these cells, on the mid-surface too.
+    """
+    random = np.random.default_rng(seed)
+    middle, thickness, poisson = 10.0, random.uniform(0.2, 1.0), random.uniform(0.0, 0.4)
+    radius = middle + random.uniform(-1.0, 1.0) * thickness
+    mesh = octant(radius)
+    shell = fx.Shell(mesh, fx.Plate(thickness), fx.Elastic(MODULUS, poisson), offset=middle - radius)
+    supports = [fx.symmetry(mesh, edge, normal) for edge, normal in (("x-y", "z"), ("y-z", "x"), ("z-x", "y"))]
+    scene = fx.Scene([shell], supports, [fx.Pressure(shell, 1.0)], fx.Monitor(mesh, "x", "x"))
+    record = fx.trace(fx.Case(scene, fx.LoadControl(1.0, fixed=True)))
+    moved = radius**2 * (1 - poisson) / (2 * MODULUS * thickness)
+    assert record.energies()[0] == pytest.approx(moved * np.pi * radius**2 / 4, rel=5e-3)
