@@ -1,4 +1,4 @@
-"""Random structures with pairs of features, each described in ways that must agree: turned, in halves, in stages, ..."""
+"""Random structures with pairs of features, each described in ways that must agree: turned, in halves, in stages."""
 
 from __future__ import annotations
 
@@ -111,8 +111,8 @@ def draw(number: int) -> Structure:
     """The structure of a number: its relation by turns, all else at random."""
     random = np.random.default_rng(number)
     relation = RELATIONS[number % len(RELATIONS)]
-    kinds = [k for k in KINDS if not (relation == "weld" and k == "bars" or relation in ("weld", "compatible")
-                                      and k == "stiffened")]
+    unfit = {"weld": ("bars", "stiffened"), "compatible": ("stiffened",)}.get(relation, ())
+    kinds = [kind for kind in KINDS if kind not in unfit]
     shares = np.array([SHARES[k] for k in kinds])
     kind = str(random.choice(kinds, p=shares / shares.sum()))
     barred = {"groups": ("joint",), "compatible": ("joint",), "weld": ("joint",), "half": ("joint",),
@@ -405,7 +405,8 @@ class Builder:
         if s.kind == "plane":
             offset = v.side * v.length * offset
         elif np.any(offset):
-            offset = tuple(v.length * np.array((1.0, v.side)) * offset) if s.kind == "space" else (v.length * offset, 0.0)
+            along, across = offset if s.kind == "space" else (offset, 0.0)
+            offset = (v.length * along, v.length * v.side * across)
         return fx.Beam(mesh, self._section(section), self._material(1.0 / min(section.second_moments)), group=group,
                        up=tuple(map(float, v.turn @ s.up)), shear_rigidity=s.shear_rigidity, offset=offset,
                        **dict(strains))
@@ -448,28 +449,25 @@ class Builder:
             held += [fx.Support(left, "m", "z")] if s.symmetric else [self._support(left, name, "pin") for name in "cd"]
         return held
 
-    def _load(self, name: str, size):
+    def _load(self, name: str, size) -> list[fx.Load]:
         s, v, right, m = self.s, self.v, self.right, self._at("m")
-        share, whole = (0.5 if v.half else 1.0), s.surface and 2 or 1
+        share, extent = 0.5 if v.half else 1.0, v.length ** (2 if s.surface else 1)
         if name == "point":
-            if s.surface:
-                return [fx.EdgeForce(right, m, self.vector(size, share * v.force / v.length))]
-            return [fx.PointForce(right, m, self.vector(size, share * v.force))]
+            acting, per = (fx.EdgeForce, v.length) if s.surface else (fx.PointForce, 1.0)
+            return [acting(right, m, self.vector(size, share * v.force / per))]
         if name == "spread":
-            force = self.vector(size, v.force / v.length**whole)
-            return [(fx.SurfaceForce if s.surface else fx.LineForce)(part, force) for part in self.parts]
+            acting = fx.SurfaceForce if s.surface else fx.LineForce
+            return [acting(part, self.vector(size, v.force / extent)) for part in self.parts]
         if name == "pressure":
-            pressure = v.side * size * v.force / v.length**whole
-            return [(fx.Pressure if s.surface else fx.LinePressure)(part, pressure) for part in self.parts]
+            acting = fx.Pressure if s.surface else fx.LinePressure
+            return [acting(part, v.side * size * v.force / extent) for part in self.parts]
         if name == "moment":
-            moved = [("b", right, 1.0)] if v.half else [("b", right, 1.0), ("a", self.left, -1.0)]
-            return [fx.Moment(mesh, at, self.axial(sign * np.asarray(size) if s.kind == "plane" else
-                                                   np.asarray(size) * ((1, 1, 1) if at == "b" else (1, -1, -1)),
-                                                   v.force * v.length))
-                    for at, mesh, sign in moved if s.ends["ab".index(at)] not in ("clamp",)]
+            mirrored = {"b": (self.right, size), "a": (self.left, np.array((1.0, -1.0, -1.0)) * size)}
+            return [fx.Moment(mesh, at, self.axial(moment, v.force * v.length))
+                    for at, (mesh, moment) in mirrored.items()
+                    if s.ends["ab".index(at)] != "clamp" and not (v.half and at == "a")]
         if name == "heat":
-            return [Heat(part, size * v.force * part.material.modulus * part.section.area / v.force)
-                    for part in self.parts]
+            return [Heat(part, size * part.material.modulus * part.section.area) for part in self.parts]
         component, sign = self.component("xyz"[DOWN[s.kind]])
         return [fx.PrescribedDisplacement(right, m, component, sign * size * v.length)]
 
@@ -491,8 +489,7 @@ class Builder:
             made += [fx.Foundation(part, (size,) * s.dimension) for part in self.parts]
         if s.gap is not None:
             down = np.eye(3)[DOWN[s.kind]]
-            at = np.array((0.0, 0.0, 0.0)) + s.rise * down - s.gap * down
-            plane = fx.RigidPlane(self.vector(at, v.length), self.vector(down))
+            plane = fx.RigidPlane(self.vector((s.rise - s.gap) * down, v.length), self.vector(down))
             made.append(fx.ObstacleContact(self.right, self._at("m"), plane, distance=0.0))
         return made
 

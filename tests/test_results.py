@@ -358,6 +358,7 @@ def test_tables_and_files(tmp_path):
     assert float(rows["energies"][-1]["Beam 0"]) == pytest.approx(record.energies()[0])
 
 
+@pytest.mark.silent("f05", "t02")
 @pytest.mark.parametrize("order", [("pressure", "push"), ("push", "pressure"), ("follower", "pressure", "push")])
 def test_energy_balances_in_stages_of_all_kinds(order):
     """Of loads that follow the structure, and of dead ones after them."""
