@@ -26,6 +26,7 @@ FEATURES = {
               "imperfect", "obstacle", "stage", "path", "joint", "cells"),
     "stiffened": ("section", "offset", "spring", "second load", "pressure", "prescribed", "imperfect", "stage", "path"),
 }
+SAME_CELLS = "rotated", "mirrored", "units"  # relations of views whose cells and points are the same
 RELATIONS = ("half", "groups", "compatible", "weld", "rotated", "mirrored", "units", "stages", "processes", "plastic",
              "restart", "balance")
 
@@ -133,7 +134,7 @@ def _drawn(s: Structure, random) -> Structure:
     s = replace(s, rise=0.0 if flat else random.uniform(0.15, 0.4), cells=int(random.integers(1, 3)),
                 tilt=0.0 if s.symmetric or flat else random.uniform(-0.1, 0.1), poisson=random.uniform(0.0, 0.4),
                 up=tuple(random.normal(size=3) * (0.3 * upright) + (0.0, 0.0, 1.0)), ends=_ends(s, random),
-                section=_plain(s, random), extra=str(random.choice(("", "", "", "buckling", "frequencies"))))
+                section=_plain(s, random), extra=str(random.choice(6 * [""] + ["buckling", "frequencies"])))
     size = 0.02 if s.kind == "bars" else 0.15 if "free" in s.ends else 1.0
     loads = [("point", size * (random.uniform(0.3, 0.6) * -down + 0.1 * random.normal(size=3) * upright))]
     if "second load" in has:
@@ -534,7 +535,11 @@ def measures(builder: Builder, record=None) -> dict[str, np.ndarray]:
               for at, mesh in meshes.items() if not (v.half and at == "a")}
     for support in record.case.scene.supports:
         if support.at == builder._at("b") and support.mesh is builder.right:
-            found["reaction b"] = turn.T @ record.reactions(support).force[-1] / v.force
+            held = record.reactions(support)
+            moment = v.side * (turn.T @ held.moment[-1] if s.dimension == 3 else held.moment[-1])
+            found["reaction b"] = np.concatenate((turn.T @ held.force[-1], moment / v.length)) / v.force
+    if s.relation in SAME_CELLS:
+        found |= _resultants(builder, record)
     if s.relation != "plastic":
         found["energy"] = sum(record.energies()) * (2 if v.half else 1) / v.force / v.length
     points = [p.load / size for p in record.critical_points if not s.symmetric or p.kind == "limit"]
@@ -544,6 +549,18 @@ def measures(builder: Builder, record=None) -> dict[str, np.ndarray]:
     if s.extra == "frequencies":
         found["frequency"] = record.frequencies(state, 1)[0].frequency
     return {name: np.atleast_1d(np.asarray(value, float)) for name, value in found.items()}
+
+
+def _resultants(builder: Builder, record) -> dict[str, np.ndarray]:
+    """Sizes of forces and moments of the first part, at each point of each cell; signs go by the axes."""
+    v, forces = builder.v, np.abs(record.forces(builder.parts[0]))
+    count = forces.shape[-1]
+    bending = {1: (), 3: (2,), 6: (3, 4, 5), 9: (3, 4, 5)}[count]
+    size = np.full(count, v.force / v.length) if count == 9 else np.full(count, v.force)
+    size[list(bending)] *= v.length
+    moments = np.isin(np.arange(count), bending)
+    return {name: (forces / size)[..., chosen] for name, chosen in (("forces", ~moments), ("moments", moments))
+            if chosen.any()}
 
 
 def turned(structure: Structure, mirrored: bool) -> View:
