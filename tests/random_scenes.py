@@ -147,6 +147,9 @@ def _drawn(s: Structure, random) -> Structure:
         loads.append(("heat", random.uniform(-1e-3, 1e-3)))
     if "prescribed" in has:
         loads[0] = ("prescribed", random.uniform(-0.08, -0.02))
+    fixed = has & {"prescribed", "obstacle", "second load"} or s.relation == "stages" or (flat and "heat" in has)
+    if len(loads) > 1 and not fixed and random.uniform() < 0.5:
+        del loads[0]  # what is reported is no force then
     if "section" in has:
         s = replace(s, section=_special(s, random))
     if "strains" in has:
@@ -172,8 +175,10 @@ def _drawn(s: Structure, random) -> Structure:
         loads.insert(0, ("spread", size * random.normal(size=3) * 0.3 * upright))
     if "path" in has and s.gap is None:
         s = replace(s, path=(str(random.choice(("arc", "displacement"))), random.uniform(0.02, 0.06)))
-        if s.kind == "bars" and "prescribed" not in has:
+        if s.kind == "bars" and loads[0][0] == "point":
             s = replace(s, path=("arc", random.uniform(0.3, 0.5)))
+        if s.kind == "stiffened" or loads[0][0] != "point":
+            s = replace(s, path=("arc", 0.1 * s.path[1]))
     if s.relation in ("restart", "balance") and s.path[0] == "load":
         s = replace(s, path=("load", 0.4))
     if s.symmetric or s.relation == "stages" or s.gap is not None:
