@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 import sheetfx as fx
 from sheetfx.model.reported import FACTOR, FORCE, LINE_PRESSURE, MOMENT, PRESSURE, counted
 
+NONE = 1e-9  # of forces and energies of structures of a length and a stiffness of about 1
 NEVER = 1e9  # yield stress over Young's modulus of what never yields
 DOWN = {"bars": 1, "plane": 1, "space": 2, "shell": 2, "stiffened": 2}  # component along which structures bend
 KINDS = tuple(DOWN)
@@ -117,7 +118,7 @@ def draw(number: int) -> Structure:
     shares = np.array([SHARES[k] for k in kinds])
     kind = str(random.choice(kinds, p=shares / shares.sum()))
     barred = {"groups": ("joint",), "compatible": ("joint",), "weld": ("joint",), "half": ("joint",),
-              "stages": ("stage", "obstacle"), "plastic": ("heat",)}.get(relation, ())
+              "stages": ("stage", "obstacle"), "plastic": ("heat",), "processes": ("obstacle", "joint")}.get(relation, ())
     if relation == "plastic" and kind == "stiffened":
         barred += ("section",)
     pair = tuple(map(str, random.choice([f for f in FEATURES[kind] if f not in barred], 2, replace=False)))
@@ -584,11 +585,11 @@ def turned(structure: Structure, mirrored: bool) -> View:
 
 
 def off(one: dict, other: dict) -> dict[str, float]:
-    """Relative differences of measures; of displacements over the largest one."""
+    """Relative differences of measures that are more than rounding; of displacements over the largest one."""
     largest = max((np.abs(value).max() for name, value in one.items() if name[0] == "u"), default=0.0)
     found = {name: np.inf for name in one.keys() ^ other.keys() if "stopped" in one | other}
     for name in one.keys() & other.keys():
         a, b = one[name], other[name]
-        size = largest if name[0] == "u" else max(np.abs(a).max(initial=0.0), np.abs(b).max(initial=0.0), 1e-300)
+        size = largest if name[0] == "u" else max(np.abs(a).max(initial=0.0), np.abs(b).max(initial=0.0), NONE)
         found[name] = float(np.abs(a - b).max(initial=0.0) / size) if a.shape == b.shape else np.inf
     return found
