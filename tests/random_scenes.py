@@ -27,6 +27,9 @@ FEATURES = {
               "imperfect", "obstacle", "stage", "path", "joint", "cells"),
     "stiffened": ("section", "offset", "spring", "second load", "pressure", "prescribed", "imperfect", "stage", "path"),
 }
+UNFIT = {"groups": ("joint",), "compatible": ("joint",), "weld": ("joint",), "half": ("joint",),
+         "stages": ("stage", "obstacle"), "plastic": ("heat",),
+         "processes": ("obstacle", "joint")}  # features that relations do without; on two processes these are refused
 SAME_CELLS = "rotated", "mirrored", "units"  # relations of views whose cells and points are the same
 RELATIONS = ("half", "groups", "compatible", "weld", "rotated", "mirrored", "units", "stages", "processes", "plastic",
              "restart", "balance")
@@ -117,8 +120,7 @@ def draw(number: int) -> Structure:
     kinds = [kind for kind in KINDS if kind not in unfit]
     shares = np.array([SHARES[k] for k in kinds])
     kind = str(random.choice(kinds, p=shares / shares.sum()))
-    barred = {"groups": ("joint",), "compatible": ("joint",), "weld": ("joint",), "half": ("joint",),
-              "stages": ("stage", "obstacle"), "plastic": ("heat",), "processes": ("obstacle", "joint")}.get(relation, ())
+    barred = UNFIT.get(relation, ())
     if relation == "plastic" and kind == "stiffened":
         barred += ("section",)
     pair = tuple(map(str, random.choice([f for f in FEATURES[kind] if f not in barred], 2, replace=False)))
