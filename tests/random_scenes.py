@@ -44,7 +44,7 @@ class View:
     turn : orthogonal matrix that takes its places to those of the description
     length, force : units of the structure in those of the description
     half : the right half of it, with symmetry
-    parts : "": one part; "groups", "compatible", "weld" or "hinge": two halves and what joins them
+    parts : "": one part; "groups", "compatible", "weld", "link", "penalty" or "hinge": two halves and what joins them
     staged : whether the first load comes in a stage before the others
     plastic : of a material that would yield, but never does
     """
@@ -258,8 +258,6 @@ class Builder:
     def __init__(self, structure: Structure, view: View):
         self.s, self.v = structure, view
         self.joint = view.parts or structure.joint
-        if self.joint == "weld" and structure.kind == "bars":
-            self.joint = "hinge"
         self.meshes, self.ribs = self._meshes()
         self.left, self.right = self.meshes[0], self.meshes[-1]
         self.parts, self.bars = self._parts(), self._ribs()
@@ -299,12 +297,11 @@ class Builder:
         return v.length * places @ v.turn.T
 
     def _meshes(self):
-        separate = self.joint in ("compatible", "weld", "hinge")
         if self.v.half:
             return self._mesh(("right",))
-        if separate:
-            return [self._mesh((side,))[0][0] for side in ("left", "right")], None
-        return self._mesh(("left", "right"))
+        if self.joint in ("", "groups"):
+            return self._mesh(("left", "right"))
+        return [self._mesh((side,))[0][0] for side in ("left", "right")], None
 
     def _mesh(self, sides):
         s = self.s
@@ -485,11 +482,8 @@ class Builder:
         share = 0.5 if v.half else 1.0
         if self.ribs is not None:
             made.append(fx.Compatible(self.ribs, self.right))
-        if self.joint in ("compatible", "hinge") and self.left is not self.right:
-            made.append(fx.Compatible(self.left, self.right) if self.joint == "compatible"
-                        else fx.hinge(self.left, "m", (self.right, "m")))
-        elif self.joint == "weld":
-            made.append(fx.weld(self.left, "m-M" if s.surface else "m", (self.right, self._at("m"))))
+        if self.left is not self.right:
+            made.append(self._joined())
         if s.spring:
             made += [fx.Spring(self.right, self._at("m"), c, share * s.spring * v.force / v.length)
                      for c in "xyz"[:s.dimension]]
@@ -501,6 +495,16 @@ class Builder:
             plane = fx.RigidPlane(self.vector((s.rise - s.gap) * down, v.length), self.vector(down))
             made.append(fx.ObstacleContact(self.right, self._at("m"), plane, distance=0.0))
         return made
+
+    def _joined(self):
+        at, to = "m-M" if self.s.surface else "m", (self.right, self._at("m"))
+        if self.joint == "compatible":
+            return fx.Compatible(self.left, self.right)
+        if self.joint == "hinge":
+            return fx.hinge(self.left, at, to)
+        if self.joint == "link":
+            return fx.link(self.left, at, to, reach=0.1 * self.v.length)
+        return fx.weld(self.left, at, to, enforcement="penalty" if self.joint == "penalty" else "multiplier")
 
     def scene(self) -> fx.Scene:
         s, v = self.s, self.v
