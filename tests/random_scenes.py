@@ -586,7 +586,8 @@ def turned(structure: Structure, mirrored: bool) -> View:
         turn = np.eye(3)[random.permutation(3)] * random.choice((-1.0, 1.0), 3)
         turn[0] *= np.linalg.det(turn) * (1 - 2 * mirrored)
     else:
-        turn = Rotation.random(rng=random).as_matrix() * (1 - 2 * mirrored)
+        turn = np.linalg.qr(random.normal(size=(3, 3)))[0]
+        turn *= np.linalg.det(turn) * (1 - 2 * mirrored)
     return View(turn=np.round(turn) + 0.0 if along_axes else turn)
 
 
