@@ -121,6 +121,8 @@ def draw(number: int) -> Structure:
     shares = np.array([SHARES[k] for k in kinds])
     kind = str(random.choice(kinds, p=shares / shares.sum()))
     barred = UNFIT.get(relation, ())
+    if (relation, kind) == ("weld", "shell"):
+        barred += ("obstacle",)
     if relation == "plastic" and kind == "stiffened":
         barred += ("section",)
     pair = tuple(map(str, random.choice([f for f in FEATURES[kind] if f not in barred], 2, replace=False)))
