@@ -23,6 +23,8 @@ QUICK, ALL = 120, 1120
 TOLERANCE = 1e-6
 WELDED = 0.03  # of shells along a line, whose multipliers are linear on cells, and by penalties
 
+KNOWN = {348: "first_passing: SLEPc ends with a raw error where one unknown is free"}
+
 pytestmark = pytest.mark.filterwarnings("ignore")
 
 
@@ -137,8 +139,12 @@ CHECKS = {check.__name__: check for check in (
     half, groups, compatible, weld, rotated, mirrored, units, stages, processes, plastic, restart, balance)}
 
 
-@pytest.mark.parametrize("number", [*range(QUICK), *(pytest.param(n, marks=pytest.mark.slow)
-                                                     for n in range(QUICK, ALL))])
+def _marks(number: int) -> list:
+    late = [pytest.mark.slow] if number >= QUICK else []
+    return late + ([pytest.mark.xfail(reason=KNOWN[number], strict=True)] if number in KNOWN else [])
+
+
+@pytest.mark.parametrize("number", [pytest.param(n, marks=_marks(n)) for n in range(ALL)])
 def test_relation(number, tmp_path):
     structure = draw(number)
     print(structure)
