@@ -157,6 +157,7 @@ def seam(cells, forms, at=None):
     return fx.Path(scene)
 
 
+@pytest.mark.silent("g03")
 @pytest.mark.parametrize(("cells", "forms", "alone"), [
     ((2, 2), ("naghdi-q2", "naghdi-q2"), 0), ((2, 2), ("naghdi-q3", "naghdi-q3"), 0),
     ((2, 2), ("naghdi-q2", "naghdi-q3"), 2), ((2, 2), ("naghdi-q3", "naghdi-q2"), 4),

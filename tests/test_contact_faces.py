@@ -28,6 +28,7 @@ def stop(root, offset, flipped=False, distance=None):
     return fx.trace(fx.Case(scene, fx.LoadControl(1.0))).states[-1].deflection
 
 
+@pytest.mark.silent("q03")
 @pytest.mark.parametrize(("root", "offset", "flipped"), [
     (2.0, 0.0, False), (4.0, 0.0, False), (3.0, 0.5, False), (2.0, -0.5, False), (3.0, 0.5, True)])
 def test_strip_stops_at_its_own_face(root, offset, flipped):
@@ -53,6 +54,7 @@ def surface_stop(thick, offset, under):
     return fx.trace(fx.Case(scene, fx.LoadControl(1.0))).states[-1].deflection
 
 
+@pytest.mark.silent("q03")
 @pytest.mark.parametrize(("thick", "offset", "under"), [(4.0, 0.0, 0.0), (3.0, 0.5, -0.25)])
 def test_two_parts_touch_at_their_faces(thick, offset, under):
     assert surface_stop(thick, offset, under) == pytest.approx(1.0, rel=1e-2)

@@ -222,6 +222,7 @@ def rolled(axis=(0.0, 1.0, 0.0), **run):
     return trace(fx.Case(scene, **run))
 
 
+@pytest.mark.silent("f02")
 @pytest.mark.parametrize("step", [0.5, 0.26, 0.1])
 @pytest.mark.parametrize("axis", [(0.0, 1.0, 0.0), (0.0, 0.6, 0.8)])
 def test_monitored_rotation_in_space_is_an_angle(step, axis):
@@ -230,6 +231,7 @@ def test_monitored_rotation_in_space_is_an_angle(step, axis):
     assert record.states[-1].deflection == pytest.approx(-2.0 * (axis[2] or 1.0), abs=1e-6)
 
 
+@pytest.mark.silent("f02")
 def test_rotation_in_space_is_controlled_by_its_angle():
     """Each step has the angle that is asked for, and the path ends at the bound."""
     record = rolled(control=DisplacementControl(0.7, largest=1.0), until=Until(steps=2))

@@ -23,6 +23,7 @@ def w14x48():
 STEEL = fx.Elastic(29000.0, 0.3)
 
 
+@pytest.mark.silent("p01")
 @pytest.mark.parametrize(("force", "moment", "deflection"), [
     (0.0, 336, 0.907), (100.0, 470, 1.34), (150.0, 601, 1.77), (200.0, 856, 2.60)])
 def test_cantilever_of_aisc_360(force, moment, deflection):
@@ -35,6 +36,7 @@ def test_cantilever_of_aisc_360(force, moment, deflection):
     assert abs(record.reactions("a").moment[-1][0]) == pytest.approx(moment, rel=3e-3)
 
 
+@pytest.mark.silent("p01")
 @pytest.mark.parametrize(("force", "deflection"), [(0.0, 0.202), (150.0, 0.230), (300.0, 0.269), (450.0, 0.322)])
 def test_beam_column_of_aisc_360(force, deflection):
     """Case 1: a uniform load on a simply supported member beside the axial force."""
@@ -47,6 +49,7 @@ def test_beam_column_of_aisc_360(force, deflection):
     assert follow(scene, fx.LoadControl(0.25)).states[-1].deflection == pytest.approx(deflection, rel=3e-3)
 
 
+@pytest.mark.silent("p02")
 def test_column_with_a_lever_at_its_tip():
     """An upright elastica with a dead load on a rigid arm (arXiv 2501.04729), by shooting from the tip."""
     arm, h = 0.2, 1e-2
@@ -99,6 +102,7 @@ def of_helix(moment, factor):
     return solve_ivp(rates, (0, LENGTH), start, rtol=1e-9, atol=1e-10).y[:, -1]
 
 
+@pytest.mark.silent("p03")
 @pytest.mark.parametrize(("last", "allowed"), [(0.05, 1e-4), pytest.param(1.0, 1e-2, marks=pytest.mark.slow)])
 def test_cantilever_wound_to_a_helix(last, allowed):
     """Up to ten turns by a moment at its end, and a force across (Ibrahimbegovic 1997), by shooting in space.
@@ -151,6 +155,7 @@ def quarter_disc():
         gmsh.model.addPhysicalGroup(0, points, name=name)
 
 
+@pytest.mark.silent("p04")
 @pytest.mark.slow
 def test_heated_disc_leaves_its_sphere():
     """A free disc stays a sphere up to k R^2 / t = 5.40, and becomes a cylinder (energy of constant curvatures: Freund

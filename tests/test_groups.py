@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import combinations
 
 import gmsh
 import numpy as np
@@ -34,6 +35,7 @@ def squares(**groups):
     return source
 
 
+@pytest.mark.silent("b10", "b14")
 @pytest.mark.parametrize("seed", range(8))
 def test_parts_of_random_groups(seed):
     random = np.random.default_rng(seed)
@@ -68,6 +70,7 @@ def test_layers_on_the_same_cells_are_told():
         fx.Scene([beam, replace(beam, group="one")], *rest)
 
 
+@pytest.mark.silent("b13")
 @pytest.mark.parametrize("named", [False, True])
 def test_groups_without_names_are_told_by_their_dimension(named, tmp_path):
     """gmsh counts groups of each dimension from 1."""
@@ -91,6 +94,7 @@ def test_groups_without_names_are_told_by_their_dimension(named, tmp_path):
     assert (list(mesh.edges), list(mesh.points)) == (["curve 1"], ["point 1"])
 
 
+@pytest.mark.silent("b05")
 def test_any_number_of_groups_carry_loads():
     """Twelve members with a load each bend as one part with one load does."""
     nodes = {f"p{i}": (float(i), 0.1 * (i % 2)) for i in range(13)}
@@ -102,3 +106,70 @@ def test_any_number_of_groups_carry_loads():
                          [fx.LineForce(p, (0.0, -7.7e2)) for p in parts], fx.Monitor(mesh, "p6", "y", -1.0))
         found.append(fx.trace(fx.Case(scene, fx.LoadControl(1.0, fixed=True))).states[-1].deflection)
     assert found[1] == pytest.approx(found[0], rel=1e-8)
+
+
+def chain(nodes=None, **groups):
+    """Six members in a row, and groups of some of them; `nodes` names groups of nodes."""
+
+    def source():
+        geo = gmsh.model.geo
+        points = [geo.addPoint(float(i), 0.1 * (i % 2), 0) for i in range(7)]
+        lines = [geo.addLine(points[i], points[i + 1]) for i in range(6)]
+        geo.synchronize()
+        for line in lines:
+            gmsh.model.mesh.setTransfiniteCurve(line, 2)
+        for name, chosen in groups.items():
+            gmsh.model.addPhysicalGroup(1, [lines[i] for i in chosen], name=name)
+        for name, chosen in ({"first": [0], "middle": [3], "last": [6]} | (nodes or {})).items():
+            gmsh.model.addPhysicalGroup(0, [points[i] for i in chosen], name=name)
+
+    return source
+
+
+def bent(mesh, names):
+    """Deflection of beams on groups of a chain, each with a load of its own."""
+    parts = [fx.Beam(mesh, fx.Rectangle(0.1, 0.1), fx.Elastic(2e11), group=name) for name in names]
+    scene = fx.Scene(parts, [fx.clamp(mesh, "first"), fx.clamp(mesh, "last")],
+                     [fx.LineForce(part, (1e2, -7.7e2)) for part in parts], fx.Monitor(mesh, "middle", "y", -1.0))
+    return fx.trace(fx.Case(scene, fx.LoadControl(1.0, fixed=True))).states[-1].deflection
+
+
+@pytest.mark.silent("b10", "b14")
+@pytest.mark.parametrize("seed", range(8))
+def test_beams_on_random_groups_are_one_or_refused(seed):
+    """Groups that share no member bend as one part; of others the first two that meet are named with their members."""
+    random = np.random.default_rng(seed)
+    owner = random.permutation([0, 1, 2, *random.integers(3, size=3)])
+    groups = {f"g{k}": np.flatnonzero(owner == k).tolist() for k in range(3)}
+    if seed % 2:
+        groups["g1"] = sorted({*groups["g1"], *random.choice(6, size=2, replace=False).tolist()})
+    mesh = fx.read(chain(whole=range(6), **groups), 2)
+    names = [str(name) for name in random.permutation(list(groups))]
+    shared = [(a, b, n) for a, b in combinations(names, 2) if (n := len({*groups[a]} & {*groups[b]}))]
+    if not shared:
+        assert bent(mesh, names) == pytest.approx(bent(mesh, ["whole"]), rel=1e-8)
+        return
+    (one, two, count), *_ = shared
+    cells = "cell" if count == 1 else "cells"
+    with pytest.raises(ValueError, match=f"on group '{one}' and Beam on group '{two}' have {count} {cells} in common"):
+        bent(mesh, names)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_random_groups_of_nodes_that_overlap(seed):
+    """Forces act at each node once for each load; displacements that differ at a common node are refused."""
+    random = np.random.default_rng(seed)
+    nodes = {name: random.choice(np.arange(1, 6), size=3, replace=False).tolist() for name in ("one", "two")}
+    mesh = fx.read(chain(nodes, whole=range(6)), 2)
+    beam = fx.Beam(mesh, fx.Rectangle(0.1, 0.1), fx.Elastic(2e11))
+
+    def scene(*loads):
+        held = [fx.clamp(mesh, "first"), fx.clamp(mesh, "last")]
+        return fx.Scene([beam], held, loads, fx.Monitor(mesh, "middle", "y"))
+
+    both = scene(fx.PointForce(mesh, "one", (0.0, -1.0)), fx.PointForce(mesh, "two", (0.0, -2.0)))
+    record = fx.trace(fx.Case(both, fx.LoadControl(1.0, fixed=True)))
+    assert sum(record.reactions(name).force[-1, 1] for name in ("first", "last")) == pytest.approx(9.0, rel=1e-8)
+    assert record.states[-1].load == pytest.approx(9.0)
+    with pytest.raises(ValueError, match="component y is -0.2 where that of 'one', with which it has points in common"):
+        scene(*(fx.PrescribedDisplacement(mesh, name, "y", d) for name, d in (("one", -0.1), ("two", -0.2))))

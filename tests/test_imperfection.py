@@ -154,6 +154,7 @@ def stiffened(free=False):
     return source
 
 
+@pytest.mark.silent("b03")
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize("shape", ["place", "normal", "random"])
 def test_nodes_of_a_mixed_mesh_that_were_one_stay_one(order, shape):
@@ -176,6 +177,7 @@ def test_bars_on_no_surface_need_a_displacement_of_their_own():
     assert moved[:, 2] == pytest.approx(moved[:, 0])
 
 
+@pytest.mark.silent("b03")
 def test_skin_alone_is_not_moved_off_its_rib():
     mesh = read_mixed(stiffened(), ["rib"])
     shape = lambda x: np.outer(np.sin(np.pi * x[:, 0] / 2), (0.0, 0.0, 1e-3))  # noqa: E731

@@ -381,6 +381,7 @@ def edge_on_springs(axis: str) -> float:
     return fx.trace(fx.Case(scene, fx.LoadControl(0.05, target=0.05))).states[-1].deflection
 
 
+@pytest.mark.silent("f06")
 def test_springs_on_an_edge_on_two_processes():
     """The size of the mesh, which places are compared by, is no longer asked of all by some."""
     lines = on_two_processes("from test_joints import edge_on_springs\nfor a in ('z', 'ry'): print(edge_on_springs(a))")

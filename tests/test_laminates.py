@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import ufl
 from helpers import response
+from scipy.linalg import expm
 
 import sheetfx as fx
 from sheetfx.stability.vibration import frequencies
@@ -196,6 +197,7 @@ def test_transverse_shear_turns_with_the_plies(seed):
     assert np.array(of_plies(angles[::-1]).stiffness().shear) == pytest.approx(here, rel=1e-9, abs=1e-10)
 
 
+@pytest.mark.silent("q01")
 @pytest.mark.parametrize("seed", range(10))
 def test_transverse_shear_of_random_sandwiches(seed):
     """G d^2 / c for thin stiff faces a distance d apart on a core c (Allen 1969), also of faces that are not equal."""
@@ -244,6 +246,7 @@ def swings(section, material=None):
     return [v.frequency for v in frequencies(path, next(iter(path)), 3)]
 
 
+@pytest.mark.silent("q16")
 def test_frequencies_of_plies_with_densities():
     """Those of a plate of one material; without densities plies are named."""
     ply = {"angle": 0.0, "along": 1.0, "across": 1.0, "poisson": 0.3, "shear": 1 / 2.6}
@@ -253,3 +256,84 @@ def test_frequencies_of_plies_with_densities():
     assert swings(fx.Laminate(heavy))[0] == pytest.approx(right[0], rel=1e-2)
     with pytest.raises(ValueError, match="has no density; give each Ply one"):
         swings(fx.Laminate([fx.Ply(0.04, **ply)]))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_stiffness_of_random_plies_is_that_of_turned_tensors(seed):
+    """Compliances of an orthotropic solid in plane stress, turned as tensors and summed over thin slices."""
+    random = np.random.default_rng(seed)
+    plies = [fx.Ply(*random.uniform((0.1, -90.0, 5.0, 1.0, 0.1, 0.5), (1.0, 90.0, 20.0, 3.0, 0.4, 1.0)))
+             for _ in range(random.integers(1, 6))]
+    blocks, bottom = np.zeros((3, 3, 3)), -sum(ply.thickness for ply in plies) / 2
+    for ply in plies:
+        side = -ply.poisson / ply.along
+        own = np.linalg.inv([[1 / ply.along, side, 0], [side, 1 / ply.across, 0], [0, 0, 1 / ply.shear]])
+        tensor = np.zeros((2, 2, 2, 2))
+        pairs = [(0, 0), (1, 1), (0, 1)]
+        for i, one in enumerate(pairs):
+            for j, two in enumerate(pairs):
+                for a, b in (one, one[::-1]):
+                    tensor[a, b, two[0], two[1]] = tensor[a, b, two[1], two[0]] = own[i, j]
+        c, s = np.cos(np.radians(ply.angle)), np.sin(np.radians(ply.angle))
+        turn = np.array([[c, -s], [s, c]])
+        tensor = np.einsum("ai,bj,ck,dl,ijkl", turn, turn, turn, turn, tensor)
+        turned = np.array([[tensor[(*one, *two)] for two in pairs] for one in pairs])
+        points, weights = np.polynomial.legendre.leggauss(2)
+        for z, weight in zip(bottom + ply.thickness * (1 + points) / 2, weights * ply.thickness / 2, strict=True):
+            blocks += weight * turned * np.array([1.0, z, z * z])[:, None, None]
+        bottom += ply.thickness
+    found = fx.Laminate(plies).stiffness()
+    for block, given in zip(blocks, (found.membrane, found.coupling, found.bending), strict=True):
+        assert np.array(given) == pytest.approx(block, rel=1e-9, abs=1e-9 * np.abs(block).max() + 1e-12)
+
+
+def solid_strip(plies, wave):
+    """Deflection of the middle of a strip under a load sin(wave x) of 1 on its top, as a solid in plane strain.
+
+    Displacements and stresses (u, w, s_z, t_xz) of a ply have constant rates along z (Pagano 1969, in the form of a
+    state space); those of its faces are joined by matrix exponentials. Plies are as stiff along z as across.
+    """
+    through = np.eye(4)
+    for ply in plies:
+        order = [0, 1, 2] if ply.angle == 0 else [1, 0, 2]
+        n1, n2 = ply.poisson / ply.along, ply.poisson / ply.across  # contraction across fibres by stress along, across
+        own = np.array([[1 / ply.along, -n1, -n1], [-n1, 1 / ply.across, -n2], [-n1, -n2, 1 / ply.across]])
+        stiffness, shear = np.linalg.inv(own[order][:, order]), ply.transverse[order[0]]
+        c11, c13, c33 = stiffness[0, 0], stiffness[0, 2], stiffness[2, 2]
+        rate = np.array([[0, -wave, 0, 1 / shear], [wave * c13 / c33, 0, 1 / c33, 0], [0, 0, 0, wave],
+                         [wave**2 * (c11 - c13**2 / c33), 0, -wave * c13 / c33, 0]])
+        through = expm(rate * ply.thickness) @ through
+    free = np.linalg.solve(through[2:, :2], [1.0, 0.0])  # the bottom is free of stress, the top carries s_z
+    return (free[1] + (through @ [*free, 0.0, 0.0])[1]) / 2
+
+
+@pytest.mark.silent("q01")
+@pytest.mark.parametrize("seed", range(8))
+def test_transverse_shear_of_random_cross_plies_against_the_solid(seed):
+    """Deflections of strips ten times as long as thick: 1 / (D w^4) + 1 / (S w^2) is within 1.5 % of the solid's.
+
+    D is the bending stiffness without membrane forces.
+    """
+    random = np.random.default_rng(seed)
+    plies = [fx.Ply(thickness, angle, 25.0, 1.0, 0.25, 0.5, transverse=(0.5, 0.2))
+             for thickness, angle in zip(random.uniform(0.5, 1.0, 4), random.choice((0.0, 90.0), 4), strict=True)]
+    section = fx.Laminate(plies)
+    wave, found = pi / 10 / section.thickness, section.stiffness()
+    bending = found.bending[0][0] - found.coupling[0][0] ** 2 / found.membrane[0][0]
+    deflection = 1 / bending / wave**4 + 1 / found.shear[0][0] / wave**2
+    assert deflection == pytest.approx(solid_strip(plies, wave), rel=1.5e-2)
+
+
+@pytest.mark.silent("q01")
+def test_sandwich_of_a_soft_core():
+    """NAFEMS R0031/3: hinged, 10 in square, under 100 psi; 0.1222 in by Navier's series with the core's shear."""
+    face = {"along": 1e7, "across": 4e6, "poisson": 0.3, "shear": 1.875e6}
+    core = fx.Ply(0.75, 0.0, 10.0, 10.0, 0.0, 10.0, transverse=(3e4, 1.2e4))
+    with pytest.warns(UserWarning, match="transverse shear moduli of its plies differ by a factor"):
+        section = fx.Laminate([fx.Ply(0.028, 0.0, **face), core, fx.Ply(0.028, 0.0, **face)])
+    mesh = fx.read(lambda: fx.meshes.rectangle((4, 4), (5.0, 5.0)), 3, 2)
+    shell = fx.Shell(mesh, section, axis=X)
+    scene = fx.Scene([shell], [fx.symmetry(mesh, "east", "x"), fx.symmetry(mesh, "north", "y"),
+                               fx.Support(mesh, "west", "y z rx"), fx.Support(mesh, "south", "x z ry")],
+                     [fx.SurfaceForce(shell, (0.0, 0.0, -100.0))], fx.Monitor(mesh, "north-east", "z", -1.0))
+    assert response(scene) == pytest.approx(0.1222, rel=5e-3)

@@ -111,6 +111,7 @@ LOADS = [  # what, of both halves; the load of a quarter, and what it is called
 ]
 
 
+@pytest.mark.silent("f03")
 @pytest.mark.parametrize(("loads", "size", "name"), LOADS)
 def test_what_is_no_force_is_neither_multiplied_nor_added(loads, size, name):
     """A quarter of a structure in two groups: forces and moments count four times, all of them."""
@@ -122,6 +123,7 @@ def test_what_is_no_force_is_neither_multiplied_nor_added(loads, size, name):
     assert case.axes == ("deflection (mm)", name)
 
 
+@pytest.mark.silent("f03")
 def test_pressure_of_a_quarter_of_a_ring_is_that_of_the_ring():
     """Critical at 3 E I / R^3 (Levy 1884), where linear buckling has it and a path that is bounded by it ends."""
     mesh = fx.read(lambda: fx.meshes.arc(1.0, 0.0, pi / 2, 8), 2, 2)

@@ -227,6 +227,7 @@ def test_wrong_input_is_named():
         fx.ObstacleContact(mesh, None, 3)
 
 
+@pytest.mark.silent("f04")
 @pytest.mark.parametrize(("touch", "way"), [("layer", (0.0, -1.0)), ("augmented", (0.0, -1.0)),
                                             ("augmented", (0.3, -0.9))])
 def test_length_of_the_travel_is_nothing(touch, way):

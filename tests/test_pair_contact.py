@@ -565,6 +565,7 @@ def test_path_turns_back_where_a_prop_lets_go():
         assert state.deflection == pytest.approx((0.01 - 1 / state.factor) * (np.tan(k) / k - 1), rel=0.02, abs=1e-5)
 
 
+@pytest.mark.silent("pairs")
 def test_pairs_that_touch_without_pressure_are_told():
     """A column beside a stop that just touches it may buckle away from that, at a lower load than is found."""
     places = {"foot": (0.0, 0.0), "middle": (0.0, 0.5), "top": (0.0, 1.0)}

@@ -380,6 +380,7 @@ def test_sides_and_normals(side, turned, tmp_path):
     assert np.cross(grid["axis 1"], grid["axis 2"]) == pytest.approx(normal, abs=1e-2)
 
 
+@pytest.mark.silent("f05", "t02")
 @pytest.mark.parametrize("order", [("pressure", "push"), ("push", "pressure"), ("follower", "pressure", "push")])
 def test_energy_balances_in_stages_of_all_kinds(order):
     """Of loads that follow the structure, and of dead ones after them."""

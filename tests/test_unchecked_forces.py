@@ -41,6 +41,7 @@ SECTIONS = [fx.Tube(100.0, 4.0), fx.Tube(100.0, 30.0), fx.round_bar(20.0), fx.Re
             fx.Rectangle(2.0, 50.0), fx.Rectangle(60.0, 20.0)]
 
 
+@pytest.mark.silent("u02")
 @pytest.mark.parametrize("section", SECTIONS, ids=lambda s: f"{type(s).__name__} {s.depth:g}")
 def test_torque_beyond_the_plastic_one_is_told(section):
     """From 16 % beyond it at the latest, never below it."""
@@ -83,6 +84,7 @@ def test_forces_about_the_shear_centre():
         assert warned(Fibres(*section.fibres(), MATERIAL, stiffness), strains) == told
 
 
+@pytest.mark.silent("u02")
 def test_twisted_tube_is_told_once():
     """By a path whose fibres never yield."""
     mesh = straight(2, 1000.0, 3)

@@ -31,7 +31,8 @@ def refuse_overlap(parts: Sequence[Beam | Bar | Shell]) -> None:
         if not both:
             continue
         names = [f"{type(p).__name__} on {'all cells' if p.group is None else f'group {p.group!r}'}" for p in pair]
-        twice = f"{names[0]} and {names[1]} have {both} cells in common, whose stiffness and loads count twice"
+        common = f"{both} cell{'s' if both > 1 else ''} in common"
+        twice = f"{names[0]} and {names[1]} have {common}, whose stiffness and loads count twice"
         unlike = [f.name for f in fields(one) if f.name not in ("mesh", "group") and type(one) is type(other)
                   and repr(getattr(one, f.name)) != repr(getattr(other, f.name))]
         if both == own[0] == own[1] and unlike:
