@@ -6,7 +6,7 @@ Every level of rounding is one of these; no other file has its own.
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import isclose
+from math import isclose, sqrt
 
 import numpy as np
 from mpi4py import MPI
@@ -15,6 +15,7 @@ from scipy.optimize import brentq
 
 UNIT, TINIEST = float(np.finfo(float).eps), float(np.finfo(float).tiny)
 SAFETY = 10  # multiples of what rounding is estimated at, up to which a difference may be rounding
+NUDGE = 1e3  # last digits, by which noise is sampled: many, and so few that forces are linear in them
 SAME = 1e-12  # relative difference of numbers that are the same but for some thousand roundings
 NONE = 1e-10  # relative size of a component that is none but for a solution with the tangent
 SPLIT = 1e-6  # imaginary part over the size of a double eigenvalue, which rounding splits by its root
@@ -35,22 +36,34 @@ def root(function: Callable[[float], float], left: float, right: float) -> float
     return float(brentq(function, left, right, xtol=SAME * abs(right - left), rtol=4 * UNIT))
 
 
-def residual(system, motion: float | None = None) -> float:
-    """Largest residual of equilibrium that is rounding: the last digits of displacements move the stiffest unknown.
+def residual(system, x: PETSc.Vec) -> float:
+    """Largest residual of equilibrium that is rounding: SAFETY times its noise at the increments x.
 
-    Parameters
-    ----------
-    motion : largest displacement; None: that of the present configuration
+    Noise is what second differences of the residual show whose true part is far less (More and Wild 2011, eq. 2.2):
+    of strains in their formula, and of the last digits of displacements. The system is left at x.
     """
-    stiffest = system.matrix.getDiagonal().norm(PETSc.NormType.INFINITY)
-    return SAFETY * UNIT * stiffest * (_largest_motion(system) if motion is None else motion)
+    moved, out, difference = (system.create_vector() for _ in range(3))
+    for sign, share in ((1, 1), (-1, 1), (0, -2)):
+        moved.array[:] = x.array + sign * _nudge(system)
+        moved.ghostUpdate(addv=PETSc.InsertMode.INSERT, mode=PETSc.ScatterMode.FORWARD)
+        system.configure(moved, system.factor)
+        system.residual(out)
+        difference.axpy(share, out)
+    return SAFETY * difference.norm() / sqrt(6)
 
 
-def _largest_motion(system) -> float:
-    """Largest displacement; rotations count as displacements of the structure's size by them."""
-    fields = [f for f in system.unknowns.fields if np.isfinite(f.scale) and not f.curved]
-    moved = max(np.abs(f.value.x.array).max(initial=0.0) / f.scale for f in fields)
-    return system.comm.allreduce(float(moved), op=MPI.MAX) * max(f.scale for f in fields)
+def _nudge(system) -> np.ndarray:
+    """Random increments, this process's part: NUDGE times the last digit of the structure's size, or of a radian."""
+    weights = system.weights.array
+    moving = weights > 0
+    count = system.comm.allreduce(int(moving.sum()), op=MPI.SUM)
+    random = np.random.default_rng(system.comm.rank).uniform(-1.0, 1.0, len(weights))
+    return np.divide(NUDGE * UNIT * random, np.sqrt(weights * count), out=np.zeros_like(random), where=moving)
+
+
+def last_digits(system, motion: float) -> float:
+    """Largest force that is rounding: what it takes to move the stiffest unknown by the last digits of a motion."""
+    return SAFETY * UNIT * motion * system.matrix.getDiagonal().norm(PETSc.NormType.INFINITY)
 
 
 def off_path(tracer, state) -> float:

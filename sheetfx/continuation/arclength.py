@@ -83,7 +83,7 @@ class PathStep:
         self.control: StepRule | None = None
         self.history: list[float] = []
         self._corrections: list[float] = []
-        self.start = self.load_increment = self.rounding = self.viscosity = 0.0
+        self.start = self.load_increment = self.rounding = self.viscosity = self._noise = 0.0
         self.behind, self.patient = inf, False
         self.unfinished: np.ndarray | None = None
         self.elimination: Elimination | None = None
@@ -132,7 +132,7 @@ class PathStep:
         self._predict = False
 
     def solve(self, snes, b, x) -> None:
-        self.history, self._corrections, self.unfinished = [], [], None
+        self.history, self._corrections, self.unfinished, self._noise = [], [], None, 0.0
         if self._predict:
             x.zeroEntries()
             self._step.zeroEntries()
@@ -217,7 +217,7 @@ class PathStep:
             anew = self.control.newton == "full" and not self._is_near
         else:
             anew = len(self.history) == 1 or (self.history[-1] > SLOW * self.history[-2] and not (
-                self._is_fresh and self._residual.norm() <= residual(self.system)))
+                self._is_fresh and self._residual.norm() <= residual(self.system, x)))
         if anew:
             if self._guess is not None:
                 self.system.extrapolate_stress()
@@ -269,15 +269,15 @@ class PathStep:
         if before >= SAFETY * now or not self._is_fresh:
             return False
         still = last <= self._tolerance * self.tangent.inner(x, x) ** 0.5 or longer < SAFETY * last
-        return still and self._residual.norm() <= residual(self.system)
+        if still:
+            self._noise = residual(self.system, x)
+        return still and self._residual.norm() <= self._noise
 
     @property
     def rounds(self) -> bool:
         """Whether a residual that rounding can explain is too large beside the load."""
-        if not self.history:
-            return False
-        bound, size = residual(self.system), max(self._load.norm(), self.system.reaction)
-        return self._residual.norm() <= bound and bound >= WRONG * size
+        size = max(self._load.norm(), self.system.reaction)
+        return self._residual.norm() <= self._noise and self._noise >= WRONG * size
 
     def _is_lost(self) -> bool:
         """Whether what began with a guess leads away from it, or Newton's steps have long led nowhere."""

@@ -62,7 +62,7 @@ def _reaction_noise(tracer, load_increment: float, increment: np.ndarray) -> flo
     added.array[system.multiplier_rows] = 0.0
     small = MINOR * abs(load_increment) * added.norm()
     moves = np.abs(np.delete(increment, system.multiplier_rows)).max(initial=0.0)
-    return small + rounding.residual(system, system.comm.allreduce(float(moves), op=MPI.MAX))
+    return small + rounding.last_digits(system, system.comm.allreduce(float(moves), op=MPI.MAX))
 
 
 def _follows(change, rates: Sequence, distance: float, share: float, noise: float = 0.0) -> bool:

@@ -185,7 +185,7 @@ class Fall:
         if residuals[-1] <= max(residuals[0], self.tracer.snes.getTolerances()[0]):
             return True
         stays = rounding.SAFETY * residuals[-1] > residuals[-2]
-        return stays and self._residual.norm() <= rounding.residual(self.system)
+        return stays and self._residual.norm() <= rounding.residual(self.system, self.tracer.x)
 
     def _leave(self) -> _Step | None:
         """A step out of an unstable equilibrium along its lowest mode; None from a stable one."""
