@@ -65,7 +65,7 @@ def half_arch(strains=reissner, law=linear_law, punch_radius=None, elements=40):
     contacts, loads = [], [fx.PointForce(mesh, "crown", (0.0, -0.5))]
     if punch_radius:
         punch = fx.RigidCylinder(radius=punch_radius, centre=(0.0, RADIUS + punch_radius), travel=(0.0, -1.0))
-        contacts, loads = [fx.Contact(arch, punch)], [fx.ObstacleForce(punch, 0.5)]
+        contacts, loads = [fx.Contact(arch, punch, distance=0.0)], [fx.ObstacleForce(punch, 0.5)]
     return fx.Scene([arch], [fx.clamp(mesh, "end"), fx.symmetry(mesh, "crown")], loads,
                     fx.Monitor(mesh, "crown", "y", -1.0), contacts=contacts, symmetry_factor=2)
 

@@ -366,6 +366,7 @@ def loaded_column(preload, rigidity, joints=lambda mesh: ()):
     return fx.trace(fx.Case(scene, fx.LoadControl(0.01), fx.Until(steps=2)))
 
 
+@pytest.mark.silent("q04")
 @pytest.mark.parametrize(("preload", "rigidity"), [(0.5, 1.0), (0.5, 1e3), (0.5, 1e4), (-1.0, 1e3)])
 def test_tangents_that_are_not_linear_in_the_load_are_told(preload, rigidity):
     """Shear that is all but rigid adds the square of the axial strain; what is told is right to 0.5 %, and not 12."""
@@ -387,6 +388,7 @@ def test_tangents_that_are_not_linear_in_the_load_are_told(preload, rigidity):
     assert one.filename == __file__
 
 
+@pytest.mark.silent("linear")
 def test_contact_that_stays_is_told():
     def floor(mesh):
         return [fx.ObstacleContact(mesh, "m", fx.RigidPlane((0.0, -0.01), (0.0, 1.0)))]

@@ -55,7 +55,8 @@ def test_a_ring_is_flattened_between_planes_as_the_elastica_is():
     ring = fx.Beam(mesh, fx.Rectangle(WIDTH, THICKNESS), fx.Elastic(YOUNG, 0.0), shear_rigidity=1e3)
     plane = fx.RigidPlane((0.0, RADIUS), (0.0, -1.0), travel=(0.0, -1.0))
     scene = fx.Scene([ring], [fx.symmetry(mesh, "side", "y"), fx.symmetry(mesh, "top", "x")],
-                     [fx.ObstacleForce(plane, 1.0)], fx.Monitor(plane), contacts=[fx.Contact(ring, plane)])
+                     [fx.ObstacleForce(plane, 1.0)], fx.Monitor(plane),
+                     contacts=[fx.Contact(ring, plane, distance=0.0)])
     record = fx.trace(fx.Case(scene, fx.ArcLength(), fx.Until(deflection=70.0)))
     assert not record.critical_points
     flat = 0

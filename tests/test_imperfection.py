@@ -224,6 +224,7 @@ def on(scene):
             scene.joints[2].mesh, scene.stages[0].loads[0].beam.mesh, *(p.mesh for p in parts)]
 
 
+@pytest.mark.silent("b03")
 @pytest.mark.parametrize("shape", ["place", "normal", "mode", "fields"])
 def test_whole_scenes(shape):
     """All of a scene stands on moved meshes whose common nodes stay one, as of the meshes that are moved alone."""

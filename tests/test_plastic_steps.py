@@ -89,6 +89,7 @@ def limits(material, rise, to, half=1000.0):
     return loads[largest], loads[largest:].min()
 
 
+@pytest.mark.silent("toggles")
 @pytest.mark.parametrize("times", [pytest.param(1 / 8, marks=pytest.mark.slow), 1.0, 8.0])
 @pytest.mark.parametrize(("rise", "to", "hardening", "kinematic"), [
     (30.0, 58.5, 2e3, 0.0), (100.0, 195.0, 2e3, 0.0), (140.0, 260.0, 0.0, 8e3)])
@@ -138,6 +139,7 @@ def dome(seed, rings=2, radius=900.0, side=250.0):
                     [fx.PointForce(mesh, "0 0", (0.0, 0.0, -1.0))], fx.Monitor(mesh, "0 0", "z", -1.0))
 
 
+@pytest.mark.silent("m2_bars")
 @pytest.mark.filterwarnings("ignore:Plastic. fibres flow where shear and torsion")
 @pytest.mark.parametrize(("seed", "limit", "times"), [
     (3, 7153.9, 1.0), *(pytest.param(*given, times, marks=pytest.mark.slow) for given in (
@@ -154,6 +156,7 @@ def test_limit_load_of_a_dome_does_not_depend_on_its_steps(seed, limit, times):
     assert point.name == "maximum" and point.load == pytest.approx(limit, rel=1e-3)
 
 
+@pytest.mark.silent("u01")
 def test_a_structure_that_flows_is_unloaded_by_default():
     """Two bars, one of which has flowed: both are free of force in the end, their node on the two circles."""
     mesh = fx.read(lambda: fx.meshes.frame({"a": (-1000, 0), "c": (0, -1000), "o": (0, 0)},
@@ -177,6 +180,7 @@ def pulled(material=None):
                     fx.Monitor(mesh, "b", "x"))
 
 
+@pytest.mark.silent("u03")
 @pytest.mark.parametrize("control", [fx.DisplacementControl(0.02), fx.ArcLength(), fx.DisplacementControl(0.3)])
 def test_a_plateau_has_one_limit_at_most(control):
     """Of perfect plasticity, where loads differ by what Newton's iteration leaves."""
@@ -184,6 +188,7 @@ def test_a_plateau_has_one_limit_at_most(control):
     assert record.states[-1].load == pytest.approx(2e4) and len(record.critical_points) <= 1
 
 
+@pytest.mark.silent("u05")
 def test_a_load_beyond_the_plastic_limit_is_named():
     with pytest.raises(fx.PathFailure, match=r"its limit at about 20000 \(plastic collapse\)") as failure:
         fx.trace(fx.Case(pulled(), fx.LoadControl(0.1, target=1.2)))
@@ -191,6 +196,7 @@ def test_a_load_beyond_the_plastic_limit_is_named():
     assert failure.value.record.states[-1].load == pytest.approx(2e4, rel=1e-4)
 
 
+@pytest.mark.silent("u07")
 @pytest.mark.slow
 def test_sway_of_a_portal_is_named_by_displacement_control():
     """Bifurcation of the comparison solid at 0.9834 of 8 M_p / L; the path may end there."""

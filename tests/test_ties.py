@@ -56,6 +56,7 @@ def ties(seed, curved):
     return [lambda skin, rib, m=m: joints(m, skin, rib) for m in (1, 2, 4, 7)]
 
 
+@pytest.mark.silent("stiff")
 @pytest.mark.parametrize(("seed", "curved"), [(0, False), (1, True), *(pytest.param(
     seed, curved, marks=pytest.mark.slow) for seed in range(2, 12) for curved in (False, True))])
 def test_more_ties_are_stiffer_and_none_more_than_one_mesh(seed, curved):

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from ..checks import Choice, NotNegative, Positive, check
-from ..notices import warn
 from .beam import Beam
 from .obstacles import RigidCylinder, RigidPlane
 
@@ -28,8 +27,7 @@ class Contact:
     layer : thickness-like length of an elastic contact layer, see `contact.fields.resolution`;
         0: exact; None: 0 at nodes, as thin as it can be for a smooth path otherwise
     approach : multiples of the layer through which each step's solution is approached
-    distance : from the axis to where it touches; None: half the depth with a side, without one zero, at the axis, which
-        is told since faces are half the depth closer
+    distance : from the axis to where it touches; None: half the depth, as the faces are; 0: at the axis
     """
 
     beam: Beam
@@ -47,17 +45,18 @@ class Contact:
         check(self)
         if self.side:
             self.beam.mesh.require_alike("Contact: side", self.beam.group)
-        elif self.distance is None:
-            half = self.beam.section.depth / 2
-            warn(f"Contact: the Beam touches the {type(self.obstacle).__name__} at its axis, though its faces are "
-                 f"{half:.6g} closer; give distance={half:.6g} for the faces, or distance=0 if the axis is meant")
+
+    @property
+    def reach(self) -> float:
+        """Distance from the axis to where it touches."""
+        return self.beam.section.depth / 2 if self.distance is None else self.distance
 
     @property
     def apart(self) -> float:
         """Distance of the axis from the obstacle at which it touches, on whichever side."""
-        return 0.0 if self.side else self.distance or 0.0
+        return 0.0 if self.side else self.reach
 
     @property
     def lever(self) -> float:
         """Place along the normal of the frame of the points that touch; zero without a side."""
-        return self.side * (self.beam.section.depth / 2 if self.distance is None else self.distance)
+        return self.side * self.reach
