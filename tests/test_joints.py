@@ -386,3 +386,38 @@ def test_springs_on_an_edge_on_two_processes():
     """The size of the mesh, which places are compared by, is no longer asked of all by some."""
     lines = on_two_processes("from test_joints import edge_on_springs\nfor a in ('z', 'ry'): print(edge_on_springs(a))")
     assert list(map(float, lines)) == pytest.approx([edge_on_springs("z"), edge_on_springs("ry")], rel=1e-6)
+
+
+@pytest.mark.parametrize("joint", ["compatible", "hinge"])
+@pytest.mark.parametrize("skew", [0.1, 0.0])
+def test_bar_in_a_coordinate_plane_is_held_by_its_hinge(joint, skew):
+    """A bar without stiffness along z at a node that other bars hold through the joint."""
+    nodes = {"a": (-1.0, 0.0, 0.0), "m": (0.0, 0.3, 0.0), "b": (1.0, 0.0, skew), "c": (0.0, 0.3, 1.0),
+             "d": (0.0, 0.3, -1.0)}
+
+    def bars(members):
+        used = {n: nodes[n] for ends in members.values() for n in ends[:2]}
+        return fx.read(lambda: fx.meshes.frame(used, members), 3)
+
+    def settled(meshes, joints):
+        scene = fx.Scene([fx.Bar(m, fx.Rectangle(1.0, 1.0), fx.Elastic(1.0)) for m in meshes],
+                         [fx.pin(meshes[0], n) for n in "acd"] + [fx.pin(meshes[-1], "b")],
+                         [fx.PointForce(meshes[0], "m", (0.0, -1e-3, 0.0))], fx.Monitor(meshes[0], "m", "y", -1.0),
+                         joints=joints)
+        return fx.trace(fx.Case(scene, fx.LoadControl(1.0))).states[-1].deflection
+
+    left, right = {"1": ("a", "m", 1), "2": ("c", "m", 1), "3": ("d", "m", 1)}, {"4": ("m", "b", 1)}
+    parts = bars(left), bars(right)
+    joined = fx.hinge(parts[0], "m", (parts[1], "m")) if joint == "hinge" else fx.Compatible(*parts)
+    assert settled(parts, [joined]) == pytest.approx(settled([bars(left | right)], []), rel=1e-9)
+
+
+def test_hinged_bars_that_nothing_holds_across_their_plane_are_told():
+    nodes = {"a": (-1.0, 0.0, 0.0), "m": (0.0, 0.3, 0.0), "b": (1.0, 0.0, 0.0)}
+    left, right = (fx.read(lambda ends=ends: fx.meshes.frame({n: nodes[n] for n in ends}, {"bar": (*ends, 1)}), 3)
+                   for ends in ("am", "mb"))
+    scene = fx.Scene([fx.Bar(m, fx.Rectangle(1.0, 1.0), fx.Elastic(1.0)) for m in (left, right)],
+                     [fx.pin(left, "a"), fx.pin(right, "b")], [fx.PointForce(left, "m", (0.0, -1e-3, 0.0))],
+                     fx.Monitor(left, "m", "y", -1.0), joints=[fx.hinge(left, "m", (right, "m"))])
+    with pytest.raises(ValueError, match="can move freely"):
+        fx.trace(fx.Case(scene, fx.LoadControl(1.0)))

@@ -232,7 +232,11 @@ def _solver(solver: DirectSolver | _Transposed, change: PETSc.Mat, count: int, t
     eps.setOperators(PETSc.Mat().createPython(change.getSizes(), _Change(solver, change), comm=change.comm))
     eps.setProblemType(SLEPc.EPS.ProblemType.NHEP)
     eps.setWhichEigenpairs(which)
-    eps.setDimensions(count, min(max(2 * count + 8, 20), change.getSize()[0]))
+    size = change.getSize()[0]
+    columns = min(max(2 * count + 8, 20), size)
+    if columns == size:
+        eps.setType(SLEPc.EPS.Type.LAPACK)  # Arnoldi's process would come to its end
+    eps.setDimensions(count, columns)
     eps.setTolerances(tolerance, 30)
     if which == SLEPc.EPS.Which.LARGEST_REAL:
         eps.setConvergenceTest(SLEPc.EPS.Conv.ABS)

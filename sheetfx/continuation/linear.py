@@ -141,19 +141,21 @@ class DirectSolver:
         ----------
         pattern : loads over the roots of the diagonal
         usual : for each unknown the usual diagonal entry of those in its unit, beside which no stiffness can be less
-            than rounding
+            than rounding unless a multiplier holds the unknown; 0 for multipliers
 
         Raises
         ------
         SingularTangent
         """
-        roots, right = self.matrix.getDiagonal(), pattern.duplicate()
+        roots, right, held = self.matrix.getDiagonal(), pattern.duplicate(), pattern.duplicate()
         roots.sqrtabs()
-        idle = bool((roots.array**2 < np.finfo(float).eps * usual.array).any())
-        if self.matrix.comm.tompi4py().allreduce(idle, op=MPI.LOR):
+        idle = roots.array**2 < np.finfo(float).eps * usual.array
+        right.array[:] = np.where(usual.array > 0, 0.0, np.cos(np.arange(usual.local_size)))
+        self.matrix.mult(right, held)
+        if self.matrix.comm.tompi4py().allreduce(bool((idle & (held.array == 0)).any()), op=MPI.LOR):
             raise SingularTangent("the tangent is singular")
         largest = roots.max()[1]
-        roots.array[~(roots.array > 0)] = largest
+        roots.array[idle | ~(roots.array > 0)] = largest
         right.pointwiseMult(pattern, roots)
         solution, residual = right.duplicate(), right.duplicate()
         self.solve(right, solution)
