@@ -172,7 +172,7 @@ def _drawn(s: Structure, random) -> Structure:
     if "joint" in has:
         s = replace(s, joint="hinge" if s.kind == "bars" else str(random.choice(("compatible", "weld"))))
     if "cells" in has and not {"section", "offset", "strains"} & has:
-        s = replace(s, form="naghdi-q3" if s.symmetric else str(random.choice(("naghdi-q3", "naghdi-p2cr"))))
+        s = replace(s, form="naghdi-q3" if s.symmetric else str(random.choice(("naghdi-q3", "naghdi-t2"))))
     if "obstacle" in has:
         loads = [("spread", -3 * size * down), *loads[1:]]
         s = replace(s, gap=random.uniform(0.003, 0.01))

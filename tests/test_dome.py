@@ -99,7 +99,7 @@ def test_double_points_of_the_dome_stay_double(divisions, step):
 
     The nearer states are to a pair, the farther rounding parts it: in some steps both were named as simple ones.
     """
-    record = fx.trace(case(divisions=divisions, to=45.0, form="naghdi-p2cr", step=step))
+    record = fx.trace(case(divisions=divisions, to=45.0, form="naghdi-t2", step=step))
     found = [(p.kind, p.multiplicity) for p in record.critical_points]
     assert found == [("bifurcation", 1), ("bifurcation", 2), ("limit", 1), ("bifurcation", 2), ("bifurcation", 2),
                      ("bifurcation", 1), ("limit", 1), ("bifurcation", 2)]
@@ -137,7 +137,7 @@ def test_edges_that_lift_off_snap(friction, enforcement, limits):
     and the step around it is no longer than what lies ahead of it asks for: a longer one found two unstable modes for
     six. With friction two modes that are alike are a pair that is not real, a little way past the point of both.
     """
-    record = fx.trace(case(model="contact", divisions=3, form="naghdi-p2cr", friction=friction, to=6.5,
+    record = fx.trace(case(model="contact", divisions=3, form="naghdi-t2", friction=friction, to=6.5,
                            enforcement=enforcement))
     found = [p.load for p in record.critical_points if p.kind == "limit"]
     assert found == pytest.approx(limits, rel=1e-3)

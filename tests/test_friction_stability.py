@@ -154,7 +154,7 @@ def test_eigenvalues_jump_where_braces_let_go():
 def test_dome_whose_pairs_stick_is_the_one_with_ties():
     """Pairs that hold tension, and all slip, have the path and eigenvalues of an elastic joint of their stiffness."""
     stiffness, found = 1e3, []
-    scene = dome.case(model="contact", divisions=3, form="naghdi-p2cr", faces="seat", friction=0.3).scene
+    scene = dome.case(model="contact", divisions=3, form="naghdi-t2", faces="seat", friction=0.3).scene
     weld, touch = scene.joints
     stuck = replace(touch, moving=False, gap=0.0, cohesion=1e9, strength=1e9, stiffness=stiffness, tangential=stiffness)
     tied = fx.Interface(touch.mesh, touch.at, touch.to, law=stiff(np.diag([stiffness] * 3 + [0.0] * 3)))

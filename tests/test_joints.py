@@ -9,7 +9,7 @@ import warnings
 
 import numpy as np
 import pytest
-from helpers import distance, move_at_random, on_two_processes, tangents
+from helpers import TURNED_AT_EDGES, distance, move_at_random, on_two_processes, tangents
 from scipy.optimize import brentq
 
 import sheetfx as fx
@@ -328,11 +328,6 @@ def test_hinged_truss_of_two_models_snaps():
     assert fall.after.deflection > 0.4 and fall.energy_released > 0
 
 
-def triangles(form="naghdi-p2cr"):
-    mesh = fx.read(lambda: fx.meshes.rectangle((2, 2), triangles=True), 3)
-    return mesh, fx.Shell(mesh, fx.Plate(0.1), fx.Elastic(1e4, 0.3), form=form)
-
-
 @pytest.mark.parametrize(("joint", "load"), [
     (lambda m: [fx.Spring(m, "north-east", "rx", 1.0)], lambda m: fx.PointForce(m, "north-east", (0.0, 0.0, 1.0))),
     (lambda m: [], lambda m: fx.Moment(m, "north-east", (1.0, 0.0, 0.0))),
@@ -340,7 +335,8 @@ def triangles(form="naghdi-p2cr"):
 ], ids=["spring", "moment", "prescribed rotation"])
 def test_rotations_that_are_not_there_are_named(joint, load):
     """Rotations of this form live at the middles of edges: a moment at a corner would act on nothing."""
-    mesh, shell = triangles()
+    mesh = fx.read(lambda: fx.meshes.rectangle((2, 2), triangles=True), 3)
+    shell = fx.Shell(mesh, fx.Plate(0.1), fx.Elastic(1e4, 0.3), form=TURNED_AT_EDGES)
     scene = fx.Scene([shell], [fx.clamp(mesh, "west")], [load(mesh)], fx.Monitor(mesh, "north-east", "z"),
                      joints=joint(mesh))
     with pytest.raises(ValueError, match="'north-east' has no node.*rotations at corners"):

@@ -9,7 +9,7 @@ from sheetfx import meshes
 from sheetfx.scenes import channel
 
 LONG, WIDTH, HEIGHT, THICKNESS = 20.0, 1.0, 2.0, 0.05
-CELLS = {"naghdi-q2": 2, "naghdi-p2cr": 4, "naghdi-p3": 2}
+CELLS = {"naghdi-q2": 2, "naghdi-t2": 4, "naghdi-t3": 2}
 
 
 def bracket(form, force, component, branches=("top",)) -> float:
@@ -35,8 +35,8 @@ BENDING, SHEAR = THICKNESS**3 * WIDTH / 12, 5 / 12 * THICKNESS * WIDTH  # EI and
 
 
 @pytest.mark.parametrize("branches", [("top",), ("top", "bottom")], ids=["L", "T"])
-@pytest.mark.parametrize("form", ["naghdi-q2", pytest.param("naghdi-p2cr", marks=pytest.mark.slow),
-                                  pytest.param("naghdi-p3", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("form", ["naghdi-q2", pytest.param("naghdi-t2", marks=pytest.mark.slow),
+                                  pytest.param("naghdi-t3", marks=pytest.mark.slow)])
 def test_fold_carries_bending(form, branches):
     """A force along y on the wall bends the strip by its moment: beam theory."""
     deflection = HEIGHT**2 * (HEIGHT / 3 + LONG) / BENDING + HEIGHT / SHEAR + LONG / THICKNESS / WIDTH
@@ -70,7 +70,7 @@ def test_channel_on_a_coarse_mesh():
 @pytest.mark.slow
 @pytest.mark.parametrize(("parameters", "tolerance"), [
     ({"cells": 36, "across": (12, 4)}, 2e-3), ({"cells": 36}, 2e-3),
-    ({"cells": 36, "across": (9, 3), "form": "naghdi-p3"}, 0.025), ({"cells": 72, "form": "naghdi-p2cr"}, 0.025)])
+    ({"cells": 36, "across": (9, 3), "form": "naghdi-t3"}, 0.025), ({"cells": 72, "form": "naghdi-t2"}, 0.025)])
 def test_channel_converges(parameters, tolerance):
     """Quadrilaterals from above; triangles from below and slowly, as they are soft in twist beside free edges."""
     values = channel_values(to=0.4, **parameters)

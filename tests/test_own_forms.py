@@ -45,7 +45,7 @@ MAKE = {
     "space": lambda mesh, **own: fx.Beam(mesh, fx.Rectangle(0.2, 0.1), STEEL, **own),
     "bar": lambda mesh, **own: fx.Bar(mesh, fx.Rectangle(0.2, 0.1), STEEL, **own),
     "quads": lambda mesh, **own: fx.Shell(mesh, fx.Plate(0.1), STEEL, form="naghdi-q2", **own),
-    "triangles": lambda mesh, **own: fx.Shell(mesh, fx.Plate(0.1), STEEL, form="naghdi-p2cr", **own),
+    "triangles": lambda mesh, **own: fx.Shell(mesh, fx.Plate(0.1), STEEL, form="naghdi-t2", **own),
 }
 
 

@@ -323,7 +323,7 @@ def test_light_pressure_does_not_stop_steps():
 
     The first step of the default length takes 11 factorisations; it took 117, and was a quarter as long.
     """
-    case = dome.case(model="contact", divisions=5, form="naghdi-p2cr", friction=0.2)
+    case = dome.case(model="contact", divisions=5, form="naghdi-t2", friction=0.2)
     path = fx.Path(case.scene, case.control, fx.Until(steps=1))
     *_, last = path
     assert last.length == path.tracer.first and last.contact_points
@@ -518,7 +518,7 @@ def test_plate_lifts_its_corners_off_a_frame():
     panels = [(f"{i}{j}", f"{i + 1}{j}", f"{i + 1}{j + 1}", f"{i}{j + 1}") for i in range(2) for j in range(2)]
     table = fx.meshes.Table(nodes, bars, panels)
     mesh = fx.read_mixed(lambda: fx.meshes.structure(table, 12, separate="bars"), ["bars"])
-    plate = fx.Shell(mesh.surfaces, fx.Plate(0.01), fx.Elastic(1.0, 0.3), form="naghdi-p2cr")
+    plate = fx.Shell(mesh.surfaces, fx.Plate(0.01), fx.Elastic(1.0, 0.3), form="naghdi-t2")
     frame = fx.Beam(mesh.curves, fx.Rectangle(0.1, 0.1), fx.Elastic(1e6))
     on_bars = {f"edge {a}-{b} of panels" for a, b in bars} | {f"edge {b}-{a} of panels" for a, b in bars}
     edges = [name for name in fx.meshes.edges_of(table, "bars") if name in on_bars]

@@ -9,6 +9,7 @@ from collections import Counter
 import numpy as np
 import pytest
 import ufl
+from helpers import TURNED_AT_EDGES
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.image import imread
@@ -40,7 +41,6 @@ from sheetfx import (
 )
 from sheetfx.archive import Archive
 from sheetfx.continuation.state import CriticalPoint
-from sheetfx.model.shell import FORMS, TRIANGLE
 from sheetfx.scenes import load_case
 from sheetfx.show import contact, curves, display, pictures
 from sheetfx.show.course import curve_of, monitored
@@ -306,11 +306,9 @@ def test_paraview_has_every_state(record, tmp_path):
 
 @pytest.fixture(scope="module")
 def sheet():
-    """A strip of shell beside a bar, both clamped and lifted at their ends; rotations at edges if a form has them."""
-    form = next((f for f in FORMS if FORMS[f].rotation[0] == "CR"), next(iter(FORMS)))
-    triangles = FORMS[form].cell == TRIANGLE
-    mesh = read(lambda: meshes.rectangle((6, 2), (1.0, 0.2), triangles), 3, FORMS[form].displacement[1])
-    shell = Shell(mesh, Plate(0.01), Elastic(1.2e6, 0.0), form=form)
+    """A strip of shell, whose rotations are at edges, beside a bar, both clamped and lifted at their ends."""
+    mesh = read(lambda: meshes.rectangle((6, 2), (1.0, 0.2), triangles=True), 3, 2)
+    shell = Shell(mesh, Plate(0.01), Elastic(1.2e6, 0.0), form=TURNED_AT_EDGES)
     line = read(lambda: meshes.frame({"base": (0, 0.4), "tip": (1, 0.4)}, {"bar": ("base", "tip", 4)}), 3)
     bar = Beam(line, Rectangle(0.1, 0.01), Elastic(1.2e6, 0.0))
     scene = Scene([shell, bar], [clamp(mesh, "west"), clamp(line, "base")],

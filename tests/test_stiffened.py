@@ -65,13 +65,13 @@ def t_beam(rib_is_beam: bool, form="naghdi-q2", cells=16, section=TBeam()) -> fx
     walls = {"west": ("left", "middle", 1), "east": ("middle", "right", 1)}
     if not rib_is_beam:
         corners["top"], walls["rib"] = (0.0, h), ("middle", "top", 2)
-    triangles = form in ("naghdi-p3", "naghdi-p2cr")
+    triangles = form in ("naghdi-t3", "naghdi-t2")
     mesh = fx.read(lambda: meshes.profile(corners, walls, section.length, cells, triangles), 3)
     material = fx.Elastic(1.0, 0.0)
     parts, joints = [fx.Shell(mesh, fx.Plate(t, RIGID, 1e-3 if rib_is_beam else 1.0), material, form=form)], []
     if rib_is_beam:
         bar = line(section.length, cells)
-        degree = 3 if form == "naghdi-p3" else 2
+        degree = 3 if form == "naghdi-t3" else 2
         parts.append(fx.Beam(bar, fx.Rectangle(t, h), material, degree=degree, shear_rigidity=1e3,
                              offset=(h / 2, 0.0)))
         joints.append(fx.Compatible(bar, mesh))
@@ -158,7 +158,7 @@ class Stiffened:
         walls = {"left": ("south", "middle", cells // 2), "right": ("middle", "north", cells // 2)}
         if not rib_is_beam:
             corners["top"], walls["rib"] = (b / 2, self.rib.depth), ("middle", "top", 1)
-        triangles = form in ("naghdi-p3", "naghdi-p2cr")
+        triangles = form in ("naghdi-t3", "naghdi-t2")
         mesh = fx.read(lambda: meshes.profile(corners, walls, self.length, cells, triangles), 3)
         assert rib_is_beam or self.rib.width == t
         parts, joints = [fx.Shell(mesh, fx.Plate(t), material, form=form)], []
@@ -174,7 +174,7 @@ class Stiffened:
             supports += [fx.Support(mesh, f"rib at {end}", "y rx") for end in ("start", "end")]
         else:
             bar = line(self.length, cells, b / 2)
-            parts.append(fx.Beam(bar, self.rib, material, degree=3 if form == "naghdi-p3" else 2, shear_rigidity=1e3,
+            parts.append(fx.Beam(bar, self.rib, material, degree=3 if form == "naghdi-t3" else 2, shear_rigidity=1e3,
                                  offset=(self.offset, 0.0)))
             joints.append(fx.Compatible(bar, mesh))
             pushed, more = self._pushed_at_centroids(mesh, bar)
@@ -216,9 +216,9 @@ SLOW = pytest.mark.slow
 
 @pytest.mark.parametrize(("plate", "rib_is_beam", "form", "cells"), [
     (CONCENTRIC, True, "naghdi-q2", 12), (ECCENTRIC, True, "naghdi-q2", 12), (ECCENTRIC, False, "naghdi-q2", 12),
-    pytest.param(CONCENTRIC, True, "naghdi-p3", 8, marks=SLOW),
-    pytest.param(ECCENTRIC, True, "naghdi-p3", 8, marks=SLOW),
-    pytest.param(ECCENTRIC, False, "naghdi-p3", 8, marks=SLOW)])
+    pytest.param(CONCENTRIC, True, "naghdi-t3", 8, marks=SLOW),
+    pytest.param(ECCENTRIC, True, "naghdi-t3", 8, marks=SLOW),
+    pytest.param(ECCENTRIC, False, "naghdi-t3", 8, marks=SLOW)])
 def test_stiffened_plate_buckles(plate, rib_is_beam, form, cells):
     """Against finite strips: the first load, at which the rib bends, and the next two, at which it twists.
 

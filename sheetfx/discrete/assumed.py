@@ -1,15 +1,7 @@
 """Work of a term whose law is called with assumed strains, once at each point of integration.
 
-The strains e are sampled at the points of integration and at the fewer points of a lower rule. With their polynomial
-P e through the latter, and the polynomial Q e of the same kind that is nearest to them at the former, the law is given
-
-    e* = (1 - r^2) P e + r^2 Q e + r (e - Q e),    0 <= r <= 1,
-
-a fixed matrix between the points of a cell. Polynomial and rest are orthogonal: constant moduli do no work between
-them, and constant forces the work that r^2 of the full rule and 1 - r^2 of the lower one give. Where e is of the full
-rule's degree in an affine cell, P e = Q e (what is left is Legendre's polynomial, whose zeros are Gauss's points), so
-that an elastic law stores its energy by these shares of both rules: selective reduced integration (Malkus and Hughes
-1978; Arnold and Brezzi 1997), but one that coupled laws and laws with history can bear. The tangent,
+The law is given linear maps of the strains of the fields, fixed in each cell, see `model.tying`: e* = T e, of strains e
+at the points of integration and at those of a lower rule. The tangent,
 
     B*^T C B* + sum of s^ d2e,    s^ = T^T (weight s),
 
@@ -25,10 +17,12 @@ import numpy as np
 import ufl
 from dolfinx.mesh import Mesh
 
+from ..mesh.at_points import at_points, put
 from ..mesh.quadrature import Rule
 from ..model.history import has_history
+from ..model.tying import Map
 from ..model.work import Term
-from .densities import WAY, Densities, at_points, put
+from .densities import WAY, Densities
 from .laws import FormulaLaw, RememberingLaw
 from .material import add_material
 
@@ -47,42 +41,43 @@ class AssumedWork:
 
     def __init__(self, term: Term, domain: Mesh, cells: np.ndarray, fields, increments):
         self._full = _Sampling(term.strains, domain, cells, fields, term.rule.points)
-        self._low, self._tying, self._size = None, term.tying, term.strains.ufl_shape[0]
-        self._places = np.full(self._size, -1)  # of the strains among the tied ones
-        if self._tying:
-            self._places[list(self._tying.tied)] = np.arange(len(self._tying.tied))
-            tied = ufl.as_vector([term.strains[i] for i in self._tying.tied])
-            self._low = _Sampling(tied, domain, cells, fields, self._tying.low.points)
-        self._samplings = [s for s in (self._full, self._low) if s is not None]
+        self._samplings, self._size, tying = [self._full], term.strains.ufl_shape[0], term.tying
         self.numbers = self._full.numbers
-        self._measure, self._roots = _measure_and_roots(term, domain, cells)
-        self._projection = _projection(term, domain, cells)
-        weighted = self._projection.transpose(0, 2, 1) * self._measure[:, None, :]
-        self._nearest = np.linalg.solve(weighted @ self._projection, weighted)
+        area = ufl.JacobianDeterminant(domain) * term.stretch
+        sizes = at_points(area, term.rule.points).eval(domain, cells)
+        self._measure = term.rule.weights * sizes.reshape(len(cells), -1)
+        self._maps: Sequence[Map] = []
+        if tying:
+            self._samplings.append(_Sampling(tying.sampled(term.strains), domain, cells, fields, tying.low.points))
+            self._maps = tying.maps(domain, cells, term.rule, area, self._measure)
         self._law = (RememberingLaw(term.law, (*self._measure.shape, self._size)) if has_history(term.law)
                      else FormulaLaw(term.law, self._size, domain, cells, term.rule))
         self._increments = increments
         self._held = np.zeros((*self._measure.shape, self._size))
 
     def _assumed(self, chunk: slice, values: list[np.ndarray]) -> np.ndarray:
-        """Assumed values from those sampled at each rule, (cells, points, strains, ...); the first are written over."""
+        """Assumed values from those sampled at each rule, (cells, points, strains); the first are written over."""
         here, *low = values
-        if low:
-            tied = here[:, :, self._tying.tied]
-            roots = self._roots[chunk].reshape(len(tied), 1, -1, *(1,) * (tied.ndim - 3))
-            low = (1 - roots**2) * low[0] - (roots - roots**2) * _along(self._nearest[chunk], tied)
-            here[:, :, self._tying.tied] = _along(self._projection[chunk], low) + roots * tied
+        for m in self._maps:
+            own = _rows(here, m.strains, m.parts)
+            found = m.root[chunk, None, None] * own + m.spread[chunk] @ (m.gather[chunk] @ own)
+            if m.low.shape[2]:
+                found += m.low[chunk] @ _rows(low[0], m.sampled, m.parts)
+            here[:, :, slice(*m.strains)] = _points(found, here.shape[1])
         return here
 
     def _sampled(self, chunk: slice, forces: np.ndarray) -> list[np.ndarray]:
         """Forces on the strains sampled at each rule from those on the assumed ones: the transpose of `_assumed`."""
-        if self._low is None:
+        if not self._maps:
             return [forces]
-        tied = forces[:, :, self._tying.tied]
-        roots, low = self._roots[chunk, None], self._projection[chunk].transpose(0, 2, 1) @ tied
-        forces[:, :, self._tying.tied] = roots * tied - self._nearest[chunk].transpose(0, 2, 1) @ (
-            (roots - roots**2) * low)
-        return [forces, (1 - roots**2) * low]
+        low = self._samplings[1].zeros(chunk)
+        for m in reversed(self._maps):
+            own = _rows(forces, m.strains, m.parts)
+            if m.low.shape[2]:
+                low[:, :, slice(*m.sampled)] += _points(_against(m.low[chunk], own), low.shape[1])
+            found = m.root[chunk, None, None] * own + _against(m.gather[chunk], _against(m.spread[chunk], own))
+            forces[:, :, slice(*m.strains)] = _points(found, forces.shape[1])
+        return [forces, low]
 
     def _sample(self, chunk: slice) -> tuple[np.ndarray, list[np.ndarray]]:
         """Assumed strains, and the derivatives of the sampled ones by the jets."""
@@ -174,8 +169,9 @@ class AssumedWork:
         fields = tuple((part.components, *self._full.shapes(number), *self._samplings[-1].shapes(number))
                        for number, part in zip(self.numbers, self._full.parts, strict=True))
         pairs = combinations_with_replacement(self.numbers, 2)
-        add_material(fields, slopes[0], slopes[-1], self._places, self._projection[chunk], self._nearest[chunk],
-                     self._roots[chunk], moduli, tuple(matrices[pair] for pair in pairs))
+        maps = tuple((*m.strains, *m.sampled, m.parts, m.root[chunk], m.low[chunk], m.gather[chunk], m.spread[chunk])
+                     for m in self._maps or [_without_map(len(self._measure))])
+        add_material(fields, slopes[0], slopes[-1], maps, moduli, tuple(matrices[pair] for pair in pairs))
 
 
 class _Sampling(Densities):
@@ -208,6 +204,10 @@ class _Sampling(Densities):
         values = self.evaluate(self._all, chunk)
         return *self._split(values), values[..., self._count:]
 
+    def zeros(self, chunk: slice) -> np.ndarray:
+        """Of the sampled strains' shape, (cells, points, strains)."""
+        return np.zeros((len(self.cells[chunk]), len(self.rule.points), self._size))
+
     def shapes(self, number: int) -> tuple[int, np.ndarray]:
         """Place of a field in the jet, and its shape functions at the points; a place of -1 where it does not occur."""
         if number not in self.numbers:
@@ -226,34 +226,22 @@ class _Sampling(Densities):
         return (slopes @ np.concatenate(changes, axis=2)[..., None])[..., 0]
 
 
-def _measure_and_roots(term: Term, domain: Mesh, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Weights of the points of each cell, (cells, points), and r of its tied strains, (cells, strains).
-
-    It is the root of the mean share: were it not constant in a cell, constant forces would do work on e - P e.
-    """
-    shares = term.tying.shares if term.tying else ()
-    data = ufl.as_vector([ufl.JacobianDeterminant(domain) * term.stretch, *shares])
-    values = at_points(data, term.rule.points).eval(domain, cells)
-    values = values.reshape(len(cells), len(term.rule.points), 1 + len(shares))
-    measure = values[..., 0] * term.rule.weights
-    return measure, np.sqrt(np.einsum("cq,cqi->ci", measure, values[..., 1:]) / measure.sum(axis=1)[:, None])
+def _without_map(cells: int) -> Map:
+    """A map of no strains."""
+    return Map((0, 0), (0, 0), False, np.ones(cells), *3 * [np.zeros((cells, 0, 0))])
 
 
-def _projection(term: Term, domain: Mesh, cells: np.ndarray) -> np.ndarray:
-    """Matrices from values at the low rule's points to P e at those of integration, (cells, points, low points).
-
-    The polynomial is that of strains times area: constant forces then do the work on it that the low rule gives.
-    """
-    tying = term.tying
-    if not tying:
-        return np.empty((len(cells), len(term.rule.points), 0))
-    area = ufl.JacobianDeterminant(domain) * term.stretch
-    areas = [at_points(area, points).eval(domain, cells).reshape(len(cells), -1)
-             for points in (term.rule.points, tying.low.points)]
-    return tying.extrapolation * areas[1][:, None, :] / areas[0][:, :, None]
+def _rows(values: np.ndarray, strains: tuple[int, int], parts: int) -> np.ndarray:
+    """Some strains at points, (cells, points, strains), as columns of each part, (cells, rows, parts)."""
+    block = values[:, :, slice(*strains)]
+    return np.swapaxes(np.swapaxes(block, 1, 2).reshape(len(block), parts, -1), 1, 2)
 
 
-def _along(matrices: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Products of a matrix of each cell with values at its points, (cells, points, ...)."""
-    found = matrices @ values.reshape(*values.shape[:2], -1)
-    return found.reshape(*found.shape[:2], *values.shape[2:])
+def _points(rows: np.ndarray, points: int) -> np.ndarray:
+    """What `_rows` takes from what it gives."""
+    return np.swapaxes(np.swapaxes(rows, 1, 2).reshape(len(rows), -1, points), 1, 2)
+
+
+def _against(matrices: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Products of the transposed matrix of each cell."""
+    return np.swapaxes(matrices, 1, 2) @ rows

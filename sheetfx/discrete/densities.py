@@ -5,14 +5,12 @@ from __future__ import annotations
 from functools import cached_property
 from itertools import combinations_with_replacement, product
 
-import basix.ufl
 import numpy as np
 import ufl
 from dolfinx import fem
 from dolfinx.mesh import Mesh
 
-from ..jit import compiled_expression
-from ..mesh.numbers import with_constants
+from ..mesh.at_points import at_points, put, values_at_points
 from ..mesh.quadrature import Rule
 from ..model.work import Term
 from .jets import FieldJet, as_function_of_jet
@@ -152,24 +150,6 @@ class PointwiseWork(Densities):
         """Add element matrices (cells, pairs of components, n, m) by numbers of fields; return held forces."""
         values = self.evaluate(self._stiffness, chunk)
         return self.integrated(values[:, :, self.add_products(values, matrices):])
-
-
-def at_points(expression, points: np.ndarray) -> fem.Expression:
-    """A UFL expression to be evaluated at reference points of cells."""
-    return compiled_expression(expression, points, with_constants)
-
-
-def values_at_points(domain: Mesh, cells: np.ndarray, rule: Rule, shape: tuple) -> tuple[fem.Function, np.ndarray]:
-    """Given values at the points of a rule as a function, and for each of the cells its rows in `x.array`."""
-    element = basix.ufl.quadrature_element(domain.basix_cell(), value_shape=shape, points=rule.points,
-                                           weights=rule.weights)
-    function = fem.Function(fem.functionspace(domain, element))
-    return function, function.function_space.dofmap.list[cells]
-
-
-def put(function: fem.Function, rows: np.ndarray, values: np.ndarray) -> None:
-    """Give a function of `values_at_points` values of shape (cells, points, components)."""
-    function.x.array.reshape(-1, values.shape[2])[rows.ravel()] = values.reshape(-1, values.shape[2])
 
 
 def component_pairs(rows: int, columns: int, same: bool) -> list[tuple[int, int]]:

@@ -153,9 +153,14 @@ class ElementWork(Contribution):
         """Whether a law has history."""
         return bool(self._memories)
 
+    @property
+    def resultants_inside(self) -> bool:
+        """Whether resultants are those of assumed strains, or of history, known at the points of integration."""
+        return self.remembers or any(t.tying and not t.tying.exact for t in self.internal.terms)
+
     def resultants(self) -> np.ndarray:
-        """Present resultants of a law with history at the points of integration, (cells, points, resultants)."""
-        ((term, _),) = self._memories
+        """Present resultants of its only term at the points of integration, (cells, points, resultants)."""
+        (term,) = self._terms
         return np.concatenate([term.resultants(chunk) for chunk in self._chunks])
 
     @property

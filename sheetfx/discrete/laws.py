@@ -8,9 +8,9 @@ import numpy as np
 import ufl
 from dolfinx.mesh import Mesh
 
+from ..mesh.at_points import at_points, put, values_at_points
 from ..mesh.quadrature import Rule
 from ..model.history import LawWithHistory
-from .densities import at_points, put, values_at_points
 
 SAME = 1e-6  # relative difference of moduli that is rounding
 PIECES = 4  # of the way between two states, along which a law is followed

@@ -49,25 +49,37 @@ def _by_nodes(slopes, start, components, table, rows):
 
 
 @_within
-def _tie(rows, low, projection, nearest, root):
-    """Replace a tied strain by the assumed one; `low` is written over by the polynomial."""
-    points, width = rows.shape
-    for p in range(len(low)):
-        polynomial = low[p]
-        for m in range(width):
-            polynomial[m] *= 1 - root**2
-        for q in range(points):
-            weight, row = (root - root**2) * nearest[p, q], rows[q]
-            for m in range(width):
-                polynomial[m] -= weight * row[m]
-    for q in range(points):
-        row = rows[q]
-        for m in range(width):
-            row[m] *= root
-        for p in range(len(low)):
-            weight, polynomial = projection[q, p], low[p]
-            for m in range(width):
-                row[m] += weight * polynomial[m]
+def _add_product(target, matrix, rows):
+    """Add the product of a small matrix with rows."""
+    for i in range(matrix.shape[0]):
+        row = target[i]
+        for j in range(matrix.shape[1]):
+            entry, other = matrix[i, j], rows[j]
+            for m in range(len(row)):
+                row[m] += entry * other[m]
+
+
+@_within
+def _map(rows, low, values, root, from_low, gather, spread):
+    """Replace strains by root times these, what the low ones give, and what is gathered of them and spread."""
+    gathered = values[: len(gather)]
+    gathered[:] = 0
+    _add_product(gathered, gather, rows)
+    rows *= root
+    _add_product(rows, from_low, low)
+    _add_product(rows, spread, gathered)
+
+
+@_within
+def _whole(strains, maps):
+    """A range of strains, and all that maps mix with them."""
+    first, last = strains
+    for _ in range(len(maps)):
+        for m in range(len(maps)):
+            start, end, parts = maps[m][0], maps[m][1], maps[m][4]
+            if parts == 1 and start < last and first < end:
+                first, last = min(start, first), max(end, last)
+    return first, last
 
 
 @_within
@@ -100,7 +112,7 @@ def _add_component_pairs(matrices, found, rows, columns, same):
 
 
 @numba.njit(cache=True, fastmath=True)
-def add_material(fields, slopes, low_slopes, tied, projection, nearest, roots, moduli, matrices):
+def add_material(fields, slopes, low_slopes, maps, moduli, matrices):
     """Add B*^T C B* to element matrices.
 
     Parameters
@@ -108,29 +120,41 @@ def add_material(fields, slopes, low_slopes, tied, projection, nearest, roots, m
     fields : for each its number of components, its place in the jet and its shape functions, (orders, points, nodes),
         at the points of integration, and the same two at the low points; a place of -1: the strains there do without it
     slopes, low_slopes : derivatives of the strains by the jet, (cells, points, strains, jet)
-    tied : for each strain its number among those at the low points, -1 for one that is not tied
-    projection, nearest, roots : see `assumed.AssumedWork`
+    maps : for each the range of its strains, and of what is sampled at the low points, the number of parts, and its
+        matrices, see `model.tying.Map`
     moduli : times the weights of the points, (cells, points, strains, strains)
     matrices : for each pair of fields (cells, pairs of components, n, m)
     """
     cells, points, strains, _ = slopes.shape
+    lows, sampled = low_slopes.shape[1], low_slopes.shape[2]
     widths = [components * table.shape[2] for components, _, table, _, _ in fields]
     nodal = [np.empty((strains * points, width)) for width in widths]
     forces = [np.empty((strains * points, width)) for width in widths]
-    low = [np.empty((low_slopes.shape[1], width)) for width in widths]
-    ranges = [_depending(slopes, start, components * len(table)) for components, start, table, _, _ in fields]
+    low = [np.zeros((sampled * lows, width)) for width in widths]
+    most = 0
+    for m in range(len(maps)):
+        most = max(most, maps[m][7].shape[1])
+    values = [np.empty((most, width)) for width in widths]
+    ranges = [_whole(_depending(slopes, start, components * len(table)), maps)
+              for components, start, table, _, _ in fields]
     for c in range(cells):
         for n, (components, start, table, low_start, low_table) in enumerate(fields):
             first, last = ranges[n]
             for i in range(first, last):
-                rows = nodal[n][i * points: (i + 1) * points]
-                _by_nodes(slopes[c, :, i], start, components, table, rows)
-                if tied[i] >= 0:
-                    if low_start < 0:
-                        low[n][:] = 0
-                    else:
-                        _by_nodes(low_slopes[c, :, tied[i]], low_start, components, low_table, low[n])
-                    _tie(rows, low[n], projection[c], nearest[c], roots[c, tied[i]])
+                _by_nodes(slopes[c, :, i], start, components, table, nodal[n][i * points: (i + 1) * points])
+            for k in range(len(maps)):
+                begin, end, low_begin, low_end, parts, root, from_low, gather, spread = maps[k]
+                if low_start >= 0 and begin < last and first < end:
+                    for i in range(low_begin, low_end):
+                        _by_nodes(low_slopes[c, :, i], low_start, components, low_table,
+                                  low[n][i * lows: (i + 1) * lows])
+                size, low_size = (end - begin) // parts, (low_end - low_begin) // parts
+                for part in range(parts):
+                    at, below = begin + part * size, low_begin + part * low_size
+                    if size > 0 and first <= at < last:
+                        rows = nodal[n][at * points: (at + size) * points]
+                        _map(rows, low[n][below * lows: (below + low_size) * lows], values[n], root[c], from_low[c],
+                             gather[c], spread[c])
             _multiply(moduli[c], nodal[n], first, last, forces[n])
         pair = 0
         for n in range(len(fields)):

@@ -35,11 +35,11 @@ def section_forces(discretisation: Discretisation, part) -> np.ndarray:
     """Stress resultants of a part now, shape (cells, points, resultants).
 
     They are evaluated where they are most exact, at the points of a reduced rule (Barlow 1976): elsewhere in a cell,
-    and at nodes above all, the shear force of a slender part is many times too large. Laws with history know them at
-    their points of integration alone.
+    and at nodes above all, the shear force of a slender part is many times too large. Laws with history, and strains
+    that are interpolated, are known at the points of integration alone.
     """
     work = discretisation.work_of(part)
-    if work.remembers:
+    if work.resultants_inside:
         return work.resultants()
     resultants, points = _resultants(discretisation, part)
     return _evaluated(part, resultants, points)
@@ -59,7 +59,7 @@ def section_points(discretisation: Discretisation, part) -> SectionPoints:
     place = x + kinematics.u + sum((c * axis for c, axis in arms if c), 0 * x)
     values = ufl.as_vector([v[i] for v in (x, place, *axes) for i in range(d)])
     work = discretisation.work_of(part)
-    points = work.points if work.remembers else _resultants(discretisation, part)[1]
+    points = work.points if work.resultants_inside else _resultants(discretisation, part)[1]
     table = _evaluated(part, values, points)
     table = table.reshape(*table.shape[:2], 2 + len(axes), d)
     return SectionPoints(table[:, :, 0], table[:, :, 1], table[:, :, 2:])

@@ -23,21 +23,22 @@ from ..mesh.quadrature import Rule, extrapolation, gauss, simplex
 from ..mesh.reader import NamedMesh
 from .gradient import require_law
 from .history import LAW, LawWithHistory, has_history
+from .interpolation import Interpolation
 from .own_forms import require_strains
 from .places import require_group
 from .plasticity import section_law
 from .plate import Plate, ShellSection
 from .section import Elastic
-from .work import Internal, Term, Tying
+from .tying import LowerRule, Tying
+from .work import Internal, Term
 
 TRIANGLE, QUADRILATERAL = basix.CellType.triangle, basix.CellType.quadrilateral
 ALONG_NORMAL = 1e-6  # part of a direction along a surface that is too small
-TIED = 0, 1, 2, 6, 7, 8  # membrane, shear and drilling strains
 
 
 @dataclass(frozen=True)
 class ShellForm:
-    """A discrete form: spaces of displacement and rotation, and what is integrated with which rule.
+    """A discrete form: spaces of displacement and rotation, and where strains are taken.
 
     Attributes
     ----------
@@ -46,9 +47,6 @@ class ShellForm:
     low, full : quadrature rules; membrane, shear and drilling energies are integrated with (1 - share) of the low
         and `share` of the full rule, bending with the full rule (partial selective reduced integration, Arnold and
         Brezzi 1997; drilling with the full rule would lock thin curved cells)
-    facets : whether the low rule leaves flat cells too soft in their plane, so that these need the full rule there.
-        Such triangles are too soft in short waves as well: four along the edge of a square plate buckle in waves of
-        their size from twice the first load on, which finer ones do not (quadrilaterals do not)
     """
 
     cell: basix.CellType
@@ -56,29 +54,31 @@ class ShellForm:
     rotation: tuple[str, int]
     low: Rule
     full: Rule
-    facets: bool = False
 
     def __post_init__(self):
         check(self)
 
-    def shares(self, frame, thickness):
-        """Shares of the full rule in the energies of the membrane, and of shear and drilling; at most 1.
+    def share(self, domain, thickness):
+        """Share of the full rule, at most 1: thickness^2 / area.
 
-        thickness^2 / area keeps the parasitic energy of a bent cell below its bending energy; membranes whose low
-        rule is too soft get 1 / (5 curvature^2 area) times more, which is everything where they are flat.
+        It keeps the parasitic energy of a bent cell below its bending energy.
         """
-        area = ufl.JacobianDeterminant(frame.domain)
-        share = thickness**2 / area
-        membrane = share
-        if self.facets:
-            bent = sum(ufl.inner(s, s) for s in (frame.along(frame.director, t) for t in frame.tangents))
-            membrane = share * (1 + 0.2 / (bent * area + 1e-12))
-        return ufl.min_value(1.0, membrane), ufl.min_value(1.0, share)
+        return ufl.min_value(1.0, thickness**2 / ufl.JacobianDeterminant(domain))
 
-    def tying(self, frame, thickness) -> Tying:
-        """Membrane, shear and drilling strains are tied to the low rule, bending is as it is."""
-        stretch, rest = self.shares(frame, thickness)
-        return Tying(self.low, extrapolation(self.cell, self.low, self.full), TIED, [*3 * [stretch], *3 * [rest]])
+    def tying(self, shell: Shell, frame, cells: np.ndarray) -> Tying:
+        """Strains that the law of a shell is given on the cells of this process."""
+        thickness = as_constants(frame.domain, shell.section.thickness)
+        return LowerRule(self.low, extrapolation(self.cell, self.low, self.full), self.share(frame.domain, thickness))
+
+
+@dataclass(frozen=True)
+class TriangleForm(ShellForm):
+    """Triangles with strains of their own spaces, see `interpolation.Interpolation`; `low` has as many as bending."""
+
+    def tying(self, shell: Shell, frame, cells: np.ndarray) -> Tying:
+        stiffness, thickness = shell.section.stiffness(shell.material), shell.section.thickness
+        return Interpolation(frame, thickness, stiffness.uncoupled[3:8, 3:8], shell.mesh.domain, cells, self.full,
+                             self.displacement[1])
 
 
 def _quadrilateral(degree: int) -> ShellForm:
@@ -87,12 +87,18 @@ def _quadrilateral(degree: int) -> ShellForm:
                      gauss(QUADRILATERAL, degree + 1, degree + 1))
 
 
+def _triangle(degree: int, exact: int) -> TriangleForm:
+    """Equal degree of displacement and rotation on triangles, and of the polynomials that are integrated exactly."""
+    return TriangleForm(TRIANGLE, ("P", degree), ("P", degree), simplex(degree), simplex(exact))
+
+
 FORMS = {
     "naghdi-q2": _quadrilateral(2),
     "naghdi-q3": _quadrilateral(3),
-    "naghdi-p2cr": ShellForm(TRIANGLE, ("P", 2), ("CR", 1), simplex(1), simplex(2), facets=True),
-    "naghdi-p3": ShellForm(TRIANGLE, ("P", 3), ("P", 3), simplex(2), simplex(6), facets=True),
+    "naghdi-t2": _triangle(2, 4),
+    "naghdi-t3": _triangle(3, 6),
 }
+FORMER = {"naghdi-p2cr": "naghdi-t2", "naghdi-p3": "naghdi-t3"}  # which were too soft on curved surfaces
 
 
 def named_form(name: str) -> ShellForm:
@@ -103,6 +109,8 @@ def named_form(name: str) -> ShellForm:
     ValueError
         Where there is none.
     """
+    if name in FORMER:
+        raise ValueError(f"Shell: form {name!r} is gone, as it was too soft on curved surfaces; take {FORMER[name]!r}")
     if name not in FORMS:
         raise ValueError(f"Shell: no form {name!r}; choose from {', '.join(FORMS)}")
     return FORMS[name]
@@ -213,25 +221,25 @@ class Shell:
         return self.mesh.integral({"quadrature_degree": 2 * self.discrete.displacement[1]}, self.group)
 
     def _strains_and_law(self, u, rotation):
-        """All nine strains of the mid-surface, the section law, and the area of it per area of the meshed surface."""
+        """All nine strains of the mid-surface, the section law, its frame, and its area per meshed area."""
         stiffness, law = as_constants(self.mesh.domain, self.section.stiffness(self.material)), self.section_law
         frame, area = self.frame(), 1.0
         if self.offset:
             u, frame, area = forms.shell.off_the_surface(u, rotation, frame, self._distance)
         strains = (self.strains or forms.shell.naghdi)(u, rotation, frame)
-        return strains.vector, law if has_history(law) else lambda e: law(e, stiffness), area
+        return strains.vector, law if has_history(law) else lambda e: law(e, stiffness), frame, area
 
     def resultants(self, u, rotation):
         """Forces and moments as a UFL vector, and the points of a cell at which they are most exact: the low rule's."""
-        strains, law, _ = self._strains_and_law(u, rotation)
+        strains, law, _, _ = self._strains_and_law(u, rotation)
         return law(strains), self.discrete.low.points
 
     def internal(self, u, rotation) -> Internal:
         """Internal virtual work."""
-        form, thickness = self.discrete, as_constants(self.mesh.domain, self.section.thickness)
-        strains, law, area = self._strains_and_law(u, rotation)
-        term = Term(strains, law, form.full, form.tying(self.frame(), thickness), area)
-        return Internal([term], self.mesh.domain, self.mesh.group(self.group))
+        strains, law, frame, area = self._strains_and_law(u, rotation)
+        cells = self.mesh.group(self.group)
+        term = Term(strains, law, self.discrete.full, self.discrete.tying(self, frame, cells), area)
+        return Internal([term], self.mesh.domain, cells)
 
 
 def surface_frame(domain, axis=None) -> forms.shell.SurfaceFrame:

@@ -10,24 +10,7 @@ from dolfinx.mesh import Mesh
 
 from ..mesh.quadrature import Rule
 from .history import LawWithHistory
-
-
-@dataclass(frozen=True)
-class Tying:
-    """Assumed strains, see `discrete.assumed`.
-
-    Attributes
-    ----------
-    low : rule at whose points strains are sampled
-    extrapolation : matrix from values at the low rule's points to those at the points of integration
-    tied : places of the strains that are tied; others are as they are
-    shares : UFL scalar for each of them, the share of its energy that is integrated with the full rule
-    """
-
-    low: Rule
-    extrapolation: np.ndarray
-    tied: Sequence[int]
-    shares: Sequence
+from .tying import Tying
 
 
 @dataclass(frozen=True)

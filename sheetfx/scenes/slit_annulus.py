@@ -31,7 +31,7 @@ PUBLISHED = Published("Sze, Liu and Lo (2004)", 3.2, (
 # the thickness: 13.8637, 17.5013 (48 x 10 cells graded to all edges: 13.8635, 17.5011; naghdi-q3 on 60 x 12 equal
 # cells: 13.8634, 17.5010). The table, 13.891 and 17.528, does not resolve these layers.
 REFERENCE = {"w_A": 13.8636, "w_B": 17.5012}
-CHART = members({"naghdi-q2": (15, 30), "naghdi-q3": (12, 15, 18), "naghdi-p2cr": (30, 60)}, steps=4)
+CHART = members({"naghdi-q2": (15, 30), "naghdi-q3": (12, 15, 18), "naghdi-t2": (15, 30)}, steps=4)
 PEERS = [{"driver": "kratos", "arguments": [
     "slit-annulus", "--cells", "30", "--across", "6", "--steps", "20", "--solver", "sparse_lu"]}]
 
