@@ -27,10 +27,13 @@ QUICK = bool(os.environ.get("SHEETFX_QUICK"))
 
 # %%
 def grid(nx, ny, kind, distortion=0.0):
-    """Vertices and cells: "quad", "left", "right" (diagonals) or "cross"; inner vertices moved at random."""
+    """Vertices and cells: "quad", "left", "right" (diagonals) or "cross"; inner vertices moved at random.
+
+    Those at half the height stay there, where problems change the size of their cells.
+    """
     places = np.stack(np.meshgrid(np.linspace(0, 1, nx + 1), np.linspace(0, 1, ny + 1), indexing="ij"), axis=-1)
     moved = np.random.default_rng(3).uniform(-1, 1, places.shape) * distortion / np.array([nx, ny])
-    moved[[0, -1], :, 0] = moved[:, [0, -1], 1] = 0.0
+    moved[[0, -1], :, 0] = moved[:, [0, ny // 2, -1], 1] = 0.0
     places, cells = list((places + moved).reshape(-1, 2)), []
     for i in range(nx):
         for j in range(ny):
@@ -70,17 +73,20 @@ def build(places, cells):
 
 
 def unstructured(nx, ny):
-    """Triangles as gmsh makes them by default, nx and ny cells along the edges of a rectangle as long."""
+    """Triangles as gmsh makes them by default, in a lower and an upper half of a rectangle nx by ny, of size 1."""
     geo = gmsh.model.geo
-    corners = {"south-west": (0, 0), "south-east": (nx, 0), "north-east": (nx, ny), "north-west": (0, ny)}
-    points = [geo.addPoint(*at, 0, 1.0) for at in corners.values()]
-    lines = [geo.addLine(points[i], points[(i + 1) % 4]) for i in range(4)]
-    inside = geo.addPlaneSurface([geo.addCurveLoop(lines)])
+    places = [(0, 0), (nx, 0), (nx, ny / 2), (nx, ny), (0, ny), (0, ny / 2)]
+    points = [geo.addPoint(*at, 0, 1.0) for at in places]
+    lines = [geo.addLine(points[i], points[(i + 1) % 6]) for i in range(6)]
+    middle = geo.addLine(points[2], points[5])
+    halves = [geo.addPlaneSurface([geo.addCurveLoop(loop)])
+              for loop in ([*lines[:2], middle, lines[5]], [*lines[2:5], -middle])]
     geo.synchronize()
-    gmsh.model.addPhysicalGroup(2, [inside], name="surface")
-    for dimension, tags, names in ((1, lines, ("south", "east", "north", "west")), (0, points, corners)):
-        for tag, name in zip(tags, names, strict=True):
-            gmsh.model.addPhysicalGroup(dimension, [tag], name=name)
+    gmsh.model.addPhysicalGroup(2, halves, name="surface")
+    for name, of in {"south": [0], "east": [1, 2], "north": [3], "west": [4, 5]}.items():
+        gmsh.model.addPhysicalGroup(1, [lines[n] for n in of], name=name)
+    for name, n in {"south-west": 0, "south-east": 1, "north-east": 3, "north-west": 4}.items():
+        gmsh.model.addPhysicalGroup(0, [points[n]], name=name)
 
 
 def surface(form, nx, ny, kind, place):
@@ -192,7 +198,7 @@ def plate(form, n, kind="left", t=1e-3):
 
 def hyperboloid(form, n, kind="left", t=1e-3, clamped=True):
     """Hyperboloid under a pressure of cos 2 theta (Hiller and Bathe 2003): energy; cells graded to a clamped end."""
-    layer = min(0.5, 6 * t**0.5) if clamped else 0.5
+    layer = min(0.5, 6 * t**0.5) if clamped else 0.5  # that half of the cells are in
 
     def place(p):
         y = np.where(p[:, 1] < 0.5, 2 * p[:, 1] * (1 - layer), 1 - layer + (2 * p[:, 1] - 1) * layer)
