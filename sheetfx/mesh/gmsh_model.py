@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -12,12 +12,14 @@ from mpi4py import MPI
 from scipy.sparse import coo_array, triu
 
 from ..compat import gmsh_cells
+from ..notices import warn
 from .quality import bad_cells, refuse
+from .raised import raise_order
 
 Source = Callable[[], None] | str | Path
 
 ORDERS = 1, 2, 3
-CURVED = 2  # order of cells that a place bends, the degree of shells and beams by default
+CURVED = 2  # order of cells that the geometry or a place bends, the degree of shells and beams by default
 STRAIGHT = 1e-9  # distance of a middle from between its ends, over the size of the structure, that is rounding
 INTERVALS, TRIANGLES, QUADRILATERALS = ("intervals", 2), ("triangles", 3), ("quadrilaterals", 4)
 KINDS = {1: INTERVALS, 8: INTERVALS, 26: INTERVALS, 2: TRIANGLES, 9: TRIANGLES, 21: TRIANGLES, 3: QUADRILATERALS,
@@ -47,6 +49,11 @@ class Cells:
         """Nodes of the cells of some entities, or of all, one behind the other."""
         return np.concatenate([self.nodes[e] for e in sorted(set(self.nodes if entities is None else entities))])
 
+    @property
+    def straight(self) -> bool:
+        """Whether they have no nodes but those at their corners."""
+        return all(nodes.shape[1] == KINDS[self.kind][1] for nodes in self.nodes.values())
+
     def source(self) -> np.ndarray:
         """Entity of each cell."""
         return np.repeat(sorted(self.nodes), [len(self.nodes[e]) for e in sorted(self.nodes)])
@@ -54,6 +61,11 @@ class Cells:
     def corners(self, entities: Iterable[int] | None = None) -> np.ndarray:
         """Nodes at the corners of the cells of some entities, or of all."""
         return self.table(entities)[:, :KINDS[self.kind][1]]
+
+    def sides(self) -> np.ndarray:
+        """Nodes at the ends of each edge of each cell, in order around it."""
+        corners = self.corners()
+        return np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2)
 
     def of(self, names: Iterable[str]) -> Cells:
         """Those of some groups alone."""
@@ -71,6 +83,7 @@ class Model:
     x : places of its nodes in space; those without cells are not numbers
     curves, surfaces : Cells
     points : name -> nodes
+    said : what was done to its cells, for a warning; empty where nothing was
     identity : what tells meshes of this model from those of others, on one process
     """
 
@@ -79,6 +92,7 @@ class Model:
     curves: Cells
     surfaces: Cells
     points: dict[str, np.ndarray]
+    said: str = ""
     identity: object = field(default_factory=object)
 
     def points_on(self, cells: Cells) -> dict[str, np.ndarray]:
@@ -98,9 +112,7 @@ class Model:
 
     def edges(self) -> np.ndarray:
         """A number for each edge of the cells of surfaces, shape (cells, corners)."""
-        faces = self.surfaces.corners()
-        ends = np.stack([faces, np.roll(faces, -1, axis=1)], axis=2)
-        return self.pairs(ends.reshape(-1, 2)).reshape(faces.shape)
+        return self.pairs(self.surfaces.sides()).reshape(-1, KINDS[self.surfaces.kind][1])
 
     def pairs(self, nodes: np.ndarray) -> np.ndarray:
         """A number for each pair of nodes, whatever its order."""
@@ -114,7 +126,7 @@ def read_model(source: Source, who: str, order: int | None, place: Callable | No
     ----------
     source : function without arguments that fills the gmsh model and names physical groups, or path of a .msh file
     who : reads it, for messages
-    order : of the geometry; None: 1, or that of the file, and 2 where the place bends straight cells
+    order : of the geometry; None: see `read`
     place : function from coordinates of nodes to those in space; None: the same
     """
     what = who if callable(source) else f"{who} {str(source)!r}"
@@ -129,6 +141,8 @@ def read_model(source: Source, who: str, order: int | None, place: Callable | No
     model, error = comm.bcast((model, error), root=0)
     if error is not None:
         raise error
+    if model.said and not comm.rank:
+        warn(model.said)
     return model
 
 
@@ -138,37 +152,57 @@ def _model(source: Source, what: str, order: int | None, place: Callable | None)
     gmsh.initialize(interruptible=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)
-        _fill(gmsh, source, what, order)
+        _fill(gmsh, source, what)
         if gmsh.model.getNumberOfPartitions():
             gmsh.model.mesh.unpartition()
+        _curve(gmsh.model, what, order, place)
         curves, surfaces = (_cells(gmsh.model, dimension, what) for dimension in (1, 2))
-        tables = [nodes.ravel() for cells in (curves, surfaces) for nodes in cells.nodes.values()]
-        if not tables:
-            raise ValueError(f"{what}: no named curve or surface has cells; mesh the model, and save it in version 4.1")
         points = {_name(gmsh.model, 0, tag): gmsh.model.mesh.getNodesForPhysicalGroup(0, tag)[0].astype(np.int64) - 1
                   for _, tag in gmsh.model.getPhysicalGroups(0)}
-        if order is None and place is not None and _bends(gmsh.model, curves, surfaces, place):
-            gmsh.model.mesh.setOrder(CURVED)
-            gmsh.model.mesh.renumberNodes()
-            curves, surfaces = (_cells(gmsh.model, dimension, what) for dimension in (1, 2))
-            tables = [nodes.ravel() for cells in (curves, surfaces) for nodes in cells.nodes.values()]
-        x = _places(gmsh.model, np.unique(np.concatenate(tables)), what, place)
+        used = np.concatenate([nodes.ravel() for cells in (curves, surfaces) for nodes in cells.nodes.values()])
+        x = _places(gmsh.model, np.unique(used), what, place)
     finally:
         gmsh.finalize()
     model = Model(what, x, curves, surfaces, points)
     _check_cells(model, place is not None)
     _check_doubles(model)
+    if surfaces.nodes and surfaces.straight and order != 1 and (found := raise_order(x, surfaces, curves, order)):
+        model = Model(what, found.x, found.curves, found.surfaces, points, found.said and f"{what}: {found.said}")
     return model
 
 
-def _fill(gmsh, source: Source, what: str, order: int | None) -> None:
+def _curve(model, what: str, order: int | None, place: Callable | None) -> None:
+    """Give cells the order that is asked for where gmsh or the place know how they are curved."""
+    curves, surfaces = (_cells(model, dimension, what) for dimension in (1, 2))
+    used = [cells for cells in (surfaces, curves) if cells.nodes]
+    if not used:
+        raise ValueError(f"{what}: no named curve or surface has cells; mesh the model, and save it in version 4.1")
+    straight, discrete = all(cells.straight for cells in used), _is_discrete(model)
+    placed = straight and place is not None and _bends(model, used, place)
+    if order and (placed or not (straight and discrete and surfaces.nodes)):
+        model.mesh.setOrder(order)
+    elif placed:
+        model.mesh.setOrder(CURVED)
+        model.mesh.renumberNodes()
+    elif straight and not order and not discrete and surfaces.nodes:
+        model.mesh.setOrder(CURVED)
+        if not _is_curved(model, _cells(model, 2, what)):
+            model.mesh.setOrder(1)
+
+
+def _is_discrete(model) -> bool:
+    """Whether some surface of a group is known by its mesh alone, as in files."""
+    entities = {int(e) for _, tag in model.getPhysicalGroups(2) for e in model.getEntitiesForPhysicalGroup(2, tag)}
+    return any(model.getType(2, entity).startswith("Discrete") for entity in entities)
+
+
+def _fill(gmsh, source: Source, what: str) -> None:
     """Mesh what a function builds, or open a file."""
     if callable(source):
         gmsh.model.add("model")
         source()
         _check_groups(gmsh.model, what)
         gmsh.model.mesh.generate(max(d for d, _ in gmsh.model.getPhysicalGroups()))
-        gmsh.model.mesh.setOrder(order or 1)
         return
     file = Path(source)
     if not file.is_file():
@@ -182,8 +216,6 @@ def _fill(gmsh, source: Source, what: str, order: int | None) -> None:
     _check_groups(gmsh.model, what)
     for entity in gmsh.model.getEntities():  # versions 1 and 2 save a cell once for each group that it is in
         gmsh.model.mesh.removeDuplicateElements([entity])
-    if order:
-        gmsh.model.mesh.setOrder(order)
     gmsh.model.mesh.renumberNodes()
 
 
@@ -250,27 +282,36 @@ def _cells(model, dimension: int, what: str) -> Cells:
     return cells
 
 
-def _bends(model, curves: Cells, surfaces: Cells, place: Callable) -> bool:
+def _bends(model, used: Sequence[Cells], place: Callable) -> bool:
     """Whether a function bends straight cells: middles of their edges do not come to lie between the ends of these."""
-    used = [cells for cells in (surfaces, curves) if cells.nodes]
-    if any(KINDS[cells.kind][1] != cells.table().shape[1] for cells in used):
-        return False
+    x = _table(model)
+    ends = np.concatenate([cells.sides() for cells in used])
+    ends = x[np.unique(np.sort(ends, axis=1), axis=0)]
+    placed, middles = [np.asarray(place(ends[:, i]), dtype=float) for i in (0, 1)], place(ends.mean(axis=1))
+    return _off(middles, *placed)
+
+
+def _is_curved(model, cells: Cells) -> bool:
+    """Whether middles of edges of cells of second order lie beside those of the chords."""
+    x, corners = _table(model), KINDS[cells.kind][1]
+    return _off(x[cells.table()[:, corners:2 * corners].ravel()], *np.moveaxis(x[cells.sides()], 1, 0))
+
+
+def _off(middles: np.ndarray, begin: np.ndarray, end: np.ndarray) -> bool:
+    return bool((np.abs(middles - (begin + end) / 2) > STRAIGHT * np.linalg.norm(np.ptp(begin, axis=0))).any())
+
+
+def _table(model) -> np.ndarray:
+    """Places of the nodes of a gmsh model by their numbers, which count from 0."""
     numbers, x, _ = model.mesh.getNodes()
     table = np.full((int(numbers.max()), 3), np.nan)
     table[numbers.astype(np.int64) - 1] = x.reshape(-1, 3)
-    corners = [cells.corners() for cells in used]
-    ends = np.concatenate([np.stack([c, np.roll(c, -1, axis=1)], axis=2).reshape(-1, 2) for c in corners])
-    ends = table[np.unique(np.sort(ends, axis=1), axis=0)]
-    placed, middles = [np.asarray(place(ends[:, i]), dtype=float) for i in (0, 1)], place(ends.mean(axis=1))
-    size = np.linalg.norm(np.ptp(placed[0], axis=0))
-    return bool((np.abs(middles - np.mean(placed, axis=0)) > STRAIGHT * size).any())
+    return table
 
 
 def _places(model, used: np.ndarray, what: str, place: Callable | None) -> np.ndarray:
     """Places of nodes in space, computed once for all meshes that are made of the model."""
-    numbers, x, _ = model.mesh.getNodes()
-    table = np.full((int(numbers.max()), 3), np.nan)
-    table[numbers.astype(np.int64) - 1] = x.reshape(-1, 3)
+    table = _table(model)
     placed = np.full_like(table, np.nan)
     placed[used] = table[used] if place is None else place(table[used])
     finite = np.isfinite(placed[used]).all(axis=1)

@@ -59,19 +59,30 @@ def bad_cells(element, x: np.ndarray, groups: Mapping[str, np.ndarray], extent: 
     groups : name -> numbers of cells
     extent : size of the mesh
     """
-    values, sizes, places = (np.concatenate(parts) for parts in zip(
-        *(_looked_at(element, x[i:i + CHUNK]) for i in range(0, max(len(x), 1), CHUNK)), strict=True))
+    ranks, places = scaled_jacobians(element, x, extent)
     dimension = len(basix.topology(element.cell_type)) - 1
-    none = sizes <= FLAT * extent**dimension
-    ranks = np.where(none, -np.inf, values)
     found = []
     for name, cells in groups.items():
         bad = np.asarray(cells, dtype=np.int64)
         bad = bad[ranks[bad] <= STRAIGHT]
         if len(bad):
             worst = bad[np.argmin(ranks[bad])]
-            found.append(Bad(name, len(bad), None if none[worst] else float(values[worst]), places[worst], dimension))
+            value = float(ranks[worst]) if np.isfinite(ranks[worst]) else None
+            found.append(Bad(name, len(bad), value, places[worst], dimension))
     return found
+
+
+def scaled_jacobians(element, x: np.ndarray, extent: float) -> tuple[np.ndarray, np.ndarray]:
+    """Least scaled Jacobian of each cell, minus infinity where it has no extent, and its place.
+
+    Parameters
+    ----------
+    element, x, extent : as of `bad_cells`
+    """
+    values, sizes, places = (np.concatenate(parts) for parts in zip(
+        *(_looked_at(element, x[i:i + CHUNK]) for i in range(0, max(len(x), 1), CHUNK)), strict=True))
+    dimension = len(basix.topology(element.cell_type)) - 1
+    return np.where(sizes <= FLAT * extent**dimension, -np.inf, values), places
 
 
 def refuse(what: str, found: Sequence[Bad], remedy: str) -> None:

@@ -204,8 +204,9 @@ def read(source: Source, dimension: Annotated[int, Choice((2, 3))],
     ----------
     source : function without arguments that fills the gmsh model and names physical groups, or path of a .msh file
     dimension : 2 or 3, of the space that the structure lies in
-    order : of the geometry: 1, 2 or 3 (2 or more: curved elements), best the degree of the form; None: 1, or that of
-        the file, and 2 where `place` bends straight cells
+    order : of the geometry: 1 (flat cells), 2 or 3 (curved ones), best the degree of the form; None: 2 where the model
+        or `place` bends surfaces, or where flat cells of a file seem to be a curved surface, which are raised with
+        normals fitted to their neighbours; elsewhere 1, or that of the file
     place : function from coordinates in the gmsh model, shape (n, 3), to those in space, shape (n, 3), for
         structures that are meshed in the plane of their parameters
 
