@@ -10,7 +10,8 @@ import numpy as np
 from mpi4py import MPI
 
 from ..checks import Choice, checked
-from .gmsh_model import DIMENSIONS, Cells, Model, Source, read_model
+from .cells import Cells
+from .gmsh_model import DIMENSIONS, Model, Source, read_model
 from .partition import BarsOnSurfaces
 from .reader import NamedMesh, named_mesh
 

@@ -25,7 +25,8 @@ from scipy.sparse.csgraph import connected_components
 
 from ..compat import gmsh_cells
 from ..notices import listed
-from .gmsh_model import DIMENSIONS, KINDS, Cells, Model
+from .cells import KINDS, Cells
+from .gmsh_model import DIMENSIONS, Model
 
 SHOWN = 5  # names in a message
 ROUNDING = 1e-6  # difference of cosines that is rounding of the coordinates

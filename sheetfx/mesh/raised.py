@@ -16,17 +16,14 @@ of cubic triangles by precision for quadratic surfaces).
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..compat import gmsh_cells
 from ..notices import listed
+from .cells import Cells
 from .facets import Facets, sharp, unit
 from .quality import STRAIGHT, scaled_jacobians
-
-if TYPE_CHECKING:
-    from .gmsh_model import Cells
 
 RAISED = {1: {2: 8, 3: 26}, 2: {2: 9, 3: 21}, 3: {2: 10, 3: 36}}  # gmsh's numbers of kinds of cells, by order
 NONE = 1e-9  # rise, over the size of the structure, that is rounding

@@ -16,7 +16,8 @@ from mpi4py import MPI
 from ..checks import Choice, checked
 from ..compat import geometry_degree, geometry_nodes, gmsh_mesh
 from ..notices import warn
-from .gmsh_model import Cells, Model, Source, read_model
+from .cells import Cells
+from .gmsh_model import Model, Source, read_model
 from .orientation import run_alike
 from .partition import keep_junctions_whole
 
