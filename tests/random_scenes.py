@@ -514,7 +514,7 @@ class Builder:
         loads = [self._load(*one) for one in s.loads]
         component, sign = self.component("xyz"[DOWN[s.kind]])
         stages = []
-        if len(loads) > 1 and "stage" in s.features or v.staged:
+        if v.staged or (len(loads) > 1 and "stage" in s.features):
             stages, loads = [fx.Stage(loads[0], control=fx.LoadControl(1.0, fixed=True))], loads[1:]
         return fx.Scene([*self.parts, *self.bars], self._supports(), [one for group in loads for one in group],
                         fx.Monitor(self.right, "m", component, -sign), symmetry_factor=2 if v.half else 1,
