@@ -84,6 +84,18 @@ def test_flat_cells_and_folds_stay(tmp_path, triangles):
     assert mesh.measure == pytest.approx(2 + np.hypot(1, 0.14), rel=1e-14)
 
 
+@pytest.mark.parametrize("divisions, triangles", [(1, True), (2, True), (2, False), (3, True)])
+def test_dome_of_flat_panels_stays(tmp_path, divisions, triangles):
+    """Few cells a panel, at angles of 17 degrees: from a file as from the geometry."""
+    def build():
+        fx.meshes.structure(fx.meshes.dome("hex"), divisions, triangles)
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for source in (build, flat(tmp_path / "dome.msh", lambda x: x, build)):
+            assert fx.read_mixed(source, bars=["bars"]).surfaces.degree == 1
+
+
 def test_cells_on_the_rim_of_a_fold_share_its_circle(tmp_path):
     """A cup: wall of a cylinder on a flat floor. The wall is raised, and the floor's rim with it."""
     def build():

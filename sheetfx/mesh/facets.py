@@ -2,8 +2,10 @@
 
 An edge of two cells is a fold where these meet at an angle above `FOLD`, or at one `SHARP` times as large as those of
 all edges beyond them: panels of several cells that meet at a small angle have none inside, a curved surface has
-similar ones everywhere. Where a fold so found ends at no other border, the edge that goes on straightest belongs to it
-as well if its angle is no less than half as large: at corners of panels all edges are next to other folds.
+similar ones everywhere. Flat parts with a vertex or a cell inside, and entities of the model that are flat all over,
+are panels whatever turns at their other borders. Where a fold so found ends at no other border, the edge that goes on
+straightest belongs to it as well if its angle is no less than half as large: at corners of panels all edges are next to
+other folds.
 
 The normal at a vertex is that of a quadratic surface through it, nearest in least squares to the vertices around it, by
 weights 1 / distance^2 (Meek and Walton 2000, On surface normal and Gaussian curvature approximations given data sampled
@@ -34,6 +36,7 @@ class Facets:
     ----------
     x : places of vertices
     tables : vertices of cells in order around them, a table for each number of corners
+    entities : of the model that each cell is on
 
     Attributes
     ----------
@@ -43,8 +46,8 @@ class Facets:
     patch : a number that the sides which begin at one vertex in one patch have in common
     """
 
-    def __init__(self, x: np.ndarray, tables: Sequence[np.ndarray]):
-        self.x, self.vertex = x, np.concatenate([table.ravel() for table in tables])
+    def __init__(self, x: np.ndarray, tables: Sequence[np.ndarray], entities: np.ndarray):
+        self.x, self._entities, self.vertex = x, entities, np.concatenate([table.ravel() for table in tables])
         self._corners = np.concatenate([np.full(len(table), table.shape[1]) for table in tables])
         first = np.cumsum(self._corners) - self._corners
         self.cell = np.repeat(np.arange(len(first)), self._corners)
@@ -88,21 +91,43 @@ class Facets:
     def _largest_beyond(self, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Whether there are edges of two cells beyond each edge, and the largest angle at these.
 
-        They begin at the other corners of the two cells at it, and do not touch it.
+        They begin at the other corners of the two cells at it, and do not touch it. Beyond a cell of a flat panel
+        nothing turns.
         """
         side = self._pairs.ravel()
         opposite = self.after[self.after[side]]
         last = self.after[opposite]  # the side itself in a triangle, whose vertex has edges that all touch it
+        panels = self._panels(angles)
         edge, far = np.tile(self.edge[side], 2), self.vertex[np.concatenate([opposite, last])]
+        flat = np.tile(panels[self.cell[side]], 2)
+        known, largest = np.zeros(len(angles), dtype=bool), np.zeros(len(angles))
+        known[edge[flat]] = True
+        edge, far = edge[~flat], far[~flat]
         at = self._at_vertices(self._inner)
         counts = np.diff(at.indptr)[far]
         edge, begin = np.repeat(edge, counts), np.repeat(at.indptr[far] - np.cumsum(counts) + counts, counts)
         other = at.indices[begin + np.arange(len(edge))]
         apart = (self.ends[edge][:, :, None] != self.ends[other][:, None]).all(axis=(1, 2))
-        known, largest = np.zeros(len(angles), dtype=bool), np.zeros(len(angles))
         known[edge[apart]] = True
         np.maximum.at(largest, edge[apart], angles[other[apart]])
         return known, largest
+
+    def _panels(self, angles: np.ndarray) -> np.ndarray:
+        """Whether each cell is on a flat part that curved surfaces do not have."""
+        flat = self._inner & (angles <= TURN)
+        one, other = self.cell[self._pairs[flat[self.edge[self._pairs[:, 0]]]]].T
+        cells = len(self._entities)
+        graph = coo_array((np.ones(len(one), dtype=bool), (one, other)), shape=(cells, cells))
+        count, part = connected_components(graph, directed=False)
+        found = np.zeros(count, dtype=bool)
+        bent = ~flat[self.edge]
+        for at in (self.vertex, self.cell):
+            found[part[self.cell[~(np.bincount(at, bent) > 0)[at]]]] = True
+        entity = np.unique(self._entities, return_inverse=True)[1].ravel()
+        first = np.zeros(entity.max() + 1, dtype=np.int64)
+        first[entity] = part
+        split = np.bincount(entity, part != first[entity]) > 0
+        return found[part] | ~split[entity]
 
     def _at_vertices(self, chosen: np.ndarray):
         """Table of vertices and of the chosen edges that end there, in rows."""

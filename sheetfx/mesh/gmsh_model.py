@@ -110,7 +110,7 @@ def _model(source: Source, what: str, order: int | None, place: Callable | None)
         _fill(gmsh, source, what)
         if gmsh.model.getNumberOfPartitions():
             gmsh.model.mesh.unpartition()
-        _curve(gmsh.model, what, order, place)
+        known = _curve(gmsh.model, what, order, place)
         curves, surfaces = (_cells(gmsh.model, dimension, what) for dimension in (1, 2))
         points = {_name(gmsh.model, 0, tag): gmsh.model.mesh.getNodesForPhysicalGroup(0, tag)[0].astype(np.int64) - 1
                   for _, tag in gmsh.model.getPhysicalGroups(0)}
@@ -121,28 +121,30 @@ def _model(source: Source, what: str, order: int | None, place: Callable | None)
     model = Model(what, x, curves, surfaces, points)
     _check_cells(model, place is not None)
     _check_doubles(model)
-    if surfaces.nodes and surfaces.straight and order != 1 and (found := raise_order(x, surfaces, curves, order)):
+    if not known and order != 1 and (found := raise_order(x, surfaces, curves, order)):
         model = Model(what, found.x, found.curves, found.surfaces, points, found.said and f"{what}: {found.said}")
     return model
 
 
-def _curve(model, what: str, order: int | None, place: Callable | None) -> None:
-    """Give cells the order that is asked for where gmsh or the place know how they are curved."""
+def _curve(model, what: str, order: int | None, place: Callable | None) -> bool:
+    """Give cells the order that is asked for where gmsh or the place know how they are curved; whether they do."""
     curves, surfaces = (_cells(model, dimension, what) for dimension in (1, 2))
     used = [cells for cells in (surfaces, curves) if cells.nodes]
     if not used:
         raise ValueError(f"{what}: no named curve or surface has cells; mesh the model, and save it in version 4.1")
-    straight, discrete = all(cells.straight for cells in used), _is_discrete(model)
+    straight = all(cells.straight for cells in used)
     placed = straight and place is not None and _bends(model, used, place)
-    if order and (placed or not (straight and discrete and surfaces.nodes)):
+    known = placed or not (straight and surfaces.nodes and _is_discrete(model))
+    if order and known:
         model.mesh.setOrder(order)
     elif placed:
         model.mesh.setOrder(CURVED)
         model.mesh.renumberNodes()
-    elif straight and not order and not discrete and surfaces.nodes:
+    elif straight and known and surfaces.nodes:
         model.mesh.setOrder(CURVED)
         if not _is_curved(model, _cells(model, 2, what)):
             model.mesh.setOrder(1)
+    return known
 
 
 def _is_discrete(model) -> bool:

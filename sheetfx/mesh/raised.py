@@ -56,7 +56,7 @@ def raise_order(x: np.ndarray, surfaces: Cells, curves: Cells, order: int | None
     order : 2 or 3; None: 2 where a surface is curved, and of curves only where they are edges of that; nothing where
         all surfaces are flat between folds
     """
-    facets, degree = Facets(x, [surfaces.table()]), order or 2
+    facets, degree = Facets(x, [surfaces.table()], surfaces.source()), order or 2
     size = float(np.linalg.norm(np.nanmax(x, axis=0) - np.nanmin(x, axis=0)))
     edges = _Curves(facets)
     edges.straighten(edges.rises <= NONE * size)

@@ -73,7 +73,7 @@ class ShellForm:
 
 @dataclass(frozen=True)
 class TriangleForm(ShellForm):
-    """Triangles with strains of their own spaces, see `interpolation.Interpolation`; `low` has as many as bending."""
+    """Triangles whose strains have spaces of their own, see `interpolation.Interpolation`; it has no lower rule."""
 
     def tying(self, shell: Shell, frame, cells: np.ndarray) -> Tying:
         stiffness, thickness = shell.section.stiffness(shell.material), shell.section.thickness
@@ -88,8 +88,9 @@ def _quadrilateral(degree: int) -> ShellForm:
 
 
 def _triangle(degree: int, exact: int) -> TriangleForm:
-    """Equal degree of displacement and rotation on triangles, and of the polynomials that are integrated exactly."""
-    return TriangleForm(TRIANGLE, ("P", degree), ("P", degree), simplex(degree), simplex(exact))
+    """Equal degree of displacement and rotation on triangles; `exact` is that of polynomials integrated exactly."""
+    rule = simplex(exact)
+    return TriangleForm(TRIANGLE, ("P", degree), ("P", degree), rule, rule)
 
 
 FORMS = {
