@@ -44,6 +44,7 @@ _ROOMS = {
     "continuation.events": "Event",
     "continuation.sliding": "first_touch slide_off",
     "continuation.yielding": "first_yield",
+    "stability.augmented": "Critical NoCriticalPoint critical",
     "stability.branches": "Branch branches",
     "stability.buckling": "BucklingLoad buckling",
     "stability.critical": "state_at",

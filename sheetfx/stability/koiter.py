@@ -44,21 +44,29 @@ class Energy:
             self._system.residual(out)
         return out
 
-    def hessian(self, x: PETSc.Vec, load: float, modes: Sequence[PETSc.Vec]) -> list[PETSc.Vec]:
-        """Its products with modes, where the load factor has changed by `load`."""
+    def hessian(self, x: PETSc.Vec, factor: float, modes: Sequence[PETSc.Vec]) -> list[PETSc.Vec]:
+        """Its products with modes."""
         system, products = self._system, [x.duplicate() for _ in modes]
         with system.additive_increments():
-            system.configure(x, self._factor + load)
+            system.configure(x, factor)
             system.extrapolate_stress()
             matrix = system.tangent()
             for mode, product in zip(modes, products, strict=True):
                 matrix.mult(mode, product)
         return products
 
-    def third(self, modes: Sequence[PETSc.Vec], along: PETSc.Vec, load: float = 0.0) -> list[PETSc.Vec]:
-        """Change of the Hessian's products with modes along an increment of unknowns and load factor."""
+    def third(self, modes: Sequence[PETSc.Vec], along: PETSc.Vec, load: float = 0.0,
+              about: tuple[PETSc.Vec, float] | None = None) -> list[PETSc.Vec]:
+        """Change of the Hessian's products with modes along an increment of unknowns and load factor.
+
+        Parameters
+        ----------
+        about : increments since the state, and load factor, where it changes; None: the state's
+        """
         step = STEP / max(self._tracer.distance(0.0, along.array), TINIEST)
-        ahead, behind = (self.hessian(sign * step * along, sign * step * load, modes) for sign in (1.0, -1.0))
+        x, factor = about or (along.duplicate(), self._factor)
+        ahead, behind = (self.hessian(x + sign * step * along, factor + sign * step * load, modes)
+                         for sign in (1.0, -1.0))
         return [(one - other) / (2 * step) for one, other in zip(ahead, behind, strict=True)]
 
     def leave(self) -> None:

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from petsc4py import PETSc
 
+from ..continuation.bordered import BorderedSolver, pivots
 from ..continuation.linear import SingularTangent
 from ..continuation.spectrum import PREFIX
 from ..continuation.state import State
@@ -83,7 +84,7 @@ class Reduction:
         self.weighted = [self.system.weights * mode for mode in self.modes]
         self.measures = self._measures(after.increment)
         self.size = max(abs(self.bifurcation.factor), abs(after.load_increment))
-        self.springs = self._pivots()
+        self.springs = pivots(self.modes, self.system.weights)
         self._yielded = self.system.history.moved
         self._residual, self._load = self.system.create_vector(), self.system.create_vector()
 
@@ -106,25 +107,6 @@ class Reduction:
             measure.axpy(-share / rest2, across)
             measures.append(measure)
         return measures
-
-    def _pivots(self) -> list[int]:
-        """Unknowns by which the null vectors can be told apart, one for each, by elimination."""
-        root_weights, chosen = self.system.weights.copy(), []
-        root_weights.sqrtabs()
-        rest = [root_weights * mode for mode in self.modes]
-        for n, vector in enumerate(rest):
-            size = vector.copy()
-            size.abs()
-            chosen.append(size.max()[0])
-            value = self._entry(vector, chosen[-1])
-            for other in rest[n + 1:]:
-                other.axpy(-self._entry(other, chosen[-1]) / value, vector)
-        return chosen
-
-    def _entry(self, vector: PETSc.Vec, number: int) -> float:
-        first, last = vector.getOwnershipRange()
-        own = vector.array[number - first] if first <= number < last else 0.0
-        return self.system.comm.allreduce(float(own))
 
     def solve(self, direction: np.ndarray, amplitude: float, free: bool = False) -> Solution:
         """Solution in one direction, by Newton's method from the null vector.
@@ -184,52 +166,14 @@ class Reduction:
 
     def _correction(self, tangential: np.ndarray, measures: Sequence[PETSc.Vec],
                     missing: np.ndarray) -> tuple[PETSc.Vec, float, np.ndarray]:
-        """Newton's step of unknowns, load factor and forces.
-
-        The tangent may be singular. Springs at as many unknowns as there are null vectors are added before it is
-        factored, and forces that cancel those of the springs are further unknowns.
-        """
-        stiffness, count = self._factor_with_springs(), len(missing)
+        """Newton's step of unknowns, load factor and forces."""
+        least = self._least_stiffness * self.system.weights
+        self.system.tangent()
+        bordered = BorderedSolver(self.linear, self.springs, least)
         pushes = [self._load, *(self.combined(self.weighted, row) for row in tangential)]
-        columns = [self._solved(push) for push in pushes]
-        columns += [self._solved(self._unit(number, k)) for number, k in zip(self.springs, stiffness, strict=True)]
-        rows = [*measures, *(self._unit(number, 1.0) for number in self.springs)]
-        part = self._solved(self._residual)
-        matrix = np.array([[row.dot(column) for column in columns] for row in rows])
-        matrix[count:, count:] -= np.eye(len(self.springs))
-        right = np.concatenate((missing, np.zeros(len(self.springs)))) + [row.dot(part) for row in rows]
-        solution = np.linalg.solve(matrix, right)
-        step = self.combined([part, *columns], [-1.0, *solution])
-        return step, float(solution[0]), solution[1:count] @ tangential
-
-    def _factor_with_springs(self) -> list[float]:
-        """Factor the tangent with the springs, and return their stiffness.
-
-        It is comparable to what the unknowns meet in the tangent, and in the mode next to the null vectors.
-        """
-        matrix = self.system.tangent()
-        here = matrix.getDiagonal()
-        stiffness = [2 * max(abs(self._entry(here, number)), self._least_stiffness * self._entry(
-            self.system.weights, number)) for number in self.springs]
-        first, last = matrix.getOwnershipRange()
-        for number, k in zip(self.springs, stiffness, strict=True):
-            if first <= number < last:
-                matrix.setValue(number, number, k, addv=PETSc.InsertMode.ADD)
-        matrix.assemble()
-        self.linear.factorise()
-        return stiffness
-
-    def _solved(self, right: PETSc.Vec) -> PETSc.Vec:
-        solution = right.duplicate()
-        self.linear.solve(right, solution)
-        return solution
-
-    def _unit(self, number: int, value: float) -> PETSc.Vec:
-        vector = self.system.create_vector()
-        first, last = vector.getOwnershipRange()
-        if first <= number < last:
-            vector.array[number - first] = value
-        return vector
+        bordered.border([-1.0 * push for push in pushes], measures)
+        (step,), ((change, *forces),) = bordered.solve([-1.0 * self._residual], missing[None, :])
+        return step, float(change), np.array(forces) @ tangential
 
     def relative_forces(self, solution: Solution) -> float:
         """Norm of the forces along the null vectors over that of the loads."""
