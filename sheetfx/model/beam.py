@@ -67,10 +67,7 @@ class Beam:
         require_group(self)
         if self.mesh.dimension == 3:
             self._check_up()
-            if self.section.shear_centre is None:
-                warn(f"Beam on group {self.group or 'all'!r}: the shear centre of its {type(self.section).__name__} is "
-                     "taken as the centroid, which it is not; forces across then twist the beam too little or too "
-                     "much: give it, FibreList(shear_centre=...)")
+            self._warn_of_twist()
         _look_at_functions(self, forms.beam.simo_reissner)
         self._check_offset()
 
@@ -91,6 +88,20 @@ class Beam:
         if parallel:
             raise ValueError(f"Beam: up is {tuple(map(float, self.up))}, parallel to {parallel} cells of group "
                              f"{self.group or 'all'!r}; give a direction across them, or a Beam for each group")
+
+    def _warn_of_twist(self) -> None:
+        """Say what beams in space lack where their section twists: a shear centre that is not given, and warping, which
+        matters where it fades over more than the depth.
+        """
+        beam, kind = f"Beam on group {self.group or 'all'!r}", type(self.section).__name__
+        if self.section.shear_centre is None:
+            warn(f"{beam}: the shear centre of its {kind} is taken as the centroid, which it is not; forces across "
+                 "then twist the beam too little or too much: give it, FibreList(shear_centre=...)")
+        length = self.section.warping_length(self.material)
+        if length > self.section.depth:
+            warn(f"{beam}: beams do not model warping, by which its {kind} resists twist over lengths of about "
+                 f"{length:.3g} (root of E I_w / (G I_t)); where it twists, torsion is too soft and lateral-torsional "
+                 "buckling loads are too low: model it by shells where that matters")
 
     def _check_offset(self) -> None:
         """Refuse an offset of the wrong space, or beyond the centre of a curve."""

@@ -249,6 +249,15 @@ class Flanged(Section):
         return (bar * own[0] + flange * self.offset) / (bar + flange) - self.centroid, 0.0
 
     @property
+    def warping(self):
+        """Of parts whose sections turn about one shear centre, each by its own second moment about the depth."""
+        if self.shear_centre is None:
+            return 0.0
+        own, place = self.bar.shear_centre, self.shear_centre[0] + self.centroid
+        return (self.bar.warping + self.bar.second_moments[0] * (own[0] - place)**2
+                + self._flange * self.width**2 / 12 * (self.offset - place)**2)
+
+    @property
     def torsion(self):
         return self.bar.torsion + self.width * self.thickness**3 / 3
 
