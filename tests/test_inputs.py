@@ -65,6 +65,14 @@ def examples() -> dict[str, dict]:
     joined = {"mesh": p.space, "at": "one", "to": (p.plate, "south")}
     return {
         "ArcLength": {}, "DisplacementControl": {}, "LoadControl": {}, "Bar": section, "Beam": section,
+        "Box": {"depth": 2.0, "width": 1.0, "thickness": 0.1},
+        "CSection": {"depth": 2.0, "width": 1.0, "web": 0.1, "flange": 0.1},
+        "ISection": {"depth": 2.0, "width": 1.0, "web": 0.1, "flange": 0.1},
+        "LSection": {"depth": 2.0, "width": 1.5, "thickness": 0.1},
+        "TSection": {"depth": 2.0, "width": 1.0, "web": 0.1, "flange": 0.1},
+        "ZSection": {"depth": 2.0, "width": 1.0, "web": 0.1, "flange": 0.1},
+        "GivenSection": {"area": 1.0, "second_moments": (1.0, 2.0), "torsion": 1.0},
+        "PolygonSection": {"corners": ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))},
         "Case": {"scene": p.scene}, "Compatible": {"mesh": p.space, "to": p.plate},
         "Contact": {"beam": p.beam, "obstacle": p.cylinder},
         "EdgeForce": {"mesh": p.plate, "at": "east", "force": (0.0, 0.0, 1.0)}, "Elastic": {"modulus": 1.0},

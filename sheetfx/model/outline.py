@@ -133,7 +133,7 @@ class PolygonSection(Outlined):
     """
 
     corners: Ring
-    holes: tuple[Ring, ...] = ()
+    holes: Sequence[Ring] = ()
 
     def __post_init__(self):
         check(self)

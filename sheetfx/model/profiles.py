@@ -9,6 +9,7 @@ import numpy as np
 
 from ..checks import NotNegative, Positive, check
 from .outline import Outlined
+from .varying import Measure, varying
 
 ARC = 12  # edges of a quarter of a circle, with which a fillet lacks 1 % of its area
 
@@ -18,7 +19,7 @@ class Profile(Outlined):
 
     def __post_init__(self):
         check(self)
-        for fits, what in self._conditions():
+        for fits, what in () if varying(self) else self._conditions():
             if not fits:
                 raise ValueError(f"{type(self).__name__}: {what}")
 
@@ -40,10 +41,10 @@ class ISection(Profile):
     lower_width, lower_flange : width and thickness of the lower flange; None: as above
     """
 
-    depth: Positive  # type: ignore[assignment]
-    width: Positive
-    web: Positive
-    flange: Positive
+    depth: Measure
+    width: Measure
+    web: Measure
+    flange: Measure
     root: NotNegative = 0.0
     lower_width: Positive | None = None
     lower_flange: Positive | None = None
@@ -80,10 +81,10 @@ class TSection(Profile):
     root : radius of the fillets between web and flange
     """
 
-    depth: Positive  # type: ignore[assignment]
-    width: Positive
-    web: Positive
-    flange: Positive
+    depth: Measure
+    width: Measure
+    web: Measure
+    flange: Measure
     root: NotNegative = 0.0
 
     def _conditions(self):
@@ -111,10 +112,10 @@ class CSection(Profile):
     root : radius of the fillets between web and flanges
     """
 
-    depth: Positive  # type: ignore[assignment]
-    width: Positive
-    web: Positive
-    flange: Positive
+    depth: Measure
+    width: Measure
+    web: Measure
+    flange: Measure
     root: NotNegative = 0.0
 
     def _conditions(self):
@@ -140,9 +141,9 @@ class LSection(Profile):
     root, toe : radii of the fillet between the legs, and of the inner edges of their ends
     """
 
-    depth: Positive  # type: ignore[assignment]
-    width: Positive
-    thickness: Positive
+    depth: Measure
+    width: Measure
+    thickness: Measure
     root: NotNegative = 0.0
     toe: NotNegative = 0.0
 
@@ -171,10 +172,10 @@ class ZSection(Profile):
     root : radius of the fillets between web and flanges
     """
 
-    depth: Positive  # type: ignore[assignment]
-    width: Positive
-    web: Positive
-    flange: Positive
+    depth: Measure
+    width: Measure
+    web: Measure
+    flange: Measure
     root: NotNegative = 0.0
 
     _conditions = CSection._conditions
@@ -197,9 +198,9 @@ class Box(Profile):
     radius, inner : of the outer and of the inner edges; None: less than the outer one by the thickness, or 0
     """
 
-    depth: Positive  # type: ignore[assignment]
-    width: Positive
-    thickness: Positive
+    depth: Measure
+    width: Measure
+    thickness: Measure
     radius: NotNegative = 0.0
     inner: NotNegative | None = None
 

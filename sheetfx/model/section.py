@@ -10,6 +10,7 @@ import numpy as np
 from ..checks import NotNegative, Positive, check, checked
 from . import layers
 from .cross_section import Elastic, Section
+from .varying import Measure, varying
 
 __all__ = ["Elastic", "FibreList", "Flanged", "Rectangle", "Section", "Tube", "effective_width", "round_bar"]
 
@@ -26,8 +27,8 @@ class Rectangle(Section):
     points : fibres along each side, by Gauss's rule, of a plastic material
     """
 
-    width: Positive
-    depth: Positive
+    width: Measure
+    depth: Measure
     shear_factor: Positive = 5 / 6
     points: int = 5
 
@@ -63,15 +64,15 @@ class Tube(Section):
     points : fibres on a quarter of the circumference, and as dense through the wall, of a plastic material
     """
 
-    diameter: Positive
-    thickness: Positive
+    diameter: Measure
+    thickness: Measure
     shear_factor: Positive = 0.5
     points: int = 5
 
     def __post_init__(self):
         check(self)
         layers.require_points(self)
-        if 2 * self.thickness > self.diameter:
+        if not varying(self) and 2 * self.thickness > self.diameter:
             raise ValueError(f"Tube: thickness {self.thickness} is more than half the diameter {self.diameter}")
 
     @property
