@@ -143,7 +143,6 @@ def factor(part, mesh, force, at):
     return abs(record.buckling(record.states[0], count=1)[0].factor)
 
 
-@pytest.mark.silent("q06")
 def test_tapered_column_and_plate():
     """A cantilever whose depth falls to one half buckles at 2227.378 N (shooting of E I(x) y'' + P y = 0)."""
     depth = lambda x: 0.01 * (1 - 0.5 * x[0])  # noqa: E731
@@ -174,7 +173,6 @@ def test_steps_of_a_measure_are_those_of_groups():
     assert found[0] == pytest.approx(found[1], rel=1e-9)
 
 
-@pytest.mark.silent("q09")
 def test_pretwisted_beam():
     """MacNeal and Harder's beam, twisted by 90 degrees (Zupan and Saje 2004)."""
     angle = lambda x: x[0] / 12 * pi / 2  # noqa: E731
