@@ -1,13 +1,13 @@
 """Lateral-torsional buckling of open sections: beams, which lack warping, beside shells of the same plates.
 
-A simply supported I beam under equal end moments buckles at pi/L sqrt(E I_z G I_t (1 + pi^2 E I_w / (L^2 G I_t)))
-(Timoshenko and Gere 1961, eq. 6.7), a cantilever without warping by a force at its tip at 4.013 sqrt(E I_z G I_t) / L^2
-(eq. 6.21).
+A cantilever without warping buckles by a force at its tip at 4.013 sqrt(E I_z G I_t) / L^2 (Timoshenko and Gere 1961,
+section 6.4). The beam has that; clamped plates, which hold warping at the root, need about twice the force where the
+length is two to three times the root of E I_w / (G I_t).
 """
 
 from __future__ import annotations
 
-from math import pi, sqrt
+from math import sqrt
 
 import pytest
 from helpers import straight
@@ -52,9 +52,12 @@ def first_load(scene):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("kind", "short_of"), [("I", 0.0), ("C", 0.0)])
-def test_cantilever_with_a_force_at_its_tip(kind, short_of):
-    """The force acts along the web, in the shear centre: of the C by a couple of the flanges beside it."""
+@pytest.mark.parametrize(("kind", "share"), [("I", 0.493), ("C", 0.472)])
+def test_cantilever_with_a_force_at_its_tip(kind, share):
+    """The force acts along the web, in the shear centre: of the C by a couple of the flanges beside it.
+
+    `share` is the beam's load over that of the shells, by this program on these meshes.
+    """
     made = fx.ISection if kind == "I" else fx.CSection
     section = made(HEIGHT + FLANGE, WIDTH, WEB, FLANGE)
     aside = 0.0 if kind == "I" else section.shear_centre[1]
@@ -71,7 +74,8 @@ def test_cantilever_with_a_force_at_its_tip(kind, short_of):
     loads = [fx.EdgeForce(mesh, "tip", (0.0, 0.0, -1 / HEIGHT))]
     if aside:
         arm = abs(aside + section.centroid[1] - WEB / 2) / HEIGHT / (WIDTH - WEB / 2)
-        loads += [fx.EdgeForce(mesh, "upper", (0.0, arm, 0.0)), fx.EdgeForce(mesh, "lower", (0.0, -arm, 0.0))]
+        loads += [fx.EdgeForce(mesh, "upper", (0.0, -arm, 0.0)), fx.EdgeForce(mesh, "lower", (0.0, arm, 0.0))]
     by_shells = first_load(fx.Scene(shells, [fx.clamp(mesh, "west")], loads, fx.Monitor(mesh, "corner", "z", -1.0)))
     stiff = sqrt(MATERIAL.modulus * section.second_moments[0] * MATERIAL.shear_modulus * section.torsion)
-    print(kind, by_beam, 4.013 * stiff / LENGTH**2, by_shells, by_beam / by_shells - 1, section.warping_length(MATERIAL))
+    assert by_beam == pytest.approx(4.013 * stiff / LENGTH**2, rel=1e-2)
+    assert by_beam / by_shells == pytest.approx(share, rel=3e-2)
