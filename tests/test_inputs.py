@@ -139,7 +139,8 @@ LEGITIMATE = [
           "arch.no-punch *.full bend.plain-tangent bend.polar deep-arch.hinged *.elastic *.line-load "
           "roll-up.spatial"),
     Right("without friction, hardening, an offset or the like", (0,), "*.friction *.cohesion *.strength *.gap *.reach "
-          "*.root *.toe *.inner *.warping Box.radius GivenSection.product *.hardening *.kinematic *.poisson *.near *.layer *.distance *.overhang *.offset *.angle *.own *.panels "
+          "*.root *.toe *.inner *.warping Box.radius GivenSection.product "
+          "*.hardening *.kinematic *.poisson *.near *.layer *.distance *.overhang *.offset *.angle *.own *.panels "
           "random_field.seed imperfect.amplitude dome.offset star-dome.ring arch.imperfection"),
     Right("either side or sign has a sense of its own: contraction in plies, which way a thing lies, acts or turns; "
           "springs and moments that push away", (-1,), "Ply.poisson *.offset *.angle *.side *.way Monitor.sign "
@@ -162,7 +163,8 @@ LEGITIMATE = [
           "Stretch.start"),
     Right("a name, free or of what is looked for later", ("wrong",), "Event.name *.name Stretch.start Stretch.along "
           "Stretch.end"),
-    Right("none of these", ((),), "PolygonSection.holes Case.events Case.pictures Scene.contacts Scene.joints Scene.stages frame.releases"),
+    Right("none of these", ((),), "PolygonSection.holes "
+          "Case.events Case.pictures Scene.contacts Scene.joints Scene.stages frame.releases"),
     Right("a sequence may have any length", ((1.0,), (1.0,) * 7), "Contact.approach"),
     Right("one amplitude for one shape", ((1.0,),), "imperfect.amplitude"),
     Right("nothing is held", ("",), "Support.fixed"),

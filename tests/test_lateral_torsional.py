@@ -61,8 +61,8 @@ def test_cantilever_with_a_force_at_its_tip(kind, share):
     made = fx.ISection if kind == "I" else fx.CSection
     section = made(HEIGHT + FLANGE, WIDTH, WEB, FLANGE)
     aside = 0.0 if kind == "I" else section.shear_centre[1]
+    mesh = straight(8, LENGTH, dimension=3)
     with pytest.warns(UserWarning, match="do not model warping"):
-        mesh = straight(8, LENGTH, dimension=3)
         beam = fx.Beam(mesh, section, MATERIAL, up=(0.0, 0.0, 1.0))
     # The binormal is -y: a force along -z at its shear centre has the moment of its arm y = -aside about the centroid.
     loads = [fx.PointForce(mesh, "tip", (0.0, 0.0, -1.0))]

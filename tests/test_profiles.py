@@ -186,7 +186,19 @@ def test_pretwisted_beam():
         assert response(scene) * 1e3 == pytest.approx(right, rel=5e-3)
 
 
+def test_frequencies_of_a_tapered_wedge():
+    """A wedge that is clamped at its base: omega L^2 = 5.315 root(E I_0 / (rho A_0)) (Kirchhoff 1879; Mabie 1964)."""
+    mesh = straight(16, 1.0, dimension=3)
+    material = fx.Elastic(2e11, 0.3, density=7850.0)
+    beam = fx.Beam(mesh, fx.Rectangle(0.1, lambda x: 0.01 * (1 - x[0])), material)
+    path = fx.Path(fx.Scene([beam], [fx.clamp(mesh, "base")], [fx.PointForce(mesh, "tip", (0.0, 0.0, 1e-9))],
+                            fx.Monitor(mesh, "tip", "z")))
+    lowest = fx.frequencies(path, next(iter(path)), 1)[0].frequency
+    assert 2 * pi * lowest == pytest.approx(5.315 * (2e11 / 7850 * 0.01**2 / 12)**0.5, rel=3e-3)
+
+
 @pytest.mark.parametrize(("made", "said"), [
+    (lambda mesh: fx.Flanged(fx.Rectangle(0.1, lambda x: x[0]), 1.0, 0.1), "Flanged: depth of its bar"),
     (lambda mesh: fx.Beam(mesh, fx.Rectangle(0.1, lambda x: 0.5 - x[0]), MATERIAL), "at the place .* depth is"),
     (lambda mesh: fx.Beam(mesh, fx.Rectangle(0.1, lambda x: x), MATERIAL), "one number"),
     (lambda mesh: fx.Beam(mesh, fx.Rectangle(0.1, 0.1), MATERIAL, up=lambda x: (1.0, 0.0, 0.0)), "up is parallel"),

@@ -194,6 +194,9 @@ class Flanged(Section):
 
     def __post_init__(self):
         check(self)
+        if names := varying(self.bar):
+            raise ValueError(f"Flanged: {names[0]} of its bar, a {type(self.bar).__name__}, is a function of the "
+                             "place; give a number")
 
     @property
     def depth(self):
