@@ -65,6 +65,14 @@ def examples() -> dict[str, dict]:
     joined = {"mesh": p.space, "at": "one", "to": (p.plate, "south")}
     return {
         "ArcLength": {}, "DisplacementControl": {}, "LoadControl": {}, "Bar": section, "Beam": section,
+        "Box": {"depth": 2.0, "width": 1.0, "thickness": 0.1},
+        "CSection": {"depth": 2.0, "width": 1.0, "web": 0.1, "flange": 0.1},
+        "ISection": {"depth": 2.0, "width": 1.0, "web": 0.1, "flange": 0.1},
+        "LSection": {"depth": 2.0, "width": 1.5, "thickness": 0.1},
+        "TSection": {"depth": 2.0, "width": 1.0, "web": 0.1, "flange": 0.1},
+        "ZSection": {"depth": 2.0, "width": 1.0, "web": 0.1, "flange": 0.1},
+        "GivenSection": {"area": 1.0, "second_moments": (1.0, 2.0), "torsion": 1.0},
+        "PolygonSection": {"corners": ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))},
         "Case": {"scene": p.scene}, "Compatible": {"mesh": p.space, "to": p.plate},
         "Contact": {"beam": p.beam, "obstacle": p.cylinder},
         "EdgeForce": {"mesh": p.plate, "at": "east", "force": (0.0, 0.0, 1.0)}, "Elastic": {"modulus": 1.0},
@@ -131,18 +139,19 @@ LEGITIMATE = [
           "arch.no-punch *.full bend.plain-tangent bend.polar deep-arch.hinged *.elastic *.line-load "
           "roll-up.spatial"),
     Right("without friction, hardening, an offset or the like", (0,), "*.friction *.cohesion *.strength *.gap *.reach "
+          "*.root *.toe *.inner *.warping Box.radius GivenSection.product "
           "*.hardening *.kinematic *.poisson *.near *.layer *.distance *.overhang *.offset *.angle *.own *.panels "
           "random_field.seed imperfect.amplitude dome.offset star-dome.ring arch.imperfection"),
     Right("either side or sign has a sense of its own: contraction in plies, which way a thing lies, acts or turns; "
           "springs and moments that push away", (-1,), "Ply.poisson *.offset *.angle *.side *.way Monitor.sign "
           "Moment.moment ObstacleForce.force Pressure.pressure LinePressure.pressure LoadControl.target "
           "PrescribedDisplacement.distance PrescribedRotation.rotation Spring.stiffness *.load *.force *.ring "
-          "imperfect.amplitude arc.start arc.end"),
+          "GivenSection.product imperfect.amplitude arc.start arc.end"),
     Right("no direction is told apart", (0,), "Event.way Contact.side"),
     Right("one of several loads; where all are zero the path says so", (0, (0.0, 0.0)), "Moment.moment "
           "ObstacleForce.force Pressure.pressure LinePressure.pressure FollowerForce.force LineForce.force "
           "PointForce.force"),
-    Right("at the centroid", ((0.0, 0.0),), "FibreList.shear_centre"),
+    Right("at the centroid", ((0.0, 0.0),), "*.shear_centre"),
     Right("held where it is", (0,), "PrescribedDisplacement.distance PrescribedRotation.rotation"),
     Right("nothing resists", (0, (0.0, 0.0)), "Foundation.stiffness Spring.stiffness ShellStiffness.drilling"),
     Right("down from a loaded state", (0,), "LoadControl.target"),
@@ -154,7 +163,8 @@ LEGITIMATE = [
           "Stretch.start"),
     Right("a name, free or of what is looked for later", ("wrong",), "Event.name *.name Stretch.start Stretch.along "
           "Stretch.end"),
-    Right("none of these", ((),), "Case.events Case.pictures Scene.contacts Scene.joints Scene.stages frame.releases"),
+    Right("none of these", ((),), "PolygonSection.holes "
+          "Case.events Case.pictures Scene.contacts Scene.joints Scene.stages frame.releases"),
     Right("a sequence may have any length", ((1.0,), (1.0,) * 7), "Contact.approach"),
     Right("one amplitude for one shape", ((1.0,),), "imperfect.amplitude"),
     Right("nothing is held", ("",), "Support.fixed"),

@@ -21,17 +21,18 @@ def as_constants(domain, numbers):
     enter a form, rather than by `lift_numbers`, because UFL orders sums by the values of their numbers.
     """
     found: list[float] = []
-    _map(numbers, lambda n: found.append(n) if n else None)
+    mapped(numbers, lambda n: found.append(n) if n else None)
     constant = Constant(domain, np.array(found or [0.0], dtype=float))
     places = iter(range(len(found)))
-    return _map(numbers, lambda n: constant[next(places)] if n else 0.0)
+    return mapped(numbers, lambda n: constant[next(places)] if n else 0.0)
 
 
-def _map(nest, function):
+def mapped(nest, function):
+    """The same nest of sequences and dataclasses with what a function makes of its numbers."""
     if is_dataclass(nest):
-        return type(nest)(**{f.name: _map(getattr(nest, f.name), function) for f in fields(nest)})
+        return type(nest)(**{f.name: mapped(getattr(nest, f.name), function) for f in fields(nest)})
     if isinstance(nest, (tuple, list)):
-        return type(nest)(_map(n, function) for n in nest)
+        return type(nest)(mapped(n, function) for n in nest)
     return function(nest)
 
 

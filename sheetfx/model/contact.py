@@ -8,6 +8,7 @@ from typing import Annotated
 from ..checks import Choice, NotNegative, Positive, check
 from .beam import Beam
 from .obstacles import RigidCylinder, RigidPlane
+from .varying import require_uniform
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +44,7 @@ class Contact:
 
     def __post_init__(self):
         check(self)
+        require_uniform(self.beam, "Contact")
         if self.side:
             self.beam.mesh.require_alike("Contact: side", self.beam.group)
 

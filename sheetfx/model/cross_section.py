@@ -48,6 +48,8 @@ class Section:
         principal axes
     shear_centre : its distances from the centroid along normal and binormal; None: not known, the centroid is taken.
         The moment by which an axial force twists a section (Wagner's) is in no strain of `forms.beam.simo_reissner`
+    warping : constant about the shear centre (length^6), which no beam has in its stiffness; 0: none, or not
+        known
     """
 
     depth: float
@@ -57,6 +59,7 @@ class Section:
     shear_factor: float
     product: float = 0.0
     shear_centre: tuple[float, float] | None = (0.0, 0.0)
+    warping: float = 0.0
 
     weight = "give its material one: Elastic(modulus, poisson, density=...)"
 
@@ -65,11 +68,22 @@ class Section:
         """Places of the lowest and the highest fibre from the centroid, along the depth."""
         return -self.depth / 2, self.depth / 2
 
+    @property
+    def shear(self) -> np.ndarray:
+        """Shear areas as a symmetric matrix, shape (2, 2): shear forces along normal and binormal, per shear modulus,
+        by the shear strains along both.
+        """
+        return self.shear_factor * self.area * np.eye(2)
+
+    def warping_length(self, material: Elastic) -> float:
+        """Root of E I_w / (G I_t), over which warping that is held somewhere fades (Vlasov 1961, chapter 2)."""
+        return float(np.sqrt(material.modulus * self.warping / (material.shear_modulus * self.torsion)))
+
     def stiffness(self, material: Elastic, dimension: int, shear_rigidity: float = 1.0) -> list:
         """Stiffnesses in the order of the strains of `forms.beam.simo_reissner`.
 
-        Shear strains of the shear centre, and bending about axes that are not principal, couple the centroid's
-        strains (Timoshenko and Gere 1961, section 5.1; Pilkey 2002, section 1.6).
+        Shear strains of the shear centre, and axes that are not principal, couple the centroid's strains (Timoshenko
+        and Gere 1961, section 5.1; Pilkey 2002, section 1.6).
 
         Parameters
         ----------
@@ -81,20 +95,18 @@ class Section:
         list of numbers, or of the rows of a symmetric matrix where strains are coupled in space.
         """
         axial = material.modulus * self.area
-        shear = self.shear_factor * material.shear_modulus * self.area * shear_rigidity
+        shear = material.shear_modulus * shear_rigidity * self.shear
         about_normal, about_binormal = (material.modulus * i for i in self.second_moments)
         if dimension == 2:
-            return [axial, shear, about_binormal]
-        own = [axial, shear, shear, material.shear_modulus * self.torsion, about_normal, about_binormal]
+            return [axial, float(shear[0, 0]), about_binormal]
         y, z = self.shear_centre or (0.0, 0.0)
-        if not (y or z or self.product):
-            return own
-        matrix = np.diag(own)
-        matrix[1, 3] = matrix[3, 1] = -shear * z
-        matrix[2, 3] = matrix[3, 2] = shear * y
-        matrix[3, 3] += shear * (y**2 + z**2)
+        arm = np.array([-z, y])
+        matrix = np.diag([axial, 0.0, 0.0, material.shear_modulus * self.torsion, about_normal, about_binormal])
+        matrix[1:3, 1:3] = shear
+        matrix[1:3, 3] = matrix[3, 1:3] = shear @ arm
+        matrix[3, 3] += arm @ shear @ arm
         matrix[4, 5] = matrix[5, 4] = -material.modulus * self.product
-        return matrix.tolist()
+        return matrix.tolist() if y or z or self.product or shear[0, 1] else np.diag(matrix).tolist()
 
     def fibres(self) -> tuple[np.ndarray, np.ndarray]:
         """Places of fibres from the centroid, along normal and binormal, shape (n, 2), and their areas.

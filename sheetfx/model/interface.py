@@ -198,9 +198,9 @@ class Interface(Joint):
 def stiffness_over(part: Shell | Beam | Bar, size: float) -> tuple[float, float]:
     """Force per length and displacement of a part over the size of a cell, and moment per length and rotation."""
     if isinstance(part, Shell):
-        plate = part.section.stiffness(part.material)  # type: ignore[arg-type]
+        plate = part.sections.typical.stiffness(part.material)  # type: ignore[arg-type]
         return plate.membrane[0][0] / size, plate.bending[0][0] / size
-    section, modulus = part.section, part.material.modulus
+    section, modulus = part.sections.typical, part.material.modulus
     return modulus * section.area / size**2, modulus * min(section.second_moments) / size**2
 
 

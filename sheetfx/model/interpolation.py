@@ -24,17 +24,18 @@ class Interpolation:
     Parameters
     ----------
     frame : SurfaceFrame of the mid-surface
-    thickness : length
-    moduli : of bending and shear, shape (5, 5)
+    thickness : of each cell, or of all, shape (cells,) or (1,)
+    moduli : of bending and shear, shape (cells, 5, 5) or (1, 5, 5)
     domain, cells, rule : where strains are assumed
     degree : of displacements and rotations
     """
 
     exact = False
 
-    def __init__(self, frame, thickness: float, moduli: np.ndarray, domain: Mesh, cells: np.ndarray, rule: Rule,
+    def __init__(self, frame, thickness: np.ndarray, moduli: np.ndarray, domain: Mesh, cells: np.ndarray, rule: Rule,
                  degree: int):
-        self._degree, self._thickness, self._moduli = degree, thickness, moduli
+        self._degree, self._thickness = degree, thickness
+        self._moduli = np.broadcast_to(moduli, (len(cells), 5, 5))
         self._membrane, self._shear = regge(degree - 1, rule), nedelec(degree, rule)
         points = self._membrane.points
         self.low = Rule(points, np.ones(len(points)))
@@ -73,7 +74,7 @@ class Interpolation:
         rows = np.swapaxes(strains, 1, 2).reshape(len(measure), 5 * measure.shape[1], -1)
         first = 3 * measure.shape[1]
         rows[:, first:] = shear.spread @ (shear.gather @ rows[:, first:])
-        forces = np.einsum("ij,cq,cjqn->ciqn", self._moduli, measure, rows.reshape(len(rows), 5, measure.shape[1], -1))
+        forces = np.einsum("cij,cq,cjqn->ciqn", self._moduli, measure, rows.reshape(len(rows), 5, measure.shape[1], -1))
         forces = forces.reshape(rows.shape).transpose(0, 2, 1)
         gather = np.linalg.pinv(forces @ rows, hermitian=True) @ forces
         return _map((3, 8), (0, 0), np.ones(len(rows)), np.zeros((*rows.shape[:2], 0)), gather, -rows)

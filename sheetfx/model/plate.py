@@ -12,6 +12,7 @@ from scipy.linalg import block_diag
 from ..checks import Choice, Like, NotNegative, Positive, check
 from . import layers
 from .section import Elastic
+from .varying import Measure
 
 EQUAL = 1e-9  # relative difference of stiffnesses of an isotropic section
 
@@ -89,14 +90,14 @@ class Plate(ShellSection):
 
     Attributes
     ----------
-    thickness : length
+    thickness : length, or a function of the place that gives it
     shear_factor : on the transverse shear stiffness
     drilling : factor on the membrane's shear stiffness; between 0.1 and 1 results hardly depend on it
     points : layers through the thickness of a plastic material
     rule : by which they are placed: "gauss", "lobatto" or "simpson" (the last two have layers on the faces)
     """
 
-    thickness: Positive
+    thickness: Measure
     shear_factor: Positive = 5 / 6
     drilling: Positive = 1.0
     points: int = 5

@@ -16,6 +16,7 @@ from .joints import Joint
 from .pair_contact import ELASTIC_SLIP, PENETRATION, STIFF
 from .places import Place, each_of, require_places, title_of
 from .shell import Shell
+from .varying import require_uniform
 
 
 class SampledContact(Joint):
@@ -137,4 +138,6 @@ def faces(parts: Sequence[Shell | Beam | Bar], cells: np.ndarray, normals: np.nd
 
 def half_thickness(parts: Sequence[Shell | Beam | Bar]) -> float:
     """From the mid-surface or axis of parts to their faces; the largest."""
+    for part in parts:
+        require_uniform(part, "contact of its faces")
     return max((part.section.thickness if isinstance(part, Shell) else part.section.depth) / 2 for part in parts)

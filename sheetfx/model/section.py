@@ -10,6 +10,7 @@ import numpy as np
 from ..checks import NotNegative, Positive, check, checked
 from . import layers
 from .cross_section import Elastic, Section
+from .varying import Measure, varying
 
 __all__ = ["Elastic", "FibreList", "Flanged", "Rectangle", "Section", "Tube", "effective_width", "round_bar"]
 
@@ -26,8 +27,8 @@ class Rectangle(Section):
     points : fibres along each side, by Gauss's rule, of a plastic material
     """
 
-    width: Positive
-    depth: Positive
+    width: Measure
+    depth: Measure
     shear_factor: Positive = 5 / 6
     points: int = 5
 
@@ -63,15 +64,15 @@ class Tube(Section):
     points : fibres on a quarter of the circumference, and as dense through the wall, of a plastic material
     """
 
-    diameter: Positive
-    thickness: Positive
+    diameter: Measure
+    thickness: Measure
     shear_factor: Positive = 0.5
     points: int = 5
 
     def __post_init__(self):
         check(self)
         layers.require_points(self)
-        if 2 * self.thickness > self.diameter:
+        if not varying(self) and 2 * self.thickness > self.diameter:
             raise ValueError(f"Tube: thickness {self.thickness} is more than half the diameter {self.diameter}")
 
     @property
@@ -193,6 +194,9 @@ class Flanged(Section):
 
     def __post_init__(self):
         check(self)
+        if names := varying(self.bar):
+            raise ValueError(f"Flanged: {names[0]} of its bar, a {type(self.bar).__name__}, is a function of the "
+                             "place; give a number")
 
     @property
     def depth(self):
@@ -247,6 +251,15 @@ class Flanged(Section):
             return None
         bar, flange = self.bar.second_moments[0], self._flange * self.width**2 / 12
         return (bar * own[0] + flange * self.offset) / (bar + flange) - self.centroid, 0.0
+
+    @property
+    def warping(self):
+        """Of parts whose sections turn about one shear centre, each by its own second moment about the depth."""
+        if self.shear_centre is None:
+            return 0.0
+        own, place = self.bar.shear_centre, self.shear_centre[0] + self.centroid
+        return (self.bar.warping + self.bar.second_moments[0] * (own[0] - place)**2
+                + self._flange * self.width**2 / 12 * (self.offset - place)**2)
 
     @property
     def torsion(self):

@@ -26,10 +26,11 @@ from .history import LAW, LawWithHistory, has_history
 from .interpolation import Interpolation
 from .own_forms import require_strains
 from .places import require_group
-from .plasticity import section_law
+from .plasticity import Plastic, section_law
 from .plate import Plate, ShellSection
 from .section import Elastic
 from .tying import LowerRule, Tying
+from .varying import VaryingSection, require_uniform
 from .work import Internal, Term
 
 TRIANGLE, QUADRILATERAL = basix.CellType.triangle, basix.CellType.quadrilateral
@@ -67,7 +68,7 @@ class ShellForm:
 
     def tying(self, shell: Shell, frame, cells: np.ndarray) -> Tying:
         """Strains that the law of a shell is given on the cells of this process."""
-        thickness = as_constants(frame.domain, shell.section.thickness)
+        thickness = shell.sections.numbers(lambda section: section.thickness)
         return LowerRule(self.low, extrapolation(self.cell, self.low, self.full), self.share(frame.domain, thickness))
 
 
@@ -76,8 +77,9 @@ class TriangleForm(ShellForm):
     """Triangles whose strains have spaces of their own, see `interpolation.Interpolation`; it has no lower rule."""
 
     def tying(self, shell: Shell, frame, cells: np.ndarray) -> Tying:
-        stiffness, thickness = shell.section.stiffness(shell.material), shell.section.thickness
-        return Interpolation(frame, thickness, stiffness.uncoupled[3:8, 3:8], shell.mesh.domain, cells, self.full,
+        thickness = shell.sections.in_cells(lambda section: section.thickness)
+        moduli = shell.sections.in_cells(lambda section: section.stiffness(shell.material).uncoupled[3:8, 3:8])
+        return Interpolation(frame, thickness, moduli, shell.mesh.domain, cells, self.full,
                              self.displacement[1])
 
 
@@ -159,7 +161,9 @@ class Shell:
         if self.discrete.cell != cell:
             raise ValueError(f"Shell: form {self.form!r} needs a mesh of {self.discrete.cell.name} cells, "
                              f"this one has {cell.name} cells")
-        stiffness = self.section.stiffness(self.material)
+        stiffness = self.sections.typical.stiffness(self.material)
+        if isinstance(self.material, Plastic):
+            require_uniform(self, "Shell of a Plastic material")
         if self.section_law is not forms.section.linear_shell:
             require_law("Shell", self.section_law, stiffness, np.diag(stiffness.uncoupled), self.mesh.domain)
         if self.strains is not None:
@@ -175,9 +179,14 @@ class Shell:
             self._check_offset()
 
     @cached_property
+    def sections(self) -> VaryingSection:
+        """The section wherever it is integrated."""
+        return VaryingSection(self, self.discrete.displacement[1])
+
+    @cached_property
     def section_law(self):
         """The law, or that of the section's layers where the material is plastic."""
-        return section_law(self.law, self.section, self.material, self.section.stiffness(self.material))
+        return section_law(self.law, self.section, self.material, self.sections.typical.stiffness(self.material))
 
     @property
     def discrete(self) -> ShellForm:
@@ -223,7 +232,7 @@ class Shell:
 
     def _strains_and_law(self, u, rotation):
         """All nine strains of the mid-surface, the section law, its frame, and its area per meshed area."""
-        stiffness, law = as_constants(self.mesh.domain, self.section.stiffness(self.material)), self.section_law
+        stiffness, law = self.sections.numbers(lambda section: section.stiffness(self.material)), self.section_law
         frame, area = self.frame(), 1.0
         if self.offset:
             u, frame, area = forms.shell.off_the_surface(u, rotation, frame, self._distance)

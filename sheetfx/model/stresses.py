@@ -12,6 +12,7 @@ from .laminate import Laminate
 from .plasticity import Plastic
 from .plate import Plate
 from .shell import Shell
+from .varying import require_uniform
 
 EDGE = 1e-9  # of the thickness, by which a height may lie outside
 
@@ -40,6 +41,7 @@ def stresses(part: Beam | Bar | Shell, resultants: np.ndarray, at: float | Seque
     if part.law not in (linear_elastic, linear_shell) or isinstance(part.material, Plastic):
         raise ValueError(f"{name}: stresses are those of linear elastic sections, and its law is "
                          f"{type(part.section_law).__name__}; ask Record.forces and Record.plastic")
+    require_uniform(part, "stresses")
     place = np.ravel(np.asarray(at, dtype=float))
     wanted = 2 if isinstance(part, Beam) and part.mesh.dimension == 3 else 1
     if place.shape != (wanted,) or not np.isfinite(place).all():

@@ -124,7 +124,7 @@ def inertia(discretisation: Discretisation, part):
 
 def _shell_inertia(discretisation: Discretisation, shell: Shell):
     k, unknowns, domain = discretisation.kinematics(shell.mesh), discretisation.unknowns, shell.mesh.domain
-    mass, rotary = as_constants(domain, shell.section.inertia(shell.material))
+    mass, rotary = shell.sections.numbers(lambda section: section.inertia(shell.material))
     arm = as_constants(domain, shell.offset + shell.section.mass_centre(shell.material))
     frame, area = shell.mid_surface()
     normal = k.total_rotation.rotate(frame.director)
@@ -137,7 +137,7 @@ def _shell_inertia(discretisation: Discretisation, shell: Shell):
 def _bar_inertia(discretisation: Discretisation, part):
     """Of a part on curves; those without a field of rotations have no rotary inertia."""
     k, unknowns, mesh = discretisation.kinematics(part.mesh), discretisation.unknowns, part.mesh
-    mass, *rotary = as_constants(mesh.domain, part.section.inertia(part.material, mesh.dimension))
+    mass, *rotary = part.sections.numbers(lambda section: section.inertia(part.material, mesh.dimension))
     changes = _changes(unknowns, k.u)
     integral = mesh.integral({"quadrature_degree": 2 * part.degree}, part.group)
     if k.spin is None:
