@@ -6,7 +6,8 @@ process, so that structures come apart at junctions.
 
 from __future__ import annotations
 
-from itertools import chain
+from collections import Counter
+from itertools import chain, combinations
 
 import basix
 import numpy as np
@@ -32,7 +33,7 @@ def keep_junctions_whole(comm, parts: int, cell_types, cells):
 class Hosted:
     """Partitions of a mesh of surfaces, the hosts, and after it of a mesh of guests that share nodes with them.
 
-    Each guest is on a process that has a host at each node that they share.
+    Each guest is on a process that has a host at each node and edge that they share.
 
     Parameters
     ----------
@@ -75,18 +76,20 @@ def _junctions(cell: basix.CellType, corners: np.ndarray) -> Pairs:
 def _hosts(corners: np.ndarray, guests: np.ndarray) -> Pairs:
     """Numbers of cells of surfaces and of the guests that they host.
 
-    Each guest has hosts at all nodes that it shares: first the one at most of these, then that at most of the rest.
+    Each guest has hosts at all nodes and edges that it shares: first the one at most of these, then that at most of
+    the rest.
     """
     at: dict[int, set[int]] = {node: set() for node in guests.ravel().tolist()}
     for cell, node in np.argwhere(np.isin(corners, guests)).tolist():
         at[int(corners[cell, node])].add(cell)
     pairs = []
     for guest, nodes in enumerate(guests.tolist()):
-        left = {node for node in nodes if at[node]}
+        left = [near for near in (*(at[node] for node in nodes), *(at[a] & at[b] for a, b in combinations(nodes, 2)))
+                if near]
         while left:
-            near = sorted(set(chain.from_iterable(at[node] for node in left)))
-            host = max(near, key=lambda cell: sum(cell in at[node] for node in left))
-            left = {node for node in left if host not in at[node]}
+            shared = Counter(chain.from_iterable(left))
+            host = min(shared, key=lambda cell: (-shared[cell], cell))
+            left = [near for near in left if host not in near]
             pairs.append((host, guest))
     hosts, hosted = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
     return hosts, hosted
