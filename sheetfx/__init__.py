@@ -17,6 +17,7 @@ _ROOMS = {
     "mesh.lines": "Stretch",
     "mesh.reader": "NamedMesh read",
     "mesh.mixed": "MixedMesh read_mixed",
+    "mesh.kinds": "MeshesByKind read_kinds",
     "mesh.imperfection": "measured random_field",
     "model.beam": "Bar Beam",
     "model.contact": "Contact",

@@ -135,7 +135,7 @@ def same_places(mesh: NamedMesh, field: AdditiveField, of: AdditiveField, at: st
     elsewhere = comm.allreduce(int((there.query(alone)[0] <= tolerance).sum()) if len(alone) else 0)
     if elsewhere:
         raise ValueError(f"Compatible: {elsewhere} nodes stand at nodes that another process has; read both meshes "
-                         "with one read_mixed, which keeps such nodes together")
+                         "with one read_mixed or read_kinds, which keeps such nodes together")
     return Sharing(field, nodes[found], of, nearest[found])
 
 

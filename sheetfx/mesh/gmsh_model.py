@@ -14,17 +14,14 @@ from scipy.sparse import coo_array, triu
 from ..compat import gmsh_cells
 from ..notices import warn
 from .cells import KINDS, Cells
+from .groups import DIMENSIONS, ORDERS, cells_of, name_of
 from .quality import bad_cells, refuse
 from .raised import raise_order
 
 Source = Callable[[], None] | str | Path
 
-ORDERS = 1, 2, 3
 CURVED = 2  # order of cells that the geometry or a place bends, the degree of shells and beams by default
 STRAIGHT = 1e-9  # distance of a middle from between its ends, over the size of the structure, that is rounding
-DIMENSIONS = {0: "points", 1: "curves", 2: "surfaces", 3: "volumes"}
-ONE_KIND = {1: "", 2: ": quadrilaterals by Mesh.RecombineAll = 1 and Mesh.RecombinationAlgorithm = 3 (or "
-            "Mesh.SubdivisionAlgorithm = 1), triangles by Mesh.RecombineAll = 0"}
 FILE = re.compile(rb"^\$(MeshFormat|NOD|PTS)", re.MULTILINE)  # of versions 2 to 4, and 1
 
 
@@ -36,7 +33,8 @@ class Model:
     ----------
     what : what is read, for messages
     x : places of its nodes in space; those without cells are not numbers
-    curves, surfaces : Cells
+    curves : Cells
+    kinds : those of surfaces, of each kind; triangles first
     points : name -> nodes
     said : what was done to its cells, for a warning; empty where nothing was
     identity : what tells meshes of this model from those of others, on one process
@@ -45,10 +43,15 @@ class Model:
     what: str
     x: np.ndarray
     curves: Cells
-    surfaces: Cells
+    kinds: list[Cells]
     points: dict[str, np.ndarray]
     said: str = ""
     identity: object = field(default_factory=object)
+
+    @property
+    def surfaces(self) -> Cells:
+        """Where they are of one kind."""
+        return self.kinds[0]
 
     def points_on(self, cells: Cells) -> dict[str, np.ndarray]:
         """Named points that are corners of cells."""
@@ -61,20 +64,28 @@ class Model:
             raise ValueError(f"{self.what}: the point {lost[0]!r} is on no cell of a named group; add its curve or "
                              "surface to a group, or remove the name")
 
+    def require_edges(self) -> None:
+        """Refuse named curves that are not on edges of surfaces."""
+        for name in self.curves.groups:
+            if not self.on_edges(name).all():
+                raise ValueError(f"{self.what}: the curves {name!r} are not on edges of surfaces; read both with "
+                                 f"read_mixed(..., bars=[{name!r}])")
+
     def on_edges(self, name: str) -> np.ndarray:
         """Whether each cell of a group of curves is an edge of a surface."""
         return np.isin(self.pairs(self.curves.corners(self.curves.groups[name])), self.edges())
 
     def edges(self) -> np.ndarray:
-        """A number for each edge of the cells of surfaces, shape (cells, corners)."""
-        return self.pairs(self.surfaces.sides()).reshape(-1, KINDS[self.surfaces.kind][1])
+        """A number for each edge of the cells of surfaces, cell by cell."""
+        return np.concatenate([self.pairs(cells.sides()) for cells in self.kinds])
 
     def pairs(self, nodes: np.ndarray) -> np.ndarray:
         """A number for each pair of nodes, whatever its order."""
         return np.sort(nodes, axis=1) @ np.array([len(self.x), 1])
 
 
-def read_model(source: Source, who: str, order: int | None, place: Callable | None, comm: MPI.Comm) -> Model:
+def read_model(source: Source, who: str, order: int | None, place: Callable | None, comm: MPI.Comm,
+               several: bool = False) -> Model:
     """What there is to know of the gmsh model of a source; what goes wrong on process 0 is raised on all.
 
     Parameters
@@ -83,6 +94,7 @@ def read_model(source: Source, who: str, order: int | None, place: Callable | No
     who : reads it, for messages
     order : of the geometry; None: see `read`
     place : function from coordinates of nodes to those in space; None: the same
+    several : whether surfaces may have triangles and quadrilaterals
     """
     what = who if callable(source) else f"{who} {str(source)!r}"
     if order not in (None, *ORDERS):
@@ -90,7 +102,7 @@ def read_model(source: Source, who: str, order: int | None, place: Callable | No
     model = error = None
     if comm.rank == 0:
         try:
-            model = _model(source, what, order, place)
+            model = _model(source, what, order, place, several)
         except Exception as raised:  # other processes wait to be told
             error = raised
     model, error = comm.bcast((model, error), root=0)
@@ -101,7 +113,7 @@ def read_model(source: Source, who: str, order: int | None, place: Callable | No
     return model
 
 
-def _model(source: Source, what: str, order: int | None, place: Callable | None) -> Model:
+def _model(source: Source, what: str, order: int | None, place: Callable | None, several: bool) -> Model:
     import gmsh
 
     gmsh.initialize(interruptible=False)
@@ -110,11 +122,11 @@ def _model(source: Source, what: str, order: int | None, place: Callable | None)
         _fill(gmsh, source, what)
         if gmsh.model.getNumberOfPartitions():
             gmsh.model.mesh.unpartition()
-        known = _curve(gmsh.model, what, order, place)
-        curves, surfaces = (_cells(gmsh.model, dimension, what) for dimension in (1, 2))
-        points = {_name(gmsh.model, 0, tag): gmsh.model.mesh.getNodesForPhysicalGroup(0, tag)[0].astype(np.int64) - 1
+        known = _curve(gmsh.model, what, order, place, several)
+        (curves,), surfaces = (cells_of(gmsh.model, dimension, what, several) for dimension in (1, 2))
+        points = {name_of(gmsh.model, 0, tag): gmsh.model.mesh.getNodesForPhysicalGroup(0, tag)[0].astype(np.int64) - 1
                   for _, tag in gmsh.model.getPhysicalGroups(0)}
-        used = np.concatenate([nodes.ravel() for cells in (curves, surfaces) for nodes in cells.nodes.values()])
+        used = np.concatenate([nodes.ravel() for cells in (curves, *surfaces) for nodes in cells.nodes.values()])
         x = _places(gmsh.model, np.unique(used), what, place)
     finally:
         gmsh.finalize()
@@ -126,23 +138,23 @@ def _model(source: Source, what: str, order: int | None, place: Callable | None)
     return model
 
 
-def _curve(model, what: str, order: int | None, place: Callable | None) -> bool:
+def _curve(model, what: str, order: int | None, place: Callable | None, several: bool) -> bool:
     """Give cells the order that is asked for where gmsh or the place know how they are curved; whether they do."""
-    curves, surfaces = (_cells(model, dimension, what) for dimension in (1, 2))
-    used = [cells for cells in (surfaces, curves) if cells.nodes]
+    curves, surfaces = (cells_of(model, dimension, what, several) for dimension in (1, 2))
+    used = [cells for cells in (*surfaces, *curves) if cells.nodes]
     if not used:
         raise ValueError(f"{what}: no named curve or surface has cells; mesh the model, and save it in version 4.1")
     straight = all(cells.straight for cells in used)
     placed = straight and place is not None and _bends(model, used, place)
-    known = placed or not (straight and surfaces.nodes and _is_discrete(model))
+    known = placed or not (straight and surfaces[0].nodes and _is_discrete(model))
     if order and known:
         model.mesh.setOrder(order)
     elif placed:
         model.mesh.setOrder(CURVED)
         model.mesh.renumberNodes()
-    elif straight and known and surfaces.nodes:
+    elif straight and known and surfaces[0].nodes:
         model.mesh.setOrder(CURVED)
-        if not _is_curved(model, _cells(model, 2, what)):
+        if not any(_is_curved(model, cells) for cells in cells_of(model, 2, what, several)):
             model.mesh.setOrder(1)
     return known
 
@@ -188,55 +200,14 @@ def _check_groups(model, what: str) -> None:
                          "(gmsh.model.addPhysicalGroup, or Physical Curve and Physical Surface in a .geo file), and "
                          "save without Mesh.SaveAll")
     if 3 in dimensions:
-        volumes = next(_name(model, *group) for group in groups if group[0] == 3)
+        volumes = next(name_of(model, *group) for group in groups if group[0] == 3)
         raise ValueError(f"{what}: the group {volumes!r} is one of volumes; only curves and surfaces can be read")
     known: dict[str, int] = {}
     for d, tag in groups:
-        name = _name(model, d, tag)
+        name = name_of(model, d, tag)
         if known.setdefault(name, d) != d and 2 in dimensions:
             raise ValueError(f"{what}: the group {name!r} is one of {DIMENSIONS[known[name]]} and of {DIMENSIONS[d]}; "
                              "give each its own name")
-
-
-def _name(model, dimension: int, tag: int) -> str:
-    """Of a physical group; its number where it has none, with its dimension where another one's has that number.
-
-    gmsh counts the groups of each dimension from 1.
-    """
-    if name := model.getPhysicalName(dimension, tag):
-        return name
-    groups = model.getPhysicalGroups()
-    numbers = [number for d, number in groups if not model.getPhysicalName(d, number)]
-    clash = len(set(numbers)) < len(numbers) and any(d == 2 for d, _ in groups)
-    return f"{DIMENSIONS[dimension][:-1]} {tag}" if clash else str(tag)
-
-
-def _cells(model, dimension: int, what: str) -> Cells:
-    """Cells of one kind in the groups of a dimension; nodes count from 0."""
-    cells = Cells({}, {})
-    first = None
-    for _, tag in model.getPhysicalGroups(dimension):
-        name = _name(model, dimension, tag)
-        entities = cells.groups.setdefault(name, [])
-        entities += [int(e) for e in model.getEntitiesForPhysicalGroup(dimension, tag) if e not in entities]
-        for entity in entities:
-            kinds, _, tables = model.mesh.getElements(dimension, entity)
-            if not len(kinds):
-                raise ValueError(f"{what}: a part of the group {name!r} has no cells; mesh it, or remove it; save the "
-                                 "pieces of a partition as one file")
-            for kind in kinds:
-                label, _, _, size, _, _ = model.mesh.getElementProperties(kind)
-                if kind not in KINDS:
-                    raise ValueError(f"{what}: the group {name!r} has cells {label!r}; only complete intervals, "
-                                     f"triangles and quadrilaterals of order {ORDERS[0]} to {ORDERS[-1]} can be read")
-                first = first or (kind, name, label)
-                if kind != first[0]:
-                    raise ValueError(f"{what}: mixed kinds of cells, {first[2]!r} in the group {first[1]!r} and "
-                                     f"{label!r} in {name!r}; mesh all {DIMENSIONS[dimension]} with one kind"
-                                     + ONE_KIND[dimension])
-            cells.nodes[entity] = tables[0].reshape(-1, size).astype(np.int64) - 1
-            cells.kind = int(kinds[0])
-    return cells
 
 
 def _bends(model, used: Sequence[Cells], place: Callable) -> bool:
@@ -284,7 +255,7 @@ def _check_cells(model: Model, placed: bool) -> None:
     remedy = ("correct place, or mesh the group in other cells" if placed else
               "mesh the group with another size of cells or algorithm (Mesh.Algorithm, Mesh.RecombinationAlgorithm)")
     found = []
-    for cells in (model.curves, model.surfaces):
+    for cells in (model.curves, *model.kinds):
         if cells.nodes:
             element, nodes = gmsh_cells(cells.kind, cells.table())
             source = cells.source()
@@ -295,16 +266,26 @@ def _check_cells(model: Model, placed: bool) -> None:
 
 def _check_doubles(model: Model) -> None:
     """Refuse cells that share two facets: they lie on each other or nearly so, and DOLFINx 0.9 breaks down on them."""
-    for cells, facets in ((model.curves, "both ends"), (model.surfaces, "two edges")):
-        if not cells.nodes:
+    for kinds, facets in (([model.curves], "both ends"), (model.kinds, "two edges")):
+        if not kinds[0].nodes:
             continue
-        source, corners = cells.source(), cells.corners()
-        sides = corners if cells is model.curves else model.edges()
+        of_kinds = [cells.corners() for cells in kinds]
+        source, owner = np.concatenate([cells.source() for cells in kinds]), np.concatenate(
+            [np.full(len(corners), corners.shape[1]) for corners in of_kinds])
+        owner = np.repeat(np.arange(len(owner)), owner)
+        sides = of_kinds[0].ravel() if kinds[0] is model.curves else model.edges()
         number = np.unique(sides, return_inverse=True)[1].ravel()
-        holds = coo_array((np.ones(len(number)), (np.repeat(np.arange(len(sides)), sides.shape[1]), number))).tocsr()
+        holds = coo_array((np.ones(len(number)), (owner, number))).tocsr()
         meets = triu(holds @ holds.T, 1).tocoo()
         for one, other in zip(meets.row[meets.data > 1], meets.col[meets.data > 1], strict=True):
-            names = (next(n for n, on in cells.groups.items() if source[c] in on) for c in (one, other))
+            names = (next(n for cells in kinds for n, on in cells.groups.items() if source[c] in on)
+                     for c in (one, other))
             raise ValueError(f"{model.what}: cells of the groups {' and '.join(map(repr, names))} share {facets} at "
-                             f"{model.x[corners[one]].mean(axis=0)}; remove what stands twice, or mesh it with "
+                             f"{_middle(model.x, of_kinds, one)}; remove what stands twice, or mesh it with "
                              "more cells")
+
+
+def _middle(x: np.ndarray, corners: list[np.ndarray], cell: int) -> np.ndarray:
+    """Mean place of the corners of a cell, which counts through all kinds."""
+    nodes = [row for table in corners for row in table]
+    return x[nodes[cell]].mean(axis=0)

@@ -11,8 +11,9 @@ from mpi4py import MPI
 
 from ..checks import Choice, checked
 from .cells import Cells
-from .gmsh_model import DIMENSIONS, Model, Source, read_model
-from .partition import BarsOnSurfaces
+from .gmsh_model import Model, Source, read_model
+from .groups import DIMENSIONS
+from .partition import Hosted
 from .reader import NamedMesh, named_mesh
 
 
@@ -62,9 +63,9 @@ def read_mixed(source: Source, bars: str | Sequence[str], order: Annotated[int |
     model = read_model(source, "read_mixed", order, place, comm)
     cells, edges = _bars_and_edges(model, [bars] if isinstance(bars, str) else list(bars))
     model.require_points_on(model.surfaces, cells)
-    partition = BarsOnSurfaces(cells.corners())
-    surfaces = named_mesh(model, model.surfaces, edges, 3, comm, partition.surfaces)
-    return MixedMesh(surfaces, named_mesh(model, cells, Cells({}, {}), 3, comm, partition.bars))
+    partition = Hosted(cells.corners())
+    surfaces = named_mesh(model, model.surfaces, edges, 3, comm, partition.hosts)
+    return MixedMesh(surfaces, named_mesh(model, cells, Cells({}, {}), 3, comm, partition.guests))
 
 
 def _bars_and_edges(model: Model, bars: list[str]) -> tuple[Cells, Cells]:

@@ -16,6 +16,7 @@ Cells then run like the first of all that are connected so. A Möbius strip has 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -25,8 +26,9 @@ from scipy.sparse.csgraph import connected_components
 
 from ..compat import gmsh_cells
 from ..notices import listed
-from .cells import KINDS, Cells
-from .gmsh_model import DIMENSIONS, Model
+from .cells import Cells
+from .gmsh_model import Model
+from .groups import DIMENSIONS
 
 SHOWN = 5  # names in a message
 ROUNDING = 1e-6  # difference of cosines that is rounding of the coordinates
@@ -39,45 +41,63 @@ class Alike:
 
     Attributes
     ----------
-    nodes : of all cells, those that ran against their neighbours turned; shape (cells, nodes)
+    nodes : of the cells of each kind, those that ran against their neighbours turned; shapes (cells, nodes)
     said : what has been turned, for a warning; empty where all ran alike
     opposed : group (None: all cells) -> a place where two of its cells run against each other
     """
 
-    nodes: np.ndarray
+    nodes: list[np.ndarray]
     said: str
     opposed: dict[str | None, np.ndarray]
 
 
-def run_alike(model: Model, cells: Cells) -> Alike:
-    """Turn cells that run against their neighbours."""
-    nodes, source = cells.table(), cells.source()
-    groups: dict[str | None, np.ndarray] = {name: np.isin(source, on) for name, on in cells.groups.items()}
-    meets = _Meetings(model, cells)
+def run_alike(model: Model, *kinds: Cells) -> Alike:
+    """Turn cells that run against their neighbours, whatever kind these are of."""
+    tables, source = [cells.table() for cells in kinds], np.concatenate([cells.source() for cells in kinds])
+    names: dict[str, list[int]] = {}
+    for cells in kinds:
+        for name, on in cells.groups.items():
+            names[name] = names.get(name, []) + on
+    groups: dict[str | None, np.ndarray] = {name: np.isin(source, on) for name, on in names.items()}
+    meets = _Meetings(model, kinds)
     pairs = {name: meets.pairs(inside) for name, inside in sorted(groups.items(), key=lambda item: item[1].sum())}
-    pairs[None] = meets.pairs(np.ones(len(nodes), dtype=bool))
+    pairs[None] = meets.pairs(np.ones(len(source), dtype=bool))
     if meets.surfaces:
         compared = [*pairs.values(), meets.straightest()]
     else:
         own = _smallest(groups)
         compared = [found[own[found[:, 0]] == own[found[:, 1]]] for found in pairs.values()]
-    first, turned = _turned(len(nodes), compared)
-    opposed = {name: model.x[nodes[wrong[0, 0]]].mean(axis=0) for name, found in pairs.items()
+    first, turned = _turned(len(source), compared)
+    opposed = {name: meets.middle[wrong[0, 0]] for name, found in pairs.items()
                if len(wrong := found[_against(found, turned)])}
-    nodes[turned] = nodes[turned][:, _reversal(cells.kind, nodes.shape[1])]
-    return Alike(nodes, _said(model, cells, source[turned], source[first[turned]]), opposed)
+    begin = 0
+    for cells, nodes in zip(kinds, tables, strict=True):
+        own = turned[begin:begin + len(nodes)]
+        nodes[own] = nodes[own][:, _reversal(cells.kind, nodes.shape[1])]
+        begin += len(nodes)
+    return Alike(tables, _said(model, names, meets.surfaces, source[turned], source[first[turned]]), opposed)
 
 
 class _Meetings:
-    """Where cells meet; pairs of them have rows (cell, cell, whether they run against each other)."""
+    """Where cells meet; pairs of them have rows (cell, cell, whether they run against each other).
 
-    def __init__(self, model: Model, cells: Cells):
-        self._corners, self._model = cells.corners(), model
-        self.surfaces = self._corners.shape[1] > 2
-        following = np.roll(self._corners, -1, axis=1)
-        facets = model.edges() if self.surfaces else self._corners
-        up = self._corners < following if self.surfaces else np.broadcast_to([True, False], facets.shape)
-        self._width, self._facets, self._up = facets.shape[1], facets.ravel(), up.ravel()
+    Attributes
+    ----------
+    surfaces : whether cells are of surfaces
+    middle : mean place of the corners of each cell
+    """
+
+    def __init__(self, model: Model, kinds: Sequence[Cells]):
+        corners, self._x = [cells.corners() for cells in kinds], model.x
+        self.surfaces = corners[0].shape[1] > 2
+        self.middle = np.concatenate([model.x[nodes].mean(axis=1) for nodes in corners])
+        self._cell = np.repeat(np.arange(len(self.middle)),
+                               np.concatenate([np.full(len(nodes), nodes.shape[1]) for nodes in corners]))
+        self._ends = np.concatenate([cells.sides() for cells in kinds])
+        if self.surfaces:
+            self._facets, self._up = model.pairs(self._ends), self._ends[:, 0] < self._ends[:, 1]
+        else:
+            self._facets, self._up = corners[0].ravel(), np.tile([True, False], len(corners[0]))
 
     def pairs(self, inside: np.ndarray) -> np.ndarray:
         """Those at facets where just two of some cells meet."""
@@ -88,7 +108,7 @@ class _Meetings:
     def straightest(self) -> np.ndarray:
         """Of three and more cells at an edge the two that go on straightest, and so on with the rest."""
         found = []
-        order, starts, counts = self._at_facets(np.ones(len(self._corners), dtype=bool))
+        order, starts, counts = self._at_facets(np.ones(len(self.middle), dtype=bool))
         for start, count in zip(starts[counts > 2], counts[counts > 2], strict=True):
             places = order[start:start + count]
             ways = self._ways(places)
@@ -104,20 +124,18 @@ class _Meetings:
 
     def _at_facets(self, inside: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Places of chosen cells in the table of facets, facet by facet, and where those of each begin and how many."""
-        chosen = np.flatnonzero(np.repeat(inside, self._width))
+        chosen = np.flatnonzero(inside[self._cell])
         order = chosen[np.argsort(self._facets[chosen], kind="stable")]
         return order, *np.unique(self._facets[order], return_index=True, return_counts=True)[1:]
 
     def _rows(self, places: np.ndarray) -> np.ndarray:
-        return np.column_stack((places // self._width, self._up[places[:, 0]] == self._up[places[:, 1]]))
+        return np.column_stack((self._cell[places], self._up[places[:, 0]] == self._up[places[:, 1]]))
 
     def _ways(self, places: np.ndarray) -> np.ndarray:
         """Unit vectors from an edge into the cells at it, across the edge."""
-        cells, sides = np.divmod(places, self._width)
-        x = self._model.x[self._corners[cells]]
-        start, end = x[0, sides[0]], x[0, (sides[0] + 1) % self._width]
+        start, end = self._x[self._ends[places[0]]]
         along = (end - start) / np.linalg.norm(end - start)
-        ways = x.mean(axis=1) - (start + end) / 2
+        ways = self.middle[self._cell[places]] - (start + end) / 2
         ways -= np.outer(ways @ along, along)
         return ways / np.linalg.norm(ways, axis=1, keepdims=True)
 
@@ -174,12 +192,12 @@ def _reversal(kind: int, count: int) -> np.ndarray:
     return nodes
 
 
-def _said(model: Model, cells: Cells, turned: np.ndarray, like: np.ndarray) -> str:
+def _said(model: Model, groups: dict[str, list[int]], surfaces: bool, turned: np.ndarray, like: np.ndarray) -> str:
     """What has been turned, from the entities of turned cells and of those that they now run like."""
     if not len(turned):
         return ""
-    dimension = 1 if KINDS[cells.kind][1] == 2 else 2
-    names = listed([repr(name) for name, on in cells.groups.items() if np.isin(turned, on).any()], SHOWN)
+    dimension = 2 if surfaces else 1
+    names = listed([repr(name) for name, on in groups.items() if np.isin(turned, on).any()], SHOWN)
     return (f"{model.what}: {len(turned)} cells of {names} ran against their neighbours and are turned, to run like "
             f"those of {DIMENSIONS[dimension][:-1]} {listed(list(map(str, np.unique(like))), SHOWN)}; "
             f"{GOES_BY_IT[dimension]} go by it")

@@ -1,10 +1,13 @@
-"""Partition of meshes with junctions, where more than two cells meet at a facet, and of bars on surfaces.
+"""Partition of meshes with junctions, where more than two cells meet at a facet, and of two meshes with common nodes.
 
 DOLFINx 0.9 takes a facet with two cells on one process for an inner one and splits it from further cells on another
 process, so that structures come apart at junctions.
 """
 
 from __future__ import annotations
+
+from collections import Counter
+from itertools import chain, combinations
 
 import basix
 import numpy as np
@@ -13,6 +16,7 @@ from scipy.sparse.csgraph import connected_components
 
 from ..compat import adjacency_list, default_partition
 
+CELLS = {2: basix.CellType.interval, 3: basix.CellType.triangle}  # by corners
 Pairs = tuple[np.ndarray, np.ndarray]
 
 
@@ -26,37 +30,37 @@ def keep_junctions_whole(comm, parts: int, cell_types, cells):
     return adjacency_list(chosen.array[first].reshape(-1, 1))
 
 
-class BarsOnSurfaces:
-    """Partitions of a mesh of surfaces, and after it of a mesh of bars that share nodes with them.
+class Hosted:
+    """Partitions of a mesh of surfaces, the hosts, and after it of a mesh of guests that share nodes with them.
 
-    Each cell of a bar is on a process that has a cell of the surfaces at each node that they share.
+    Each guest is on a process that has a host at each node and edge that they share.
 
     Parameters
     ----------
-    bars : nodes at the ends of the cells of bars, shape (cells, 2)
+    guests : nodes at the corners of cells, bars or other surfaces, shape (cells, corners)
     """
 
-    def __init__(self, bars: np.ndarray):
-        self._bars = bars
+    def __init__(self, guests: np.ndarray):
+        self._guests = guests
         self._processes: dict[tuple[int, ...], int] = {}
 
-    def surfaces(self, comm, parts: int, cell_types, cells):
-        """To be given to `create_mesh` for the surfaces, as `keep_junctions_whole`."""
+    def hosts(self, comm, parts: int, cell_types, cells):
+        """To be given to `create_mesh` for the hosts, as `keep_junctions_whole`."""
         chosen = default_partition(comm, parts, cell_types, cells).array
-        cell, count, bars = getattr(basix.CellType, cell_types[0].name), len(chosen), len(self._bars)
-        joined_bars, junctions = _junctions(basix.CellType.interval, self._bars)
-        hosts, hosted = _hosts(cells[0].reshape(count, len(basix.topology(cell)[0])), self._bars)
-        meetings = np.concatenate([hosts, count + np.arange(bars)]), np.concatenate([hosted, np.arange(bars)])
-        first = _first(count + bars, _junctions(cell, cells[0]), (count + joined_bars, junctions), meetings)
+        cell, count, guests = getattr(basix.CellType, cell_types[0].name), len(chosen), len(self._guests)
+        joined_guests, junctions = _junctions(CELLS[self._guests.shape[1]], self._guests)
+        hosts, hosted = _hosts(cells[0].reshape(count, len(basix.topology(cell)[0])), self._guests)
+        meetings = np.concatenate([hosts, count + np.arange(guests)]), np.concatenate([hosted, np.arange(guests)])
+        first = _first(count + guests, _junctions(cell, cells[0]), (count + joined_guests, junctions), meetings)
         self._processes = {tuple(sorted(nodes)): int(chosen[c])
-                           for nodes, c in zip(self._bars.tolist(), first[count:], strict=True) if c < count}
+                           for nodes, c in zip(self._guests.tolist(), first[count:], strict=True) if c < count}
         return adjacency_list(chosen[first[:count]].reshape(-1, 1))
 
-    def bars(self, comm, parts: int, cell_types, cells):
-        """To be given to `create_mesh` for the bars; DOLFINx chooses for those that meet no surface."""
+    def guests(self, comm, parts: int, cell_types, cells):
+        """To be given to `create_mesh` for the guests; DOLFINx chooses for those that meet no host."""
         chosen = keep_junctions_whole(comm, parts, cell_types, cells).array
-        followed = [self._processes.get(tuple(sorted(nodes)), own)
-                    for nodes, own in zip(cells[0].reshape(-1, 2).tolist(), chosen.tolist(), strict=True)]
+        followed = [self._processes.get(tuple(sorted(nodes)), own) for nodes, own in
+                    zip(cells[0].reshape(-1, self._guests.shape[1]).tolist(), chosen.tolist(), strict=True)]
         return adjacency_list(np.array(followed, dtype=chosen.dtype).reshape(-1, 1))
 
 
@@ -69,18 +73,24 @@ def _junctions(cell: basix.CellType, corners: np.ndarray) -> Pairs:
     return sides // facets.shape[1], number[sides]
 
 
-def _hosts(corners: np.ndarray, bars: np.ndarray) -> Pairs:
-    """Numbers of cells of surfaces and of the bars that they host.
+def _hosts(corners: np.ndarray, guests: np.ndarray) -> Pairs:
+    """Numbers of cells of surfaces and of the guests that they host.
 
-    A bar is hosted by a cell at both its ends, or else by one at each end that is on the surfaces.
+    Each guest has hosts at all nodes and edges that it shares: first the one at most of these, then that at most of
+    the rest.
     """
-    at: dict[int, set[int]] = {node: set() for node in bars.ravel().tolist()}
-    for cell, node in np.argwhere(np.isin(corners, bars)).tolist():
+    at: dict[int, set[int]] = {node: set() for node in guests.ravel().tolist()}
+    for cell, node in np.argwhere(np.isin(corners, guests)).tolist():
         at[int(corners[cell, node])].add(cell)
     pairs = []
-    for bar, (a, b) in enumerate(bars.tolist()):
-        common = at[a] & at[b]
-        pairs += [(min(cells), bar) for cells in ([common] if common else [at[a], at[b]]) if cells]
+    for guest, nodes in enumerate(guests.tolist()):
+        left = [near for near in (*(at[node] for node in nodes), *(at[a] & at[b] for a, b in combinations(nodes, 2)))
+                if near]
+        while left:
+            shared = Counter(chain.from_iterable(left))
+            host = min(shared, key=lambda cell: (-shared[cell], cell))
+            left = [near for near in left if host not in near]
+            pairs.append((host, guest))
     hosts, hosted = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
     return hosts, hosted
 

@@ -15,6 +15,7 @@ of cubic triangles by precision for quadratic surfaces).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -37,26 +38,28 @@ class Raised:
     Attributes
     ----------
     x : places of all nodes, those that there were first
-    curves, surfaces : their cells
+    curves, surfaces : their cells; those of surfaces of each kind
     said : what was done, for a warning; empty where all are straight
     """
 
     x: np.ndarray
     curves: Cells
-    surfaces: Cells
+    surfaces: list[Cells]
     said: str
 
 
-def raise_order(x: np.ndarray, surfaces: Cells, curves: Cells, order: int | None) -> Raised | None:
+def raise_order(x: np.ndarray, surfaces: Sequence[Cells], curves: Cells, order: int | None) -> Raised | None:
     """Raise cells of first order.
 
     Parameters
     ----------
     x : places of nodes, shape (n, 3)
+    surfaces : of each kind
     order : 2 or 3; None: 2 where a surface is curved, and of curves only where they are edges of that; nothing where
         all surfaces are flat between folds
     """
-    facets, degree = Facets(x, [surfaces.table()], surfaces.source()), order or 2
+    facets = Facets(x, [cells.table() for cells in surfaces], np.concatenate([cells.source() for cells in surfaces]))
+    degree = order or 2
     size = float(np.linalg.norm(np.nanmax(x, axis=0) - np.nanmin(x, axis=0)))
     edges = _Curves(facets)
     edges.straighten(edges.rises <= NONE * size)
@@ -147,13 +150,17 @@ class _Nodes:
         numbers = self._first + self._width * edge[:, None] + np.arange(self._width)
         return np.where(upward[:, None], numbers, numbers[:, ::-1])
 
-    def surfaces(self, cells: Cells) -> Cells:
-        """Cells with nodes at their corners, then on their edges in order around them, then inside."""
-        table, facets = cells.table(), self._edges
-        upward = facets.vertex < facets.vertex[facets.after]
-        around = self._on_edges(facets.edge, upward).reshape(*table.shape, self._width)
-        inner = _inner(self.x[table], self.x[around])
-        return _replaced(cells, np.column_stack((table, around.reshape(len(table), -1), self._add(inner))), self._order)
+    def surfaces(self, kinds: Sequence[Cells]) -> list[Cells]:
+        """Cells of each kind with nodes at their corners, then on their edges in order around them, then inside."""
+        facets, found, begin = self._edges, [], 0
+        sides = self._on_edges(facets.edge, facets.vertex < facets.vertex[facets.after])
+        for cells in kinds:
+            table = cells.table()
+            around = sides[begin:begin + table.size].reshape(*table.shape, self._width)
+            inner = self._add(_inner(self.x[table], self.x[around]))
+            found.append(_replaced(cells, np.column_stack((table, around.reshape(len(table), -1), inner)), self._order))
+            begin += table.size
+        return found
 
     def on_edges(self, curves: np.ndarray) -> np.ndarray:
         """Numbers of the edges that some curves lie on, without those that lie on none."""
@@ -244,18 +251,20 @@ def _along_borders(x: np.ndarray, ends: np.ndarray, chords: np.ndarray) -> np.nd
     return np.where(np.isfinite(tangents), tangents, mirrored[:, ::-1])
 
 
-def _bad(x: np.ndarray, cells: Cells, size: float) -> np.ndarray:
+def _bad(x: np.ndarray, kinds: Sequence[Cells], size: float) -> np.ndarray:
     """Whether each cell is folded over."""
-    element, nodes = gmsh_cells(cells.kind, cells.table())
-    return scaled_jacobians(element, x[nodes], size)[0] <= STRAIGHT
+    found = [gmsh_cells(cells.kind, cells.table()) for cells in kinds]
+    return np.concatenate([scaled_jacobians(element, x[nodes], size)[0] <= STRAIGHT for element, nodes in found])
 
 
-def _said(edges: _Curves, surfaces: Cells, order: int) -> str:
+def _said(edges: _Curves, kinds: Sequence[Cells], order: int) -> str:
     bent = edges.rises > 0
     raised = np.unique(edges.facets.cell[bent[edges.facets.edge]])
     if not len(raised):
         return ""
-    on = surfaces.source()[raised]
-    names = listed([repr(name) for name, entities in surfaces.groups.items() if np.isin(on, entities).any()], SHOWN)
+    on = np.concatenate([cells.source() for cells in kinds])[raised]
+    groups = dict.fromkeys(item for cells in kinds for name, entities in cells.groups.items()
+                           for item in [repr(name)] if np.isin(on, entities).any())
+    names = listed(list(groups), SHOWN)
     return (f"raised {len(raised)} flat cells of {names} to order {order}, by normals fitted to their neighbours; "
             f"largest rise {edges.rises.max():.3g} (order=1 leaves them flat)")

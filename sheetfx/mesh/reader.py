@@ -18,7 +18,7 @@ from ..compat import geometry_degree, geometry_nodes, gmsh_mesh
 from ..notices import warn
 from .cells import Cells
 from .gmsh_model import Model, Source, read_model
-from .orientation import run_alike
+from .orientation import Alike, run_alike
 from .partition import keep_junctions_whole
 
 ROUNDING = 1e-6  # place out of a plane, over the size of the structure, by which drawings are off
@@ -220,25 +220,24 @@ def read(source: Source, dimension: Annotated[int, Choice((2, 3))],
     cells, edges = model.curves, Cells({}, {})
     if model.surfaces.groups:
         cells, edges = model.surfaces, model.curves
-    for name in edges.groups:
-        if not model.on_edges(name).all():
-            raise ValueError(f"{model.what}: the curves {name!r} are not on edges of surfaces; read both with "
-                             f"read_mixed(..., bars=[{name!r}])")
+        model.require_edges()
     model.require_points_on(cells)
     return named_mesh(model, cells, edges, dimension, comm, keep_junctions_whole)
 
 
-def named_mesh(model: Model, cells: Cells, edges: Cells, dimension: int, comm: MPI.Comm, partitioner) -> NamedMesh:
+def named_mesh(model: Model, cells: Cells, edges: Cells, dimension: int, comm: MPI.Comm, partitioner,
+               alike: Alike | None = None, number: int = 0) -> NamedMesh:
     """Mesh of some cells of a gmsh model.
 
     Parameters
     ----------
     edges : curves on the edges of surfaces; what is not there is left out
     partitioner : where there are several processes
+    alike : of cells of several kinds, which have been turned together; these have the given number there
     """
-    alike, x = run_alike(model, cells), model.x
-    nodes = alike.nodes
-    if alike.said and not comm.rank:
+    alike, x = alike or run_alike(model, cells), model.x
+    nodes = alike.nodes[number]
+    if alike.said and not number and not comm.rank:
         warn(alike.said)
     used = x[np.unique(nodes)]
     if dimension == 2 and (off := np.abs(used[:, 2]).max()) > ROUNDING * np.linalg.norm(np.ptp(used, axis=0)):

@@ -101,6 +101,7 @@ FORMS = {
     "naghdi-t2": _triangle(2, 4),
     "naghdi-t3": _triangle(3, 6),
 }
+BY_CELL = {QUADRILATERAL: "naghdi-q2", TRIANGLE: "naghdi-t2"}
 FORMER = {"naghdi-p2cr": "naghdi-t2", "naghdi-p3": "naghdi-t3"}  # which were too soft on curved surfaces
 
 
@@ -127,7 +128,7 @@ class Shell:
     ----------
     mesh : NamedMesh
     section, material : constants of the section law; a Plastic one is integrated through the section's layers
-    form : name of a form in FORMS, or a ShellForm
+    form : name of a form in FORMS, or a ShellForm; None: that of degree 2 for the cells of the mesh
     strains : function (u, rotation, frame) -> ShellStrains, of the mid-surface; None: `forms.shell.naghdi`
     law : function (strains, stiffness) -> stress resultants, gradient of an energy, see forms.section.linear_shell;
         it may couple stretching, bending, shear and drilling; or a LawWithHistory
@@ -144,7 +145,7 @@ class Shell:
     mesh: NamedMesh
     section: ShellSection
     material: Elastic | None = None
-    form: str | ShellForm = "naghdi-q2"
+    form: str | ShellForm | None = None
     strains: Callable | None = None
     law: Annotated[Callable | LawWithHistory, LAW] = forms.section.linear_shell
     group: str | None = None
@@ -190,7 +191,8 @@ class Shell:
 
     @property
     def discrete(self) -> ShellForm:
-        return named_form(self.form) if isinstance(self.form, str) else self.form
+        form = BY_CELL[self.mesh.domain.basix_cell()] if self.form is None else self.form
+        return named_form(form) if isinstance(form, str) else form
 
     @property
     def spaces(self) -> tuple[tuple[str, int], tuple[str, int]]:
