@@ -86,7 +86,7 @@ class Path:
         self._controls = [*map(_preloading, scene.stages), control or ArcLength()]
         self._ending = self.until.ending
         self.events = [*events, *([self._ending] if self._ending else [])]
-        monitors = [one.monitor for one in self._controls if getattr(one, "monitor", None)]
+        monitors = [*filter(None, (getattr(one, "monitor", None) for one in self._controls))]
         self.discretisation: Problem = discretised(scene, mixed_points, monitors)
         self.start, self._started = self._taken(start), time.process_time()
         self.tracer = Tracer(self.discretisation, self._controls[start[-1].stage if start else 0], prefix)

@@ -25,11 +25,11 @@ from .rounding import NONE, last_digits
 MOST = 25  # Newton iterations to the first state
 UNSYMMETRIC = (
     "continuation: the tangent dF/du is not symmetric, so that F is no gradient: unstable modes are counted from 0 in "
-    "the first state, by the real eigenvalues that pass zero; bifurcations have no name nor coefficients, and Hopf points "
-    "are not looked for")
+    "the first state, by the real eigenvalues that pass zero; bifurcations have no name nor coefficients, and Hopf "
+    "points are not looked for")
 
 
-def continuation(F: ufl.Form, u: fem.Function, load_factor: fem.Constant | fem.Function,  # noqa: N803
+def continuation(F: ufl.Form, u: fem.Function, load_factor: fem.Constant | fem.Function,
                  bcs: Sequence[fem.DirichletBC] = (), *, control: StepRule | None = None, until: Until | None = None,
                  monitor: ufl.Form | None = None, scale: float = 1.0, load_scale: float | None = None,
                  events: Sequence[Event] = (), prefix: str = "sheetfx_") -> Path:
@@ -41,17 +41,17 @@ def continuation(F: ufl.Form, u: fem.Function, load_factor: fem.Constant | fem.F
 
     Parameters
     ----------
-    F : residual, a UFL form with one test function of the space of `u`; a symmetric tangent dF/du, as of the gradient of
-        an energy, is needed for names and coefficients of bifurcations, and for counts of unstable modes from the first
-        state on
+    F : residual, a UFL form with one test function of the space of `u`. Where the tangent dF/du is symmetric, as of the
+        gradient of an energy, bifurcations have names and coefficients, and all unstable modes are counted
     u : unknown, of any element; it begins near a solution, which Newton's method finds at the first load factor
     load_factor : Constant, or uniform scalar Function, that occurs in F; it grows at first
     bcs : Dirichlet conditions with values that do not depend on the load factor
     control, until, events, prefix : see `Path`; lengths are root mean squares of nodal values over `scale`
     monitor : UFL form of rank 0 in `u`, such as u * ds(1), that is reported; None: the L2 norm of `u`
     scale : value of `u` that counts as 1 in lengths
-    load_scale : change of the load factor that counts as 1 in lengths too; None: none does, but where u does not respond
-        to the load factor at first, the factor at which its linear change makes the tangent singular (linear buckling)
+    load_scale : change of the load factor that counts as 1 in lengths too; None: none does, but where u does not
+        respond to the load factor at first, the one by which its linear change makes the tangent singular (linear
+        buckling)
 
     Raises
     ------
@@ -96,7 +96,7 @@ def _check_factor(form: ufl.Form, factor: fem.Constant | fem.Function) -> None:
     if not isinstance(factor, (fem.Constant, fem.Function)) or factor.ufl_shape:
         raise ValueError(f"continuation: load_factor is {factor!r}; give a scalar Constant of DOLFINx")
     if factor not in [*form.constants(), *form.coefficients()]:
-        raise ValueError("continuation: load_factor does not occur in F; write F with it, or give the Constant that does")
+        raise ValueError("continuation: load_factor does not occur in F; write F with it, or give the one that does")
     if isinstance(factor, fem.Constant):
         lowest = highest = float(factor.value)
     else:
@@ -114,11 +114,11 @@ def _check_conditions(bcs: Sequence[fem.DirichletBC], u: fem.Function, factor: f
             raise ValueError(f"continuation: bcs[{number}] is {condition!r}; give what fem.dirichletbc returns")
         space = getattr(condition.function_space, "_cpp_object", condition.function_space)
         if not u.function_space._cpp_object.contains(space):
-            raise ValueError(f"continuation: bcs[{number}] is of another space than u; make it with the space of u, or a "
-                             "sub-space of it")
+            raise ValueError(f"continuation: bcs[{number}] is of another space than u; make it with the space of u, "
+                             "or a sub-space of it")
         if condition.g is factor._cpp_object:
-            raise ValueError(f"continuation: the value of bcs[{number}] is the load factor; values must be fixed: write u "
-                             "in F as u + load_factor g with a g that has that value, or impose it weakly")
+            raise ValueError(f"continuation: the value of bcs[{number}] is the load factor, and must be fixed: write "
+                             "u + load_factor * g for u in F, with a g of that value, or impose it weakly")
 
 
 def _settle(problem: PlainForm) -> bool:
@@ -146,8 +146,8 @@ def _settle(problem: PlainForm) -> bool:
     else:
         raise ValueError(problem.without_numbers("in the first state") or (
             f"continuation: Newton's method finds no solution of F = 0 near the u given, at the load factor "
-            f"{system.factor:g}: after {MOST} iterations it corrects u by {corrected:.2g} of scale, and the residual is "
-            f"{residual.norm():.2g}; give a u nearer to a solution, or begin at another load factor"))
+            f"{system.factor:g}: after {MOST} iterations it corrects u by {corrected:.2g} of scale, and the "
+            f"residual is {residual.norm():.2g}; give a u nearer to a solution, or begin at another load factor"))
     system.configure(x, system.factor)
     system.history.rebase()
     system.load(residual)

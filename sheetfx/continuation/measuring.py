@@ -10,9 +10,8 @@ from petsc4py import PETSc
 
 from .. import rounding
 from ..discrete.functional import Functional
-from ..discrete.system import System
 from .control import StepRule
-from .problem import Problem
+from .problem import Equations, Problem
 from .state import State
 
 
@@ -26,7 +25,7 @@ class Measuring:
     """
 
     discretisation: Problem
-    system: System
+    system: Equations
     control: StepRule
     _monitor: Functional
 

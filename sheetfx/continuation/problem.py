@@ -35,7 +35,6 @@ class Equations(Protocol):
     reaction : norm of the forces on fixed unknowns, as of the last `residual`
     """
 
-    comm: Any
     size: int
     matrix: Any
     weights: PETSc.Vec
@@ -43,6 +42,9 @@ class Equations(Protocol):
     smooth: bool
     multipliers: int
     reaction: float
+
+    @property
+    def comm(self) -> Any: ...
 
     @property
     def factor(self) -> float: ...

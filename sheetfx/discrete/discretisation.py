@@ -6,7 +6,6 @@ from collections.abc import Iterator, Sequence
 from itertools import chain
 from typing import TypeVar
 
-import numpy as np
 import ufl
 from mpi4py import MPI
 

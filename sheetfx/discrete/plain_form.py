@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from math import sqrt
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import ufl
@@ -33,7 +33,7 @@ from .timing import Stopwatch
 from .unknowns import Block, Unknowns
 from .visiting import Visiting
 
-BESIDE = sqrt(UNIT)  # unit of the load's coordinate: its force is that much less than its stiffness, which is the largest
+BESIDE = sqrt(UNIT)  # unit of the load's coordinate: with the largest stiffness its force is still the least
 
 
 class GivenFactor(LoadFactors):
@@ -180,27 +180,34 @@ class PlainForm(Visiting):
         with self.clock("compile"):
             work = FormWork(unknowns, form, factor=self.factors.symbols[0], stage=0)
         self.symmetric = work.conservative = have_potential(unknowns, [work], self.layout, self.factors, self.clock)
-        contributions: list[Contribution] = [work, FixedIncrements()]
-        if load_scale is not None:
-            own = LoadCoordinate(coordinate, 1, self.factors, BESIDE * load_scale)
-            contributions.append(own)
-        self.system = System(unknowns, contributions, self.layout, self.factors, self.clock)
+        held = FixedIncrements()
+        own = LoadCoordinate(coordinate, 1, self.factors, BESIDE * load_scale) if load_scale is not None else None
+        self.system = System(unknowns, [work, held, *([own] if own else [])], self.layout, self.factors, self.clock)
         self.factors.set(present)
-        if load_scale is not None:
-            own.start(self._stiffest() * BESIDE**2)
+        held.stiffness, largest = self._stiffest()
+        if own:
+            own.start(largest * BESIDE**2)
         l2 = ufl.inner(u, u) * ufl.dx
         self._monitor = FormValue(self, l2, root=True) if monitor is None else FormValue(self, monitor)
 
-    def _stiffest(self) -> float:
-        """Largest eigenvalue of the tangent's diagonal against the weights of the inner product."""
-        diagonal, weights = self.system.tangent().getDiagonal().array, self.system.weights.array
-        largest = np.max(np.abs(diagonal[weights > 0]) / weights[weights > 0], initial=0.0)
-        return self.system.comm.allreduce(float(largest), op=MPI.MAX)
+    def _stiffest(self) -> tuple[float, float]:
+        """Largest entry of the tangent's diagonal in free rows of the form, and largest over its weight."""
+        rows = self.u.function_space.dofmap.index_map.size_local * self.field.components
+        free = np.setdiff1d(np.arange(rows), self.system.fixed_rows)
+        diagonal, weights = (np.abs(v.array[free]) for v in (self.system.tangent().getDiagonal(), self.system.weights))
+        entry, over = (self.system.comm.allreduce(float(v.max(initial=0.0)), op=MPI.MAX)
+                       for v in (diagonal, diagonal / weights))
+        return entry or 1.0, over or 1.0
+
+    if not TYPE_CHECKING:
+        def __getattr__(self, name: str):
+            raise AttributeError(f"a plain form has no {name}: only a scene has parts, supports and meshes with names, "
+                                 "which forces, stresses, frequencies, balance and pictures of shapes are asked of")
 
     def functional(self, monitor: Any = None) -> Functional:
         if monitor is not None:
-            raise ValueError(f"DisplacementControl: monitor is {monitor!r}; a plain form is controlled by the value that "
-                             "it monitors: leave `monitor` of the control out and give it to fx.continuation")
+            raise ValueError(f"DisplacementControl: monitor is {monitor!r}; a plain form is controlled by the value "
+                             "that it monitors: leave `monitor` of the control out and give it to fx.continuation")
         return self._monitor
 
     def tangent_rate(self) -> PETSc.Mat:
@@ -218,8 +225,8 @@ class PlainForm(Visiting):
 
     def why_singular(self) -> str:
         return self.without_numbers("in the first state") or (
-            f"continuation: the tangent dF/du is singular at the first load factor, {self.factors.now:g}: F and bcs leave "
-            "u open there; begin at another load factor, or give Dirichlet conditions")
+            f"continuation: the tangent dF/du is singular at the first load factor, {self.factors.now:g}: F and bcs "
+            "leave u open there; begin at another load factor, or give Dirichlet conditions")
 
     def without_numbers(self, when: str) -> str:
         residual = self.system.create_vector()
@@ -229,5 +236,5 @@ class PlainForm(Visiting):
         return f"continuation: {wrong[0]} is not a finite number {when}" if wrong else ""
 
     def unstable_at_rest(self, count: int, modes: Sequence[np.ndarray]) -> str:
-        return (f"continuation: the tangent dF/du has {count} negative eigenvalue{'s' * (count > 1)} in the first state, "
-                "which unstable_modes count too; where F is minus the gradient of an energy, give -F")
+        return (f"continuation: the tangent dF/du has {count} negative eigenvalue{'s' * (count > 1)} in the first "
+                "state, which unstable_modes count too; where F is minus the gradient of an energy, give -F")

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import cast
 
 import numpy as np
 from petsc4py import PETSc
 
+from ..mesh.reader import NamedMesh
 from ..model.scene import Monitor, Scene, Stage
 from .fields import Fields
 from .free_motions import why_singular, without_numbers
@@ -46,8 +48,9 @@ class Structure(Visiting):
             field = self.fields.own_field(monitor.on, "travel")
             block = next(b for b in self.unknowns.blocks if b.fields[0] is field)
             return block, np.arange(block.index_map.size_local)
-        k = self.fields.kinematics(monitor.on)
-        return k.block, k.point_dofs(monitor.on, monitor.at, monitor.component)
+        mesh = cast(NamedMesh, monitor.on)
+        k = self.fields.kinematics(mesh)
+        return k.block, k.point_dofs(mesh, monitor.at, cast(str, monitor.component))
 
     def functional(self, monitor: Monitor | None = None) -> Functional:
         """A displacement, or a rotation; None: the one that the scene monitors."""
