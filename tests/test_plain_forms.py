@@ -134,6 +134,37 @@ def test_unsymmetric_forms():
     assert unsymmetric == pytest.approx(fold(16, 3, weight=-2.0), rel=1e-7)
 
 
+def test_loads_without_a_potential_are_seen_in_any_unit():
+    domain = mesh.create_unit_interval(MPI.COMM_WORLD, 8)
+    space = fem.functionspace(domain, ("Lagrange", 1))
+    u, v, load = fem.Function(space), ufl.TestFunction(space), fem.Constant(domain, 0.0)
+    form = (1e11 * u.dx(0) * v.dx(0) - load * (u + u.dx(0)) * v) * ufl.dx
+    with pytest.warns(UserWarning, match="not symmetric"):
+        fx.continuation(form, u, load, [fem.dirichletbc(0.0, at_ends(space), space)])
+
+
+def test_block_of_rubber():
+    """A strip in plane strain under a force at its end buckles near Euler's load, and the load rises from there on."""
+    length, modulus, ratio = 20.0, 1.0, 0.3
+    domain = mesh.create_rectangle(MPI.COMM_WORLD, [(0, 0), (length, 1)], [20, 2], mesh.CellType.quadrilateral)
+    space = fem.functionspace(domain, ("Lagrange", 2, (2,)))
+    u, v, load = fem.Function(space), ufl.TestFunction(space), fem.Constant(domain, 0.0)
+    gradient = ufl.variable(ufl.Identity(2) + ufl.grad(u))
+    shear, bulk = modulus / (2 * (1 + ratio)), modulus * ratio / ((1 + ratio) * (1 - 2 * ratio))
+    log = ufl.ln(ufl.det(gradient))
+    energy = shear / 2 * (ufl.inner(gradient, gradient) - 2) - shear * log + bulk / 2 * log**2
+    end = mesh.locate_entities_boundary(domain, 1, lambda x: np.isclose(x[0], length))
+    ends = ufl.Measure("ds", subdomain_data=mesh.meshtags(domain, 1, end, np.full(len(end), 7, dtype=np.int32)))
+    degree = {"quadrature_degree": 4}
+    form = (ufl.inner(ufl.diff(energy, gradient), ufl.grad(v)) * ufl.dx(metadata=degree) + load * v[0] * ends(7))
+    held = fem.locate_dofs_geometrical(space, lambda x: np.isclose(x[0], 0))
+    euler = np.pi**2 * modulus / (1 - ratio**2) / 12 / (2 * length) ** 2
+    path = fx.continuation(form, u, load, [fem.dirichletbc(np.zeros(2), held, space)], monitor=u[1] * ends(7),
+                           until=fx.Until(load=1.5 * euler))
+    (point,) = fx.trace(path).critical_points
+    assert (point.name, point.load) == ("stable symmetric", pytest.approx(euler, rel=0.01))
+
+
 def test_two_unknowns_of_a_mixed_space():
     """Both buckle together, into a circle of solutions."""
     domain = mesh.create_unit_interval(MPI.COMM_WORLD, 12)

@@ -8,7 +8,7 @@ Keller (1977, eq. 2.8). Its own equation is linear and touches no other.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import sqrt
+from math import isfinite, sqrt
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from ..jit import compiled_form
-from ..rounding import UNIT
+from ..rounding import SAME, UNIT
 from .contribution import Contribution, Forces
 from .form_work import FormWork, slope
 from .functional import Functional
@@ -27,7 +27,7 @@ from .load_factors import LoadFactors
 from .nodal import FixedIncrements
 from .nodal_field import AdditiveField
 from .number import NumberField, shared_by_all
-from .potential import have_potential
+from .potential import MOVED, SYMMETRIC, asymmetry, moved
 from .system import System
 from .timing import Stopwatch
 from .unknowns import Block, Unknowns
@@ -179,7 +179,7 @@ class PlainForm(Visiting):
         self._form = form
         with self.clock("compile"):
             work = FormWork(unknowns, form, factor=self.factors.symbols[0], stage=0)
-        self.symmetric = work.conservative = have_potential(unknowns, [work], self.layout, self.factors, self.clock)
+        self.symmetric = work.conservative = self._is_symmetric(work)
         held = FixedIncrements()
         own = LoadCoordinate(coordinate, 1, self.factors, BESIDE * load_scale) if load_scale is not None else None
         self.system = System(unknowns, [work, held, *([own] if own else [])], self.layout, self.factors, self.clock)
@@ -189,6 +189,22 @@ class PlainForm(Visiting):
             own.start(largest * BESIDE**2)
         l2 = ufl.inner(u, u) * ufl.dx
         self._monitor = FormValue(self, l2, root=True) if monitor is None else FormValue(self, monitor)
+
+    def _is_symmetric(self, work: FormWork) -> bool:
+        """Whether the tangent is, and its change by the load factor, however small beside it.
+
+        Random nodal values are steep on fine meshes: where the form has no numbers there, nearer ones are looked at.
+        """
+        system, share = System(self.unknowns, [work], self.layout, self.factors, self.clock), MOVED
+        rest = moved(system, self.layout, share, 0.0).copy()
+        while not isfinite(asymmetry(rest)) and share > UNIT:
+            share *= MOVED
+            rest = moved(system, self.layout, share, 0.0).copy()
+        change = moved(system, self.layout, share, 1.0)
+        change.axpy(-1.0, rest, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+        size, rate = rest.norm(), change.norm()
+        system.configure(system.create_vector(), 0.0)
+        return asymmetry(rest) <= SYMMETRIC * size and asymmetry(change) <= SYMMETRIC * rate + SAME * size
 
     def _stiffest(self) -> tuple[float, float]:
         """Largest entry of the tangent's diagonal in free rows of the form, and largest over its weight."""
