@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from pathlib import Path
 
 import basix.ufl
 import numpy as np
@@ -180,6 +181,11 @@ def test_two_unknowns_of_a_mixed_space():
     (point,) = record.critical_points
     assert (point.multiplicity, point.load) == (2, pytest.approx(np.pi**2, rel=1e-4))
     assert [branch.family for branch in record.branches(point)] == [True]
+
+
+def test_the_demo_has_fifteen_lines():
+    lines = (Path(__file__).parents[1] / "demos" / "bratu.py").read_text().splitlines()
+    assert sum(bool(line) and not line.startswith("#") for line in lines) <= 15
 
 
 def at_ends_of(part, collapsed):

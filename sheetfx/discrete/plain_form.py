@@ -200,11 +200,16 @@ class PlainForm(Visiting):
         while not isfinite(asymmetry(rest)) and share > UNIT:
             share *= MOVED
             rest = moved(system, self.layout, share, 0.0).copy()
-        change = moved(system, self.layout, share, 1.0)
-        change.axpy(-1.0, rest, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
-        size, rate = rest.norm(), change.norm()
+        size, factor, change = rest.norm(), 1.0, rest
+        for _ in range(2):  # where the change is as large as the rest, if the form has numbers there
+            further = moved(system, self.layout, share, factor).copy()
+            further.axpy(-1.0, rest, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+            if not isfinite(further.norm()):
+                break
+            change, factor = further, size / (further.norm() or size or 1.0)
         system.configure(system.create_vector(), 0.0)
-        return asymmetry(rest) <= SYMMETRIC * size and asymmetry(change) <= SYMMETRIC * rate + SAME * size
+        return (asymmetry(rest) <= SYMMETRIC * size
+                and asymmetry(change) <= SYMMETRIC * change.norm() + SAME * size)
 
     def _stiffest(self) -> tuple[float, float]:
         """Largest entry of the tangent's diagonal in free rows of the form, and largest over its weight."""
