@@ -63,7 +63,7 @@ _ROOMS = {
     "case": "Case run trace",
 }
 _HOMES = {name: room for room, names in _ROOMS.items() for name in names.split()}
-_MODULES = ("forms", "meshes", "show")
+_MODULES = ("continuation", "forms", "meshes", "show")
 
 
 def __getattr__(name):

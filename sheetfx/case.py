@@ -72,12 +72,38 @@ class Case:
             object.__setattr__(self, "axes", ("deflection (mm)", AXES[counted(self.scene.loads)[0]]))
 
 
-def trace(case: Case, listeners: Sequence[Callable[[State], None]] = (), start: Sequence[State] = (),
+@dataclass(frozen=True)
+class Followed:
+    """What a record asks of a case, of a path that has been made without one.
+
+    Attributes
+    ----------
+    path : Path
+    axes : names of deflection and load on plots
+    """
+
+    path: Path
+    axes: tuple[str, str] = ("monitored value", "load factor")
+
+    @property
+    def scene(self) -> Any:
+        return self.path.scene
+
+    @property
+    def until(self) -> Until:
+        return self.path.until
+
+    def buckling(self, path: Path, state: State) -> list[BucklingLoad]:
+        return _linear_buckling(path, state)
+
+
+def trace(case: Case | Path, listeners: Sequence[Callable[[State], None]] = (), start: Sequence[State] = (),
           archive: Archive | None = None) -> Record:
-    """Trace a case's path to its end.
+    """Trace a path to its end.
 
     Parameters
     ----------
+    case : Case, or a path, such as that of `fx.continuation`
     listeners : called with every new state
     start : states of an interrupted run of the same case
     archive : keeps every new state
@@ -87,9 +113,9 @@ def trace(case: Case, listeners: Sequence[Callable[[State], None]] = (), start: 
     PathFailure
         With the attribute `record`, the path so far.
     """
-    path = Path(case.scene, case.control, case.until, start=start,
-                mixed_points=case.mixed_points, events=case.events)
-    record = Record(case, path, path.start)
+    path = case if isinstance(case, Path) else Path(case.scene, case.control, case.until, start=start,
+                                                    mixed_points=case.mixed_points, events=case.events)
+    record = Record(Followed(path) if case is path else case, path, path.start)
     if archive:
         archive.keep_origins(path.discretisation.system.origins())
         path.subscribe(archive)

@@ -21,13 +21,14 @@ from .continuation.events import Event, Hidden, end_at, occurrences
 from .continuation.failing import explained_failure
 from .continuation.lapse import growth_by_history
 from .continuation.linear import SingularTangent
+from .continuation.problem import Problem
 from .continuation.scattered import ScatteredState
 from .continuation.segment import Jump, Missed
 from .continuation.state import CriticalPoint, State
 from .continuation.tracer import Tracer
 from .continuation.trail import Trail
 from .continuation.until import AT_BOUND, Until
-from .discrete.discretisation import Discretisation
+from .discrete.discretisation import discretised
 from .model.scene import Scene, Stage
 from .notices import warn
 from .rounding import SAME, same
@@ -58,11 +59,11 @@ class PathFailure(ArithmeticError):
 
 
 class Path:
-    """The equilibrium path of a scene; iterate over it once.
+    """The equilibrium path of a scene, or of another problem; iterate over it once.
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, or a Problem such as that of `fx.continuation`
     control : LoadControl, DisplacementControl or ArcLength
     until : end of the path
     start : states of an interrupted path to resume, of any number of processes; none: begin with the unloaded state
@@ -77,17 +78,16 @@ class Path:
     critical_states : those of critical points that the search has had, and of others that have been asked for
     """
 
-    def __init__(self, scene: Scene, control: StepRule | None = None, until: Until | None = None, *,
+    def __init__(self, scene: Scene | Problem, control: StepRule | None = None, until: Until | None = None, *,
                  start: Sequence[State] = (), mixed_points: bool = True, prefix: str = "sheetfx_",
                  events: Sequence[Event] = ()):
         require("Path", control=(control, StepRule | None), until=(until, Until | None), events=(events, list[Event]))
         self.scene, self.until = scene, until or Until()
         self._controls = [*map(_preloading, scene.stages), control or ArcLength()]
-        for monitor in (scene.monitor, *filter(None, (getattr(one, "monitor", None) for one in self._controls))):
-            scene.require_free(monitor)
         self._ending = self.until.ending
         self.events = [*events, *([self._ending] if self._ending else [])]
-        self.discretisation = Discretisation(scene, mixed_points)
+        monitors = [*filter(None, (getattr(one, "monitor", None) for one in self._controls))]
+        self.discretisation: Problem = discretised(scene, mixed_points, monitors)
         self.start, self._started = self._taken(start), time.process_time()
         self.tracer = Tracer(self.discretisation, self._controls[start[-1].stage if start else 0], prefix)
         self._others = [Flutter(self.tracer)] if Flutter.concerns(self.tracer) else []

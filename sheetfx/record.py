@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from .continuation.balance import Balance, balance
 from .continuation.state import CriticalPoint, State
+from .discrete.discretisation import Discretisation
 from .discrete.pair_work import PairState, pairs_of
 from .discrete.plastic import PlasticState, plastic_share, plastic_state
 from .discrete.reactions import Holds, Reaction, ReactionPath
@@ -45,6 +46,11 @@ class Record:
     case: Any
     path: Path
     states: list[State]
+
+    @property
+    def _structure(self) -> Discretisation:
+        """The scene's fields and system, which a plain form has not (its error says so)."""
+        return cast(Discretisation, self.path.discretisation)
 
     @property
     def critical_points(self) -> list[CriticalPoint]:
@@ -171,7 +177,7 @@ class Record:
         mesh : that has the point; None: the first one that does
         """
         mesh = mesh or self._model_with(at)
-        return self.path.discretisation.kinematics(mesh).displacement(mesh, at)
+        return self._structure.kinematics(mesh).displacement(mesh, at)
 
     def rotation(self, at: str, mesh: NamedMesh | None = None) -> float | np.ndarray:
         """Rotation of a named point in the shown state: an angle in the plane, a unit quaternion in space.
@@ -182,7 +188,7 @@ class Record:
             If its parts have no rotation.
         """
         mesh = mesh or self._model_with(at)
-        return self.path.discretisation.kinematics(mesh).turned(mesh, at)
+        return self._structure.kinematics(mesh).turned(mesh, at)
 
     def _model_with(self, at: str) -> NamedMesh:
         meshes = self.case.scene.meshes
@@ -196,11 +202,11 @@ class Record:
         array, shape (cells, points, resultants), in the order of the strains of the part: for a beam in the plane
         axial force, shear force, moment; for a shell forces, moments and shear forces per length.
         """
-        return section_forces(self.path.discretisation, part)
+        return section_forces(self._structure, part)
 
     def section_points(self, part) -> SectionPoints:
         """Where `forces` and `stresses` are evaluated in the shown state, and along which axes they act."""
-        return section_points(self.path.discretisation, part)
+        return section_points(self._structure, part)
 
     def stresses(self, part, at: float | Sequence[float] = 0.0) -> np.ndarray:
         """Stresses of a linear elastic part in the shown state at a height or fibre, see `model.stresses.stresses`."""
@@ -208,7 +214,7 @@ class Record:
 
     @cached_property
     def _holds(self) -> Holds:
-        return Holds(self.path.discretisation)
+        return Holds(self._structure)
 
     def reactions(self, of: Any, about: Sequence[float] | None = None) -> ReactionPath:
         """Forces and moments that supports and prescribed motions exert on the modelled structure, in all states.
@@ -226,15 +232,15 @@ class Record:
 
     def plastic(self, part) -> PlasticState:
         """Where a plastic part has flowed in the shown state, on this process, see `discrete.plastic`."""
-        return plastic_state(self.path.discretisation, part)
+        return plastic_state(self._structure, part)
 
     def plastic_share(self) -> float:
         """Share of the volume of all plastic parts that has flowed in the shown state, on all processes."""
-        return plastic_share(self.path.discretisation)
+        return plastic_share(self._structure)
 
     def pairs(self, contact) -> PairState:
         """State of the pairs of a `PairContact` in the shown state, on this process."""
-        works = [w for w in pairs_of(self.path.discretisation.system.contributions) if w.contact is contact]
+        works = [w for w in pairs_of(self._structure.system.contributions) if w.contact is contact]
         if not works:
             raise ValueError(f"pairs: {type(contact).__name__} is no contact of pairs of this scene; give one of its "
                              "joints that is a PairContact")
@@ -253,4 +259,4 @@ class Record:
 
     def energies(self) -> list[float]:
         """Strain energy that each part of the scene, in their order, stores in the shown state."""
-        return [self.path.discretisation.strain_energy(part) for part in self.case.scene.parts]
+        return [self._structure.strain_energy(part) for part in self.case.scene.parts]

@@ -7,8 +7,8 @@ from pathlib import Path
 
 HOUSE = Path(__file__).parents[1] / "sheetfx"
 ROOMS = [["compat", "checks", "interrupts", "jit", "notices", "recipes", "rounding", "widening"], ["forms"], ["mesh"],
-         ["model"], ["discrete"], ["continuation"], ["stability"], ["path", "state_files", "archive"], ["show"],
-         ["record"], ["case"], ["scenes"], ["studies"], ["cli"]]
+         ["model"], ["discrete"], ["continuation"], ["stability"],
+         ["path", "plain", "state_files", "archive"], ["show"], ["record"], ["case"], ["scenes"], ["studies"], ["cli"]]
 FLOOR = {room: level for level, rooms in enumerate(ROOMS) for room in rooms}
 FILES = [f for f in HOUSE.rglob("*.py") if f.parent != HOUSE or f.stem in FLOOR]
 

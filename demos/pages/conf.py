@@ -31,6 +31,8 @@ class Percent(MystParser):
 
 def entry(name: str) -> str:
     """A public name with its docstring, and with what is in it."""
+    if name == "continuation":  # a room too, of which a user calls the function
+        return "```{eval-rst}\n.. autofunction:: sheetfx.plain.continuation\n```\n"
     thing = attrgetter(name)(fx)
     kind = "module" if inspect.ismodule(thing) else "class" if inspect.isclass(thing) else "function"
     members = "" if kind == "function" else "   :members:\n"

@@ -14,7 +14,7 @@ from typing import Annotated, Any, ClassVar
 from petsc4py import PETSc
 
 from ..checks import Choice, Like, Unbounded
-from .functional import Functional
+from ..discrete.functional import Functional
 from .options import Options
 from .state import State
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from ..discrete.free_motions import without_numbers
 from .control import DisplacementControl, LoadControl, StepRule
 from .state import State
 from .tracer import Tracer
@@ -57,7 +56,7 @@ def _unfinished(tracer: Tracer, state: State) -> str:
         return ""
     tracer.x.array[:] = stepper.unfinished
     tracer.system.configure(tracer.x, stepper.factor_now)
-    found = without_numbers(tracer.discretisation, f"in step {state.step + 1}")
+    found = tracer.discretisation.without_numbers(f"in step {state.step + 1}")
     tracer.back_to(state)
     return found
 

@@ -9,11 +9,9 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from .. import rounding
-from ..discrete.discretisation import Discretisation
-from ..discrete.system import System
-from ..model.scene import Monitor
+from ..discrete.functional import Functional
 from .control import StepRule
-from .functional import Functional, Turn
+from .problem import Equations, Problem
 from .state import State
 
 
@@ -26,8 +24,8 @@ class Measuring:
     control : of the path
     """
 
-    discretisation: Discretisation
-    system: System
+    discretisation: Problem
+    system: Equations
     control: StepRule
     _monitor: Functional
 
@@ -35,17 +33,9 @@ class Measuring:
         """Weight of the load's square in the square of a length."""
         return 0.0
 
-    def _functional(self, monitor: Monitor) -> Functional:
-        """A displacement, or a rotation."""
-        block, dofs = self.discretisation.monitored(monitor)
-        vector = self.system.functional(block, dofs, monitor.sign)
-        if (monitor.component or "").startswith("r") and block.fields[1].curved:
-            return Turn(vector, self.discretisation.layout, block.fields[1], dofs, monitor.sign)
-        return Functional(vector)
-
     def _controlled(self, control: StepRule) -> Functional:
         """The displacement that a control goes by."""
-        return self._functional(getattr(control, "monitor", None) or self.discretisation.scene.monitor)
+        return self.discretisation.functional(getattr(control, "monitor", None))
 
     def monitored(self, increment: PETSc.Vec) -> float:
         """Change of the monitored displacement by an increment of the unknowns since the last converged state."""

@@ -8,8 +8,7 @@ from math import inf, sqrt
 import numpy as np
 from petsc4py import PETSc
 
-from ..discrete.discretisation import Discretisation
-from ..discrete.free_motions import usual_stiffness, why_singular
+from ..discrete.free_motions import usual_stiffness
 from .arclength import FLOWS_TO_AND_FRO, TO_AND_FRO, create, fewer_iterations
 from .callbacks import interruptible
 from .control import LoadResponse, StepRule
@@ -17,6 +16,7 @@ from .crossings import Uncounted, UnstableModes, first_critical
 from .enforcement import Enforcement
 from .linear import SingularTangent
 from .measuring import Measuring
+from .problem import Problem
 from .spectrum import diagonal, nearest_to_zero
 from .state import State
 
@@ -33,7 +33,7 @@ class Tracer(Measuring):
     shortest : length of which the shortest step allowed is a part
     """
 
-    def __init__(self, discretisation: Discretisation, control: StepRule, prefix: str):
+    def __init__(self, discretisation: Problem, control: StepRule, prefix: str):
         self.discretisation, self.system, self.control = discretisation, discretisation.system, control
         self.snes = create(self.system.comm, self.system, prefix, control.iterations_allowed)
         self.stepper = self.snes.getPythonContext()
@@ -41,7 +41,7 @@ class Tracer(Measuring):
         self._elimination = self.enforcement.elimination(self.stepper.linear)
         self.x = self.system.create_vector()
         self._response, self._load = self.system.create_vector(), self.system.create_vector()
-        self._monitor = self._functional(discretisation.scene.monitor)
+        self._monitor = discretisation.functional()
         self.tangent = LoadResponse(self._response, self.system.weights, self._controlled(control))
         self._reference: tuple[float, float] | None = None
         self._stuck: State | None = None
@@ -55,7 +55,7 @@ class Tracer(Measuring):
             self._load.array[self.system.multiplier_rows] = 0  # gaps of such a size would need forces that only round
             self.stepper.linear.check(self._load, usual_stiffness(discretisation))
         except SingularTangent:
-            raise ValueError(why_singular(discretisation)) from None
+            raise ValueError(discretisation.why_singular()) from None
         self._mark_factored(moved=False)
         self._choose_first_length()
         self.state = replace(self.state, next_length=self.first)
@@ -190,7 +190,7 @@ class Tracer(Measuring):
         finds states of other paths, which nothing that came before would tell.
         """
         control, system = self.control, self.system
-        self.usual = self.first = self.shortest = control.usual(self.discretisation.scene.meshes[0].size)
+        self.usual = self.first = self.shortest = control.usual(self.discretisation.size)
         if control.guarded and not system.smooth and control.step is None:
             self.first = control.with_contact * self.usual
         if not control.guarded or not system.smooth:
@@ -279,7 +279,7 @@ class Tracer(Measuring):
         return State(
             step=start.step + 1 if start else 0, stage=system.factors.stage, factor=system.factor,
             load=self.discretisation.total_load(),
-            deflection=start.deflection + deflection if start else 0.0,
+            deflection=start.deflection + deflection if start else self._monitor.initial,
             unstable_modes=unstable, determinant_sign=determinant,
             load_rate=sign / sqrt(tangent.norm2 + weight),
             iterations=iterations, hardest=self._most, factorisations=self.total_factorisations - factorisations,
@@ -307,8 +307,7 @@ class Tracer(Measuring):
             if self.tangent.norm2 != self.tangent.norm2:
                 raise SingularTangent("the tangent has no numbers")
             if not self.tangent.norm2 > 0:
-                raise ValueError("Scene: the structure does not respond to its loads; they act on supports only, or "
-                                 "cancel out: move or change them")
+                raise ValueError(self.discretisation.unresponsive)
             self._reference = self.tangent.norm2, work
         self.tangent.initial_norm2 = self._reference[0]
         self.tangent.current_stiffness = self._reference[1] / work if work else 1.0

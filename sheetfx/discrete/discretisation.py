@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator, Sequence
 from itertools import chain
+from typing import TypeVar
 
-import numpy as np
 import ufl
 from mpi4py import MPI
 
@@ -14,7 +13,7 @@ from ..mesh.reader import NamedMesh
 from ..model.contact import Contact
 from ..model.obstacles import add_travel, way_of
 from ..model.reported import combined, counted
-from ..model.scene import Monitor, Scene
+from ..model.scene import Scene
 from .contact import ContactFields, eliminates
 from .contact_work import ContactWork
 from .contribution import Contribution
@@ -30,13 +29,30 @@ from .partless import refuse_cells_without_part
 from .potential import look_for_potentials
 from .redundant import without_redundant
 from .sharing import sharings_of
+from .structure import Structure
 from .supports import fixed_dofs, turn_nodes
 from .system import System
 from .timing import Stopwatch
 from .unknowns import Unknowns
 
+Other = TypeVar("Other")
 
-class Discretisation:
+
+def discretised(given: Scene | Other, mixed_points: bool, monitors: Sequence) -> Discretisation | Other:
+    """A scene with its fields and system; any other problem as it is.
+
+    Parameters
+    ----------
+    monitors : of controls, which supports must leave free as they must that of the scene
+    """
+    if not isinstance(given, Scene):
+        return given
+    for monitor in (given.monitor, *monitors):
+        given.require_free(monitor)
+    return Discretisation(given, mixed_points)
+
+
+class Discretisation(Structure):
     """Fields and system of a scene.
 
     Attributes
@@ -150,15 +166,6 @@ class Discretisation:
             for work in by_mesh([work_of(joint, self.fields)]):
                 yield FormWork(self.unknowns, work, smooth=joint.smooth, conservative=joint.conservative)
 
-    def monitored(self, monitor: Monitor):
-        """The block of the monitored displacement, and its local dofs on the process that owns it."""
-        if monitor.at is None:
-            field = self.fields.own_field(monitor.on, "travel")
-            block = next(b for b in self.unknowns.blocks if b.fields[0] is field)
-            return block, np.arange(block.index_map.size_local)
-        k = self.kinematics(monitor.on)
-        return k.block, k.point_dofs(monitor.on, monitor.at, monitor.component)
-
     def strain_energy(self, part) -> float:
         """Energy that a part stores now, on all processes."""
         return part.mesh.domain.comm.allreduce(self.work_of(part).energy())
@@ -182,13 +189,3 @@ class Discretisation:
         """Total load of the present stage for a load factor of 1; None where it is a reaction."""
         kind, totals = self._totals[self.system.factors.stage]
         return None if any(map(callable, totals)) else combined(kind, totals, self.scene.symmetry_factor)
-
-    @contextmanager
-    def visiting(self, snapshot: dict[str, np.ndarray]) -> Iterator[None]:
-        """Be at a state with its load factor, and afterwards where it was before."""
-        kept = self.system.snapshot()
-        try:
-            self.system.restore(snapshot)
-            yield
-        finally:
-            self.system.restore(kept)

@@ -40,7 +40,7 @@ class FormWork(Contribution):
         self._forces = _Vectors(unknowns, shares)
         self._load = None
         if factor is not None:
-            self._load = _Vectors(unknowns, {n: -_slope(share, factor) for n, share in shares.items()})
+            self._load = _Vectors(unknowns, {n: -slope(share, factor) for n, share in shares.items()})
         self._matrix = FormMatrix(unknowns, unknowns.linearise(shares[None]))
         self._borders = [_Border(unknowns, shares, number) for number in shares if number is not None]
 
@@ -112,7 +112,7 @@ def _numbers_in(unknowns: Unknowns, work) -> list[NumberField]:
     return [number for number in unknowns.numbers if number.variation in constants]
 
 
-def _slope(form, variable):
+def slope(form, variable):
     """Derivative of a form with respect to a UFL variable."""
     return map_integrands(lambda e: ufl.diff(e, variable), ufl.algorithms.expand_derivatives(form))
 
@@ -198,9 +198,9 @@ class _Border:
     def __init__(self, unknowns: Unknowns, shares: dict, number: NumberField):
         self._unknowns, self._number = unknowns, unknowns.fields.index(number)
         share, numbers = shares[number], [n for n in shares if n is not None]
-        self._column = _compiled(unknowns, _slope(shares[None], number.symbol))
+        self._column = _compiled(unknowns, slope(shares[None], number.symbol))
         self._row = _compiled(unknowns, unknowns.linearise_scalar(share))
-        corner = [(unknowns.fields.index(n), unknowns.at_rest(_slope(share, n.symbol))) for n in numbers]
+        corner = [(unknowns.fields.index(n), unknowns.at_rest(slope(share, n.symbol))) for n in numbers]
         self._corner = [(n, compiled_form(form)) for n, form in corner if not form.empty()]
 
     def _sides(self) -> list[tuple[list, bool]]:

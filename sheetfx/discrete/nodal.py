@@ -40,7 +40,14 @@ class NodalLoads(Contribution):
 
 
 class FixedIncrements(Contribution):
-    """The equations of increments that supports hold at zero: ones on the diagonal."""
+    """The equations of increments that supports hold at zero.
+
+    Attributes
+    ----------
+    stiffness : on the diagonal
+    """
+
+    stiffness = 1.0
 
     def pattern(self, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
         rows = layout.fixed.astype(np.int64) + layout.start
@@ -48,7 +55,7 @@ class FixedIncrements(Contribution):
         return rows, rows
 
     def tangent(self, held: Forces) -> Sequence[np.ndarray]:
-        return [self._ones]
+        return [self.stiffness * self._ones]
 
     def energy(self) -> float:
         return 0.0

@@ -50,19 +50,29 @@ def have_potential(unknowns: Unknowns, contributions: Sequence[Contribution], la
     system = System(unknowns, contributions, layout, factors, clock)
     stage = contributions[0].stage
     factors.enter(0 if stage is None else stage, 1.0)
-    arrays, random = layout.zeros(), np.random.default_rng(layout.comm.rank)
-    for field, array in layout.fields(arrays):
-        if np.isfinite(field.scale):
-            array[field.dofs] = MOVED * field.scale * random.uniform(-1, 1, len(field.dofs))
-    increments = layout.create_vector()
-    layout.put(arrays, increments)
-    increments.array[layout.fixed] = 0
     with system.additive_increments():
-        system.configure(increments, 1.0)
-        tangent = system.tangent()
-    difference = tangent.transpose(PETSc.Mat())
-    difference.axpy(-1.0, tangent)
-    found = difference.norm() <= SYMMETRIC * tangent.norm()
+        tangent = moved(system, layout, MOVED, 1.0)
+        found = asymmetry(tangent) <= SYMMETRIC * tangent.norm()
     system.configure(system.create_vector(), 0.0)
     factors.enter(0, 0.0)
     return found
+
+
+def moved(system: System, layout: Layout, share: float, factor: float) -> PETSc.Mat:
+    """The tangent where all that is free has moved by random amounts, a share of the scales of the fields."""
+    arrays, random = layout.zeros(), np.random.default_rng(layout.comm.rank)
+    for field, array in layout.fields(arrays):
+        if np.isfinite(field.scale):
+            array[field.dofs] = share * field.scale * random.uniform(-1, 1, len(field.dofs))
+    increments = layout.create_vector()
+    layout.put(arrays, increments)
+    increments.array[layout.fixed] = 0
+    system.configure(increments, factor)
+    return system.tangent()
+
+
+def asymmetry(tangent: PETSc.Mat) -> float:
+    """Norm of the difference of a tangent and its transpose; NaN: it has no numbers."""
+    difference = tangent.transpose(PETSc.Mat())
+    difference.axpy(-1.0, tangent)
+    return difference.norm()

@@ -22,7 +22,7 @@ ROUNDING = 1e-6  # of a displacement that is zero, over the largest increment of
 
 
 def communicator(record: Shown) -> MPI.Comm:
-    return record.case.scene.parts[0].mesh.domain.comm
+    return record.path.discretisation.system.comm
 
 
 def unit_of(axis: str) -> str:

@@ -72,9 +72,7 @@ class Flutter:
     @staticmethod
     def concerns(tracer) -> bool:
         """Whether flutter is possible, and can be looked for."""
-        parts = tracer.discretisation.scene.parts
-        heavy = all(part.material is not None and part.material.density is not None for part in parts)
-        return heavy and tracer.system.smooth and not tracer.system.conservative
+        return not tracer.discretisation.massless and tracer.system.smooth and not tracer.system.conservative
 
     def __call__(self, segment: Segment) -> list[CriticalPoint]:
         """Points at which two frequencies meet, or part again, in a step."""

@@ -7,6 +7,7 @@ from dolfinx import fem
 from mpi4py import MPI
 from petsc4py import PETSc
 
+from ..continuation.problem import Problem
 from ..discrete.discretisation import Discretisation
 from ..mesh.reader import NamedMesh
 
@@ -29,25 +30,20 @@ def mode_on(discretisation: Discretisation, mesh: NamedMesh, mode: np.ndarray) -
     return displacement
 
 
-def scaled(discretisation: Discretisation, mode: PETSc.Vec) -> np.ndarray:
+def scaled(discretisation: Problem, mode: PETSc.Vec) -> np.ndarray:
     """The mode with a largest displacement of 1, its largest component being positive."""
     mode = discretisation.system.create_vector(mode.array)
-    comm, tables = discretisation.system.comm, _tables(discretisation, mode)
+    comm, tables = discretisation.system.comm, discretisation.nodal_changes(mode)
     highest, lowest = (comm.allreduce(max(float((sign * t).max(initial=0.0)) for t in tables), op=MPI.MAX)
                        for sign in (1.0, -1.0))
     sign = 1.0 if highest >= lowest else -1.0
     return sign * mode.array / (largest_displacement(discretisation, mode) or 1.0)
 
 
-def largest_displacement(discretisation: Discretisation, mode: PETSc.Vec) -> float:
+def largest_displacement(discretisation: Problem, mode: PETSc.Vec) -> float:
     """Length of the largest displacement of any node, on all processes."""
-    largest = max(float(np.linalg.norm(t, axis=1).max(initial=0.0)) for t in _tables(discretisation, mode))
+    largest = max(float(np.linalg.norm(t, axis=1).max(initial=0.0)) for t in discretisation.nodal_changes(mode))
     return discretisation.system.comm.allreduce(largest, op=MPI.MAX)
-
-
-def _tables(discretisation: Discretisation, mode: PETSc.Vec) -> list[np.ndarray]:
-    """Nodal displacements of all meshes, one node in each row."""
-    return [_displacement(discretisation, m, mode).reshape(-1, m.dimension) for m in discretisation.scene.meshes]
 
 
 def _displacement(discretisation: Discretisation, mesh: NamedMesh, step: PETSc.Vec) -> np.ndarray:

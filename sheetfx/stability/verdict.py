@@ -8,15 +8,15 @@ import numpy as np
 
 from ..continuation.control import StepRule
 from ..continuation.crossings import can_stick
+from ..continuation.problem import Problem
 from ..continuation.state import State
-from ..discrete.discretisation import Discretisation
 from ..discrete.pair_work import PairWork, pairs_of
 from .flutter import COUNT
 
 GRAZING = 1e-3  # of the penetration that augmentation leaves, which is none
 
 
-def searched(discretisation: Discretisation, control: StepRule, flutter: bool) -> list[str]:
+def searched(discretisation: Problem, control: StepRule, flutter: bool) -> list[str]:
     """What a path under a control is searched for and what not, and which loads have a potential, in sentences.
 
     Parameters
@@ -27,7 +27,7 @@ def searched(discretisation: Discretisation, control: StepRule, flutter: bool) -
     found = [*_of_loads(discretisation), *_of_points(system)]
     if not system.conservative and system.smooth:
         found.append(f"flutter: where frequencies meet, of the {COUNT} nearest to zero beside those that have met"
-                     if flutter else "flutter: not looked for (a part has no density)")
+                     if flutter else f"flutter: not looked for ({discretisation.massless})")
     if grazing := system.comm.allreduce(sum(map(_grazing, pairs_of(system.contributions)))):
         found.append(f"bifurcations: pairs of points ({grazing}) touch without pressure now, and count as closed: "
                      "modes that take them apart are not seen (give a gap or an imperfection)")
@@ -43,7 +43,7 @@ def searched(discretisation: Discretisation, control: StepRule, flutter: bool) -
     return found
 
 
-def _of_loads(discretisation: Discretisation) -> list[str]:
+def _of_loads(discretisation: Problem) -> list[str]:
     """Loads that follow the structure, and whether they have a potential."""
     found = []
     for potential, words in ((True, "have a potential as the structure is supported: the tangent is symmetric"),
@@ -87,7 +87,7 @@ def _grazing(work: PairWork) -> int:
     return int(((np.abs(state.gap) <= near) & (state.pressure <= near * work.pairs.parameters[0])).sum())
 
 
-def doubts(discretisation: Discretisation, states: Sequence[State]) -> list[str]:
+def doubts(discretisation: Problem, states: Sequence[State]) -> list[str]:
     """What a traced path has found that may be otherwise, in sentences: bifurcations where pressures are augmented.
 
     Modes are counted with the stiffness of augmentation, which is softer than the rigid bodies that it stands for: a

@@ -25,9 +25,9 @@ from math import copysign
 from petsc4py import PETSc
 
 from ..continuation.control import DisplacementControl, LoadControl
-from ..continuation.functional import Functional
 from ..continuation.spectrum import diagonal, nearest_to_zero
 from ..continuation.state import State
+from ..discrete.functional import Functional
 from .descent import AMPLITUDE, LARGEST_SHIFT, MOST, NEARLY_CRITICAL, POOR, SMALLEST_PART, Fall, SnapFailure, unstable
 
 PUSH = 1e-3  # of the load, by which it changes where the state is stable, or that moves what is held in proportion

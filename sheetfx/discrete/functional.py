@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from petsc4py import PETSc
 
-from ..discrete.layout import Layout
-from ..discrete.nodal_field import QuaternionField
+from .layout import Layout
+from .nodal_field import QuaternionField
 
 
 @dataclass
@@ -21,6 +21,11 @@ class Functional:
     """
 
     vector: PETSc.Vec
+
+    @property
+    def initial(self) -> float:
+        """Value at the start of a path, which changes are added to."""
+        return 0.0
 
     def rate(self, increment: PETSc.Vec) -> float:
         """Change by a small increment, such as the response to a unit of load."""
