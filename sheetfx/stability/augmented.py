@@ -25,7 +25,6 @@ from typing import Annotated
 import numpy as np
 from petsc4py import PETSc
 
-from .. import rounding
 from ..checks import Choice, Count, require
 from ..continuation.bordered import BorderedSolver, pivots
 from ..continuation.control import ArcLength
@@ -35,6 +34,7 @@ from ..continuation.tracer import Tracer, tracer_of
 from ..discrete.discretisation import Discretisation
 from ..discrete.free_motions import usual_stiffness
 from ..model.scene import Scene
+from .border import orthonormal
 from .koiter import Energy, postbuckling
 from .modes import scaled
 
@@ -141,20 +141,16 @@ def _modes(tracer: Tracer, guess: State, mode, multiplicity: int) -> list[PETSc.
     mode = getattr(mode, "mode", mode)
     given = [mode] if isinstance(mode, np.ndarray) and mode.ndim == 1 else [getattr(m, "mode", m) for m in mode]
     size = len(system.create_vector().array)
-    found: list[PETSc.Vec] = []
+    vectors = []
     for values in given:
         if np.shape(values) != (size,):
             raise ValueError(f"critical: a mode has {np.size(values)} increments and the structure {size}; give modes "
                              "of this scene")
-        vector = system.create_vector(np.asarray(values, dtype=float))
-        vector.array[system.fixed_rows] = 0
-        for other in found:
-            vector.axpy(-(system.weights * vector).dot(other), other)
-        length = (system.weights * vector).dot(vector) ** 0.5
-        if not length > 0:
-            raise ValueError("critical: a mode has no free increments, or is a sum of the others; leave it out")
-        vector.scale(1 / length)
-        found.append(vector)
+        vectors.append(system.create_vector(np.asarray(values, dtype=float)))
+        vectors[-1].array[system.fixed_rows] = 0
+    found = orthonormal(system.weights, vectors)
+    if len(found) < len(vectors):
+        raise ValueError("critical: a mode has no free increments, or is a sum of the others; leave it out")
     return found
 
 
@@ -263,7 +259,7 @@ class _Newton:
         self._forces = np.zeros(count) if self._kind == "limit" else values * shares - held - pushed * change
         step = left + change * loaded + _combined(modes, shares)
         self._iterations.append(Iteration(load, self._tracer.distance(0.0, step.array), tuple(values)))
-        self._modes = [self._unit(mode) for mode in self._orthogonal(modes)]
+        self._modes = orthonormal(system.weights, modes)
         return step, change
 
     def _likely(self, values, pushed, modes, loaded) -> str:
@@ -301,20 +297,6 @@ class _Newton:
     def _third(self, modes: Sequence[PETSc.Vec], along: PETSc.Vec, load: float = 0.0) -> list[PETSc.Vec]:
         """Change of the Hessian's products with modes along an increment of unknowns and load factor, from here."""
         return self._energy.third(modes, along, load, about=(self._x, self._factor))
-
-    def _orthogonal(self, modes: Sequence[PETSc.Vec]) -> list[PETSc.Vec]:
-        found: list[PETSc.Vec] = []
-        for mode in modes:
-            rest = mode.copy()
-            for other in found:
-                rest.axpy(-(self._system.weights * rest).dot(other), other)
-            found.append(self._unit(rest))
-        return found
-
-    def _unit(self, mode: PETSc.Vec) -> PETSc.Vec:
-        unit = mode.copy()
-        unit.scale(1 / self._tracer.distance(0.0, mode.array))
-        return unit
 
     def found(self, factorisations: int) -> Critical:
         """The point that the iterations have led to; the tracer ends there."""

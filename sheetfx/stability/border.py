@@ -61,7 +61,7 @@ class Border:
 
         G at the length is known with them.
         """
-        vectors = _orthonormal(self._weights, modes)
+        vectors = orthonormal(self._weights, modes)
         inverse, solutions = self._inverse(length, vectors)
         _, sizes, rows = np.linalg.svd(inverse)
         soft = rows[sizes > rounding.NONE * sizes[0]]
@@ -139,7 +139,7 @@ def _combined(shares: np.ndarray, vectors: Sequence[PETSc.Vec]) -> list[PETSc.Ve
     return [sum((float(c) * v for c, v in zip(row, vectors, strict=True)), 0.0 * vectors[0]) for row in shares]
 
 
-def _orthonormal(weights: PETSc.Vec, vectors: Sequence[PETSc.Vec]) -> list[PETSc.Vec]:
+def orthonormal(weights: PETSc.Vec, vectors: Sequence[PETSc.Vec]) -> list[PETSc.Vec]:
     """Vectors that span the same, orthonormal in the inner product with weights; those that add nothing left out."""
     found: list[PETSc.Vec] = []
     for vector in vectors:
