@@ -307,6 +307,10 @@ class _Newton:
         point = CriticalPoint(self._kind, state.load, state.deflection, state.step, name="",
                               multiplicity=len(self._modes))
         if self._kind == "bifurcation":
+            tracer.factorise_at(state)
+            values, modes = tracer.spectrum(len(self._modes) + 1)
+            nearest = np.argsort(np.abs(values))[:len(self._modes)]
+            self._modes = [modes[i] for i in nearest]
             point = postbuckling(tracer, state, self._modes, point, [guess, guess])
         modes = tuple(scaled(tracer.discretisation, mode) for mode in self._modes)
         return Critical(point, state, modes, unfolding, tuple(self._iterations), factorisations)
