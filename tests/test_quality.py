@@ -8,7 +8,7 @@ import pytest
 from helpers import on_two_processes
 
 import sheetfx as fx
-from sheetfx.mesh.gmsh_model import ONE_KIND
+from sheetfx.mesh.groups import ONE_KIND
 
 PLATE, MATERIAL = fx.Plate(0.01), fx.Elastic(2e11, 0.3)
 

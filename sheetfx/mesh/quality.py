@@ -80,7 +80,7 @@ def scaled_jacobians(element, x: np.ndarray, extent: float) -> tuple[np.ndarray,
     element, x, extent : as of `bad_cells`
     """
     values, sizes, places = (np.concatenate(parts) for parts in zip(
-        *(_looked_at(element, x[i:i + CHUNK]) for i in range(0, max(len(x), 1), CHUNK)), strict=True))
+        *(_looked_at(element, x[i:i + CHUNK], extent) for i in range(0, max(len(x), 1), CHUNK)), strict=True))
     dimension = len(basix.topology(element.cell_type)) - 1
     return np.where(sizes <= FLAT * extent**dimension, -np.inf, values), places
 
@@ -112,7 +112,7 @@ def refuse(what: str, found: Sequence[Bad], remedy: str) -> None:
                      f"the scaled Jacobian is {worst.value:.2g} and that of a square is 1; {remedy}")
 
 
-def _looked_at(element, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _looked_at(element, x: np.ndarray, extent: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Least scaled Jacobian of each cell, its length or area, and the place of that Jacobian."""
     degree, corners = element.degree, basix.geometry(element.cell_type)
     lattice = basix.create_lattice(element.cell_type, 1 if degree == 1 else 2 * degree, basix.LatticeType.equispaced,
@@ -121,13 +121,15 @@ def _looked_at(element, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarr
     table = element.tabulate(1, np.concatenate([lattice, (lattice + centre) / 2, centre]))[..., 0]
     tangents = np.einsum("dpn,cni->dcpi", table[1:], x)
     lengths = np.linalg.norm(tangents, axis=3)
+    lengths[lengths <= FLAT * extent] = 0.0  # two corners in one place, but for rounding
     normals, scale = (tangents[0], lengths[0]) if len(tangents) == 1 else (np.cross(*tangents), lengths.prod(axis=0))
     sizes = np.linalg.norm(normals, axis=2)
     units = normals / np.where(sizes > 0, sizes, 1.0)[..., None]
     halfway, middle = units[:, count:-1], np.broadcast_to(units[:, -1:], units[:, count:-1].shape)
     alike = (halfway * middle).sum(axis=2, keepdims=True) > 0
     inwards = np.concatenate([np.where(alike, halfway, middle), middle], axis=1)
-    shares = (normals[:, :-1] * inwards).sum(axis=2) / np.where(scale > 0, scale, 1.0)[:, :-1]
+    found = scale[:, :-1] > 0
+    shares = np.where(found, (normals[:, :-1] * inwards).sum(axis=2) / np.where(found, scale[:, :-1], 1.0), 0.0)
     worst = shares.argmin(axis=1)
     places = np.einsum("cn,cni->ci", table[0][worst], x)
     return np.take_along_axis(shares, worst[:, None], axis=1)[:, 0], sizes.mean(axis=1), places

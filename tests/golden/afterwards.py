@@ -109,6 +109,12 @@ def secondary(record: Record) -> dict[str, float]:
     return {"points": len(found)} | {f"sway {n}": abs(point.deflection) for n, point in enumerate(found)}
 
 
+def directly(record: Record) -> dict[str, float]:
+    """Critical points by Newton's method from the states before them."""
+    found = [fx.critical(record.path, record.states[point.step - 1]) for point in record.critical_points[:2]]
+    return {"points": len(found)} | {f"direct {n}": critical.point.load for n, critical in enumerate(found)}
+
+
 def trap(name: str) -> Callable[[], fx.Case]:
     return lambda: TRAPS[name].case()
 
@@ -124,6 +130,9 @@ AFTERWARDS: dict[str, tuple[Callable[[], fx.Case], Callable[[Record], dict[str, 
     "branches-close": (trap("close-modes-0.1-percent"), bifurcations),
     "branch-of-mast": (stayed_mast, secondary),
     "branches-column": (trap("column"), bifurcations),
+    "directly-truss": (trap("von-mises-truss"), directly),
+    "directly-frame": (trap("roorda-frame"), directly),
+    "directly-star-dome": (trap("star-dome"), directly),
     "falls-roof": (trap("roof-12.7"), BY_LOAD),
     "falls-lee-frame": (trap("lee-frame"), BY_DISPLACEMENT),
     "falls-truss": (trap("von-mises-truss"), BY_LOAD),
