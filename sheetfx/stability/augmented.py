@@ -40,7 +40,6 @@ from .modes import scaled
 
 KINDS = "limit", "bifurcation"
 ITERATIONS = 12
-RELAXED = 0.01  # of a step, correction off the modes that is small beside it
 
 
 class NoCriticalPoint(ArithmeticError):
@@ -191,7 +190,7 @@ class _Newton:
         """Go along a step, and correct the state off the modes: a long step strains stiff parts.
 
         The factor that there is does where its correction is less than half of the step (Deuflhard 2011, Newton
-        Methods, section 2.1.2); else Newton's method with stresses that follow the step linearly.
+        Methods, section 2.1.2); else Newton's method with stresses that follow the step linearly, until it does.
         """
         start, size = (self._x.copy(), self._factor), self._tracer.distance(0.0, step.array)
         self._factor += change
@@ -207,9 +206,8 @@ class _Newton:
             self._system.retract(self._x, step)
             self._system.configure(self._x, self._factor)
             self._factorise()
-            step = self._off_modes()
-            length = self._tracer.distance(0.0, step.array)
-            if length <= RELAXED * size:
+            step, before = self._off_modes(), self._tracer.distance(0.0, step.array)
+            if self._tracer.distance(0.0, step.array) <= before / 2:
                 break
         self._system.retract(self._x, step)
 
