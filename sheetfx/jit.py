@@ -28,6 +28,7 @@ import numpy as np
 from dolfinx import fem
 from llvmlite.binding import get_host_cpu_features
 
+from .communicators import lasting
 from .recipes import Description, Recipe, Undescribed
 from .widening import ARGUMENT, CellExpression, builder_for
 
@@ -79,7 +80,7 @@ def compiled_expression(expression, points: np.ndarray, prepare: Callable | None
     except Undescribed:
         return _compile(expression, points, prepare)[0]
     file = folder / f"{description.key}.json"
-    if recipe := _recipe(file, description.domains[0].ufl_cargo().comm):
+    if recipe := _recipe(file, lasting(description.domains[0].ufl_cargo().comm)):
         return _with_kernel(recipe.standing_in(description), points, lambda *_, **__: _kernel(folder.parent, recipe),
                             lambda: folder.parent / recipe.library)
     found, prepared, library = _compile(expression, points, prepare)

@@ -12,6 +12,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from .checks import Positive, require
+from .communicators import lasting
 from .continuation.control import StepRule
 from .continuation.crossings import first_passing
 from .continuation.events import Event
@@ -100,7 +101,7 @@ def _check_factor(form: ufl.Form, factor: fem.Constant | fem.Function) -> None:
     if isinstance(factor, fem.Constant):
         lowest = highest = float(factor.value)
     else:
-        comm, values = factor.function_space.mesh.comm, factor.x.array
+        comm, values = lasting(factor.function_space.mesh.comm), factor.x.array
         lowest = comm.allreduce(float(values.min(initial=np.inf)), op=MPI.MIN)
         highest = comm.allreduce(float(values.max(initial=-np.inf)), op=MPI.MAX)
     if lowest != highest or not isfinite(lowest):

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import ast
+import re
 from pathlib import Path
 
 HOUSE = Path(__file__).parents[1] / "sheetfx"
-ROOMS = [["compat", "checks", "interrupts", "jit", "notices", "recipes", "rounding", "widening"], ["forms"], ["mesh"],
-         ["model"], ["discrete"], ["continuation"], ["stability"],
+ROOMS = [["compat", "checks", "communicators", "interrupts", "jit", "notices", "recipes", "rounding", "widening"],
+         ["forms"], ["mesh"], ["model"], ["discrete"], ["continuation"], ["stability"],
          ["path", "plain", "state_files", "archive"], ["show"], ["record"], ["case"], ["scenes"], ["studies"], ["cli"]]
 FLOOR = {room: level for level, rooms in enumerate(ROOMS) for room in rooms}
 FILES = [f for f in HOUSE.rglob("*.py") if f.parent != HOUSE or f.stem in FLOOR]
@@ -33,6 +34,12 @@ def test_arrows_run_one_way():
     assert not wrong, "\n".join(wrong)
     rooms = {room for file in FILES for room in imported(file) if (HOUSE / room).is_dir()}
     assert rooms - {"meshes"} <= set(FLOOR), "a room that has no floor"
+
+
+def test_objects_are_sent_by_communicators_that_are_never_freed():
+    """See sheetfx/communicators.py; arrays are sent without a lock."""
+    freed = re.compile(r"(domain|index_map|space\.mesh)\.comm\.[a-z]+\(|tompi4py\(\)\.[a-z]+\(")
+    assert not [str(file) for file in FILES if freed.search(file.read_text())]
 
 
 def test_files_stay_readable():

@@ -92,6 +92,21 @@ def test_interrupt_in_a_script(tmp_path, monkeypatch):
         run(load_case("von-mises-truss")(), "truss", {}, tmp_path, resume=False)
 
 
+def test_an_error_that_frees_meshes_ends_the_program():
+    """Meshes that are temporaries of the expression in which it is raised: the program does not hang at its end."""
+    ended = subprocess.run([sys.executable, "-c", """if True:
+        import sheetfx as fx
+        from helpers import straight
+        def measured():
+            mesh = straight(2)
+            assert mesh.measure
+            return mesh
+        fx.Scene([fx.Bar(measured(), fx.Rectangle(1.0, 1.0), fx.Elastic(1.0))], [], [],
+                 fx.Monitor(measured(), "nowhere", "x"))
+        """], capture_output=True, text=True, timeout=100, env=os.environ | {"PYTHONPATH": str(Path(__file__).parent)})
+    assert ended.returncode == 1 and "nowhere" in ended.stderr.splitlines()[-1], ended.stderr
+
+
 def test_started_processes_end_with_the_command(tmp_path):
     """Those that they have started in turn, too."""
     pids, code = tmp_path / "pids", "import subprocess, sys, time; subprocess.run(['sh', '-c', sys.argv[1]])"
@@ -107,9 +122,17 @@ def test_started_processes_end_with_the_command(tmp_path):
         time.sleep(0.01)
     started.send_signal(signal.SIGINT)
     assert LINE.fullmatch(started.communicate(timeout=20)[1]) and started.returncode == 130
-    for pid in pids.read_text().split():
-        file = Path("/proc", pid, "stat")
-        assert not file.exists() or ") Z " in file.read_text(), "lives on"
+    end = time.monotonic() + 20
+    while living := [pid for pid in pids.read_text().split() if lives(pid)]:
+        assert time.monotonic() < end, f"{living} live on"
+        time.sleep(0.05)
+
+
+def lives(pid: str) -> bool:
+    try:
+        return ") Z " not in Path("/proc", pid, "stat").read_text()
+    except (FileNotFoundError, ProcessLookupError):
+        return False
 
 
 def outcome(command: str, folder: Path) -> object:

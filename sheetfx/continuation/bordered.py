@@ -14,6 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 from petsc4py import PETSc
 
+from ..communicators import lasting
 from .linear import DirectSolver
 
 
@@ -93,7 +94,7 @@ def entry(vector: PETSc.Vec, number: int) -> float:
     """An entry of a vector, the same on all processes."""
     first, last = vector.getOwnershipRange()
     own = vector.array[number - first] if first <= number < last else 0.0
-    return vector.comm.tompi4py().allreduce(float(own))
+    return lasting(vector.comm.tompi4py()).allreduce(float(own))
 
 
 def pivots(vectors: Sequence[PETSc.Vec], weights: PETSc.Vec) -> list[int]:

@@ -10,6 +10,7 @@ from petsc4py import PETSc
 from scipy.sparse import csc_matrix, issparse
 
 from .. import compat
+from ..communicators import lasting
 
 TOGETHER = 128  # right-hand sides in one block of MUMPS; more gain little
 SPARE, MOST_SPARE = 20, 2000  # percent of working space for pivots that are put off, beyond what analysis estimates
@@ -152,7 +153,7 @@ class DirectSolver:
         idle = roots.array**2 < np.finfo(float).eps * usual.array
         right.array[:] = np.where(usual.array > 0, 0.0, np.cos(np.arange(usual.local_size)))
         self.matrix.mult(right, held)
-        if self.matrix.comm.tompi4py().allreduce(bool((idle & (held.array == 0)).any()), op=MPI.LOR):
+        if lasting(self.matrix.comm.tompi4py()).allreduce(bool((idle & (held.array == 0)).any()), op=MPI.LOR):
             raise SingularTangent("the tangent is singular")
         largest = roots.max()[1]
         roots.array[idle | ~(roots.array > 0)] = largest

@@ -38,7 +38,7 @@ def first_yield(scene: Scene) -> Event:
             f"forces act at the points {', '.join(map(repr, at))} ({len(at)})")
         warn(f"first_yield: {what} of a plastic shell, where first yield has no limit as the mesh is refined; spread "
              "it by a SurfaceForce with a function of the place")
-    comm = scene.parts[0].mesh.domain.comm
+    comm = scene.parts[0].mesh.comm
 
     def excess(state: State) -> float:
         largest = 0.0

@@ -75,7 +75,7 @@ class ContactWork(FormWork):
         return False
 
     def apart(self) -> bool:
-        state, comm = self._state(), self.fields.contact.beam.mesh.domain.comm
+        state, comm = self._state(), self.fields.contact.beam.mesh.comm
         return comm.allreduce(bool(((state.status == OPEN) & (state.gap > 0)).all()), op=MPI.LAND)
 
     def touching(self) -> tuple[int, float]:
@@ -90,10 +90,10 @@ class ContactWork(FormWork):
 def touching(fields: ContactFields) -> tuple[int, float]:
     """Number of points that touch and largest penetration, on all processes."""
     state = fields.evaluate()
-    return fields.contact.beam.mesh.domain.comm.allreduce(fields.touching(state)), penetration(fields, state)
+    return fields.contact.beam.mesh.comm.allreduce(fields.touching(state)), penetration(fields, state)
 
 
 def penetration(fields: ContactFields, state: ContactState) -> float:
     """Largest penetration at contact points, on all processes."""
     deepest = float(-state.gap.min(initial=np.inf))
-    return max(0.0, fields.contact.beam.mesh.domain.comm.allreduce(deepest, op=MPI.MAX))
+    return max(0.0, fields.contact.beam.mesh.comm.allreduce(deepest, op=MPI.MAX))

@@ -137,7 +137,7 @@ class Discretisation(Structure):
             c.close(self._position(contact), self.travel(contact.obstacle), self._before)
             with self.clock("compile"):
                 c.prepare(self.unknowns.at_rest)
-            smallest = mesh.domain.comm.allreduce(c.smallest_gap(), op=MPI.MIN)
+            smallest = mesh.comm.allreduce(c.smallest_gap(), op=MPI.MIN)
             if smallest < -1e-6 * contact.beam.section.depth:
                 raise ValueError(
                     f"{type(contact.obstacle).__name__}: starts {-smallest:.4g} inside the structure; "
@@ -168,7 +168,7 @@ class Discretisation(Structure):
 
     def strain_energy(self, part) -> float:
         """Energy that a part stores now, on all processes."""
-        return part.mesh.domain.comm.allreduce(self.work_of(part).energy())
+        return part.mesh.comm.allreduce(self.work_of(part).energy())
 
     def dissipated(self) -> float:
         """Energy that laws with history of all parts have dissipated by now, as far as they tell, on all processes."""

@@ -18,6 +18,7 @@ import numpy as np
 from dolfinx import fem
 from mpi4py import MPI
 
+from ..communicators import lasting
 from ..model.history import has_history
 from ..model.work import Internal
 from . import origins
@@ -207,15 +208,15 @@ class ElementWork(Contribution):
         """Whether no point has flowed in the step that leads here, nor is on the point of it."""
         still = all(memory.stands_still(self._accepted[f"{self._name} {n}"])
                     for n, (_, memory) in enumerate(self._memories))
-        return self.smooth or self.internal.domain.comm.allreduce(still, op=MPI.LAND)
+        return self.smooth or lasting(self.internal.domain.comm).allreduce(still, op=MPI.LAND)
 
     @property
     def history_moved(self) -> bool:
-        return self.internal.domain.comm.allreduce(any(memory.moved for _, memory in self._memories), op=MPI.LOR)
+        return lasting(self.internal.domain.comm).allreduce(any(m.moved for _, m in self._memories), op=MPI.LOR)
 
     def history_moved_since(self, snapshot: dict[str, np.ndarray]) -> bool:
         moved = any(memory.moved_since(snapshot[f"{self._name} {n}"]) for n, (_, memory) in enumerate(self._memories))
-        return self.internal.domain.comm.allreduce(moved, op=MPI.LOR)
+        return lasting(self.internal.domain.comm).allreduce(moved, op=MPI.LOR)
 
     def freeze(self, frozen: bool) -> None:
         for _, memory in self._memories:

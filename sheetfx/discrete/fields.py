@@ -63,7 +63,7 @@ class Fields:
 
     @property
     def comm(self) -> MPI.Comm:
-        return self.scene.parts[0].mesh.domain.comm
+        return self.scene.parts[0].mesh.comm
 
     @property
     def factors(self) -> LoadFactors:
@@ -113,7 +113,7 @@ class Fields:
 
     def add_number(self, owner, mesh: NamedMesh, name: str, scale: float, multiplier: bool = False) -> None:
         """Add one number that all processes share, and that forms on a mesh may use."""
-        field = NumberField(self._unique(name), shared_by_all(mesh.domain.comm), scale, multiplier, mesh.domain)
+        field = NumberField(self._unique(name), shared_by_all(mesh.comm), scale, multiplier, mesh.domain)
         self._add(owner, name, Block.of_numbers(field))
 
     def add_numbers(self, owner, mesh: NamedMesh, name: str, origins: np.ndarray, count: int) -> None:
@@ -125,7 +125,7 @@ class Fields:
         count : of multipliers at each point
         """
         numbers = components(origins, count)
-        field = NumberField(self._unique(name), IndexMap(mesh.domain.comm, len(numbers)), np.inf, True, origins=numbers)
+        field = NumberField(self._unique(name), IndexMap(mesh.comm, len(numbers)), np.inf, True, origins=numbers)
         self._add(owner, name, Block.of_numbers(field))
 
     def add_multiplier(self, owner, mesh: NamedMesh, name: str, at: str, without: Sequence[str] = ()) -> None:
@@ -174,7 +174,7 @@ class Fields:
         """
         space = self._field(mesh, quantity).value.function_space
         nodes = fem.locate_dofs_topological(space, *mesh.at(at))
-        if not mesh.domain.comm.allreduce(len(nodes)):
+        if not mesh.comm.allreduce(len(nodes)):
             raise ValueError(f"{at!r} has no node of the {quantity}; choose an edge, or a form of shells with "
                              "rotations at corners")
         return nodes if ghosts else nodes[nodes < space.dofmap.index_map.size_local]
@@ -202,7 +202,7 @@ class Fields:
             distances, order = cKDTree(self.places(mesh, nodes, quantity)).query(places)
             matched = len(set(order)) == len(places) and distances.max() <= SAME_PLACE * mesh.size
             found = nodes[order]
-        comm = mesh.domain.comm
+        comm = mesh.comm
         if comm.allreduce(not matched, op=MPI.LOR):
             others = f", or stand on different ones of the {comm.size} processes, which is not possible yet" * (
                 comm.size > 1)
@@ -223,7 +223,7 @@ class Fields:
         refuse_apart(mesh, to, at, near)
         found = [same_places(mesh, self._field(mesh, q), self._field(to, q), at, near)
                  for q in quantities if turning or q == "displacement"]
-        if not mesh.domain.comm.allreduce(sum(len(s.nodes) for s in found)):
+        if not mesh.comm.allreduce(sum(len(s.nodes) for s in found)):
             raise ValueError(f"Compatible: no node of {at or ', '.join(mesh.cells)} stands at a node of "
                              f"{', '.join(to.cells)}; mesh them with common nodes, or weld them")
         tell_gaping((mesh, to), at, found[0], near)
@@ -311,7 +311,7 @@ class NodalForces:
         """Add a force or moment at each vertex of a named point."""
         kinematics = self._fields.kinematics(mesh)
         dofs = kinematics.point_dofs(mesh, at, component)
-        if not mesh.domain.comm.allreduce(len(dofs)):
+        if not mesh.comm.allreduce(len(dofs)):
             raise ValueError(f"{at!r} has no node with a component {component}, so that nothing can act there; choose "
                              "an edge, or a form of shells with rotations at corners")
         self._array(kinematics.block)[dofs] += value

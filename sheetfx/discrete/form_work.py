@@ -12,6 +12,7 @@ from petsc4py import PETSc
 from ufl.algorithms.map_integrands import map_integrands
 
 from .. import compat
+from ..communicators import lasting
 from ..jit import compiled_form
 from ..model.work import Acting
 from .contribution import Contribution, Forces
@@ -64,7 +65,7 @@ class FormWork(Contribution):
         if self.stage is not None or not (self.smooth and self.conservative):
             return None
         fields = [(field, field.value.x.array.copy()) for field in self._unknowns.fields if not field.curved]
-        total, comm = 0.0, self._unknowns.blocks[0].index_map.comm
+        total, comm = 0.0, lasting(self._unknowns.blocks[0].index_map.comm)
         for share, weight in WAY:
             for field, values in fields:
                 field.show(share * values)

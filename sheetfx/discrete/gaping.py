@@ -32,7 +32,7 @@ def tell_gaping(meshes: Sequence[NamedMesh], at: str | None, shared: Sharing, to
         of = shared.of.value.function_space
         sides.append((shared.of, nodes_at(to, of, None), shared.of_nodes, mesh, at))
     found = [_alone(*side, tolerance) for side in sides]
-    places = [np.concatenate(mesh.domain.comm.allgather(one)) for one in found]
+    places = [np.concatenate(mesh.comm.allgather(one)) for one in found]
     if any(map(len, places)):
         own, other = (", ".join(m.cells) for m in (meshes if len(places[0]) else reversed(meshes)))
         first = next(p for p in places if len(p))
@@ -54,7 +54,7 @@ def refuse_apart(mesh: NamedMesh, to: NamedMesh, at: str | None, tolerance: floa
     one, other = (m.domain.geometry for m in (mesh, to))
     _, own, others = np.intersect1d(one.input_global_indices[nodes], other.input_global_indices, return_indices=True)
     distances = np.linalg.norm(one.x[nodes[own]] - other.x[others], axis=1)
-    found = mesh.domain.comm.allgather((int((distances > tolerance).sum()), distances.max(initial=0.0)))
+    found = mesh.comm.allgather((int((distances > tolerance).sum()), distances.max(initial=0.0)))
     if count := sum(n for n, _ in found):
         names = " and ".join(", ".join(m.cells) for m in (mesh, to))
         raise ValueError(f"Compatible: {count} common nodes of {names} in their gmsh model stand apart, by up to "

@@ -69,7 +69,7 @@ class Kinematics:
         size = space.dofmap.index_map_bs
         nodes = fem.locate_dofs_topological(space, *mesh.at(at))
         owned = nodes[nodes < space.dofmap.index_map.size_local]
-        found = mesh.domain.comm.allgather(function.x.array.reshape(-1, size)[owned[:1]])
+        found = mesh.comm.allgather(function.x.array.reshape(-1, size)[owned[:1]])
         return np.concatenate(found)[0]
 
 

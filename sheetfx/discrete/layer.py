@@ -169,7 +169,7 @@ class LayerWork(PointWork):
 
     def energy(self) -> float:
         self._follow()
-        return self.fields.contact.beam.mesh.domain.comm.allreduce(self._energy)
+        return self.fields.contact.beam.mesh.comm.allreduce(self._energy)
 
     def touching(self) -> tuple[int, float]:
         with self._clock("contact"):

@@ -13,6 +13,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from .. import compat
+from ..communicators import lasting
 from .nodal_field import AdditiveField
 from .origins import SEVERAL, components
 from .sharing import Sharing
@@ -40,7 +41,7 @@ class Layout:
 
     def __init__(self, comm: MPI.Comm, blocks: Sequence[Block], fixed: Sequence[np.ndarray] | None = None,
                  sharings: Sequence[Sharing] = ()):
-        self._blocks, self.comm, self._sharings = blocks, comm, sharings
+        self._blocks, self.comm, self._sharings = blocks, lasting(comm), sharings
         self._maps = [(b.index_map, b.width) for b in blocks]
         self._owned = [index_map.size_local * width for index_map, width in self._maps]
         self._offsets = np.concatenate(([0], np.cumsum(self._owned)))

@@ -11,6 +11,8 @@ from dolfinx import la
 from dolfinx.fem import FunctionSpace
 from dolfinx.mesh import Mesh
 
+from ..communicators import lasting
+
 SEVERAL = 2**40  # above all numbers of entries of one kind, so that those of several kinds stand in one array
 
 
@@ -26,7 +28,7 @@ def of_nodes(space: FunctionSpace) -> np.ndarray:
     first = np.full(index_map.size_local + index_map.num_ghosts, np.iinfo(np.int64).max)
     np.minimum.at(first, dofmap, places)
     begin, end = index_map.local_range
-    for ghosts, origins in index_map.comm.allgather((index_map.ghosts, first[index_map.size_local:])):
+    for ghosts, origins in lasting(index_map.comm).allgather((index_map.ghosts, first[index_map.size_local:])):
         own = (ghosts >= begin) & (ghosts < end)
         np.minimum.at(first, ghosts[own] - begin, origins[own])
     shared = la.vector(index_map, 1, dtype=np.float64)

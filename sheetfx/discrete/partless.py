@@ -38,7 +38,7 @@ def refuse_cells_without_part(fields: Fields, fixed: Sequence[np.ndarray], shari
         bare = np.intersect1d(without, bare).astype(np.int32)
         here = [name for name, cells in mesh.cells.items() if np.isin(bare, cells).any() and name not in groups]
         place = compute_midpoints(mesh.domain, mesh.domain.topology.dim, bare[:1])
-        found = [one for one in mesh.domain.comm.allgather((here, place, len(bare))) if one[2]]
+        found = [one for one in mesh.comm.allgather((here, place, len(bare))) if one[2]]
         if found:
             names = ", ".join(repr(n) for n in dict.fromkeys(name for names, *_ in found for name in names))
             cells = f"{sum(count for *_, count in found)} cells" + (f" of the group {names}" if names else "")

@@ -14,6 +14,7 @@ import numpy as np
 from dolfinx import fem
 from scipy.sparse import csr_matrix
 
+from ..communicators import lasting
 from .contribution import Contribution, Forces
 from .layout import Layout
 from .nodal_field import AdditiveField
@@ -102,7 +103,7 @@ class PointWork(Contribution):
     def energy(self) -> float | None:
         if not (self.smooth and isinstance(self._law, PointLaw)):
             return None
-        return self._unknowns.blocks[0].index_map.comm.allreduce(self._law.energy(self.values()))
+        return lasting(self._unknowns.blocks[0].index_map.comm).allreduce(self._law.energy(self.values()))
 
     def _add(self, forces: Forces, values: np.ndarray, curved_only: bool = False) -> None:
         for trace, field, part in zip(self._traces, self._fields, self._parts, strict=True):

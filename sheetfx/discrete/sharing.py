@@ -130,7 +130,7 @@ def same_places(mesh: NamedMesh, field: AdditiveField, of: AdditiveField, at: st
     there = cKDTree(other.tabulate_dof_coordinates())
     distances, nearest = there.query(places)
     found = distances <= tolerance
-    comm = mesh.domain.comm
+    comm = mesh.comm
     alone = np.concatenate(comm.allgather(places[~found]))
     elsewhere = comm.allreduce(int((there.query(alone)[0] <= tolerance).sum()) if len(alone) else 0)
     if elsewhere:

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from dolfinx import fem
 
+from ..communicators import lasting
 from ..mesh.reader import COMPONENTS, NamedMesh
 from ..model.loads import PrescribedDisplacement
 from ..model.supports import Support
@@ -127,7 +128,7 @@ def _hold(turning: dict[QuaternionField, NamedMesh], fixed: dict[QuaternionField
     """Let the nodes of fields of which one component is fixed turn as `PartlyFixed` says."""
     directions = {}
     for field, mesh in turning.items():
-        if mesh.domain.comm.allreduce(int((fixed[field].sum(axis=1) == 1).sum())):
+        if mesh.comm.allreduce(int((fixed[field].sum(axis=1) == 1).sum())):
             edges = {s.at for s in supports if s.mesh is mesh and s.at in mesh.edges and _turns(s)}
             directions[field] = directions_of_edges(mesh, sorted(edges), field.value.function_space)
     for sharing in sharings:
@@ -174,7 +175,7 @@ def _refuse_oblique(kinematics: Kinematics, supports: Sequence[Support], fixed: 
     ValueError
         On all processes, where one has such a node.
     """
-    comm, found = kinematics.block.space.mesh.comm, []
+    comm, found = lasting(kinematics.block.space.mesh.comm), []
     for number, field in enumerate(kinematics.block.fields):
         if field.axes is not None:
             inside = _inside(kinematics, supports, number, _axes(field))

@@ -12,6 +12,7 @@ from dolfinx.fem import FunctionSpace
 from mpi4py import MPI
 from ufl.algorithms.formsplitter import FormSplitter
 
+from ..communicators import lasting
 from ..mesh.numbers import constants_on, lift_numbers
 from .nodal_field import AdditiveField, QuaternionField
 from .number import NumberField
@@ -68,7 +69,7 @@ class Unknowns:
     def charted(self) -> bool:
         """Whether any nodes turn their axes from one converged state to the next, as supports hold one rotation."""
         charted = any(f.charted.any() for f in self.fields if isinstance(f, QuaternionField))
-        return bool(self.blocks[0].index_map.comm.allreduce(charted, op=MPI.LOR))
+        return bool(lasting(self.blocks[0].index_map.comm).allreduce(charted, op=MPI.LOR))
 
     def _pieces(self, arguments) -> list:
         return [

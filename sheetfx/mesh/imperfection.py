@@ -117,7 +117,7 @@ def moved_together(meshes: Sequence[NamedMesh], given: Sequence[tuple[Shape, flo
             if own == number:
                 alone[pairs[:, 0]] = False
         fields = any(isinstance(one[0], fem.Function) for one in here)
-        if (count := mesh.domain.comm.allreduce(int(alone.sum()))) and not fields and len(along) < len(given):
+        if (count := mesh.comm.allreduce(int(alone.sum()))) and not fields and len(along) < len(given):
             raise ValueError(f"imperfect: {count} nodes of {', '.join(mesh.cells)} that move with no surface have no "
                              "displacement; give one on them too, or a function of place of shape (n, 3)")
         places.append(_places(mesh, along))
@@ -210,7 +210,7 @@ def _refuse_bad_cells(mesh: NamedMesh) -> None:
     """Refuse cells that have been moved out of shape, on all processes where one has them."""
     element, x = mesh.domain.ufl_domain().ufl_coordinate_element().basix_element, mesh.domain.geometry.x
     found = bad_cells(element, x[geometry_nodes(mesh.domain)], mesh.cells, mesh.size)
-    refuse("imperfect", [bad for rank in mesh.domain.comm.allgather(found) for bad in rank],
+    refuse("imperfect", [bad for rank in mesh.comm.allgather(found) for bad in rank],
            "make the amplitude smaller, or the cells smaller than the waves of the shape")
 
 
@@ -260,7 +260,7 @@ def _normals(mesh: NamedMesh) -> np.ndarray:
                          "give displacements of shape (n, 3)")
     normals = _at_nodes(mesh, normal)
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-    places = np.concatenate(domain.comm.allgather(domain.geometry.x[lengths[:, 0] < 0.1]))
+    places = np.concatenate(mesh.comm.allgather(domain.geometry.x[lengths[:, 0] < 0.1]))
     if len(places):
         raise ValueError(f"imperfect: normals of the parts that meet at {places[0]} cancel; give displacements of "
                          "shape (n, 3) instead of deviations along the normal")

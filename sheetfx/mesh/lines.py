@@ -177,7 +177,7 @@ def places_of(mesh: NamedMesh, at: str) -> np.ndarray:
         cell = to_cells.links(vertex)[0]
         corner = np.flatnonzero(corners.links(cell) == vertex)[0]
         found.append(mesh.domain.geometry.x[nodes[cell, corner], : mesh.dimension][None])
-    return np.concatenate(mesh.domain.comm.allgather(np.concatenate(found)))
+    return np.concatenate(mesh.comm.allgather(np.concatenate(found)))
 
 
 def lines_of(mesh: NamedMesh, name: str) -> list[list[Piece]]:

@@ -79,7 +79,7 @@ def at_points(first: Cells, second: Cells, points: np.ndarray, others: np.ndarra
     ValueError
         If points are off a part, or the cells of both parts are on different processes.
     """
-    pair, comm = Pair(first, second, reach, name), first.mesh.domain.comm
+    pair, comm = Pair(first, second, reach, name), first.mesh.comm
     if others is None:
         others = points
     elif not len(points) == len(others) == 1:
@@ -247,7 +247,7 @@ def _merged_sides(sides: Sequence[Side]) -> Side:
 
 def refuse_processes(mesh: NamedMesh, name: str) -> None:
     """Refuse a joint along a line, of which each process would have a part."""
-    comm = mesh.domain.comm
+    comm = mesh.comm
     if comm.size > 1:
         raise ValueError(f"{name}: a joint along a line on {comm.size} processes is not possible yet; take one process")
 

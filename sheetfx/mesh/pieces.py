@@ -53,7 +53,7 @@ class _Pieces:
 
     def __init__(self, meshes: Sequence[NamedMesh], joined: Sequence[Sequence[Place]],
                  compatible: Sequence[tuple[NamedMesh, NamedMesh]]):
-        self.comm, self._meshes = meshes[0].domain.comm, meshes
+        self.comm, self._meshes = meshes[0].comm, meshes
         self._vertices = [mesh.domain.topology.index_map(0) for mesh in meshes]
         self._starts = np.cumsum([0, *(v.size_global for v in self._vertices)])
         pairs = [np.empty((0, 2), dtype=np.int64)]
@@ -103,7 +103,7 @@ def _corners(mesh: NamedMesh) -> np.ndarray:
 
 def _at_same_places(one: NamedMesh, other: NamedMesh, numbers: Callable) -> np.ndarray:
     """Pairs of numbers of vertices of two meshes that stand at one place, of all processes."""
-    comm, known = one.domain.comm, []
+    comm, known = one.comm, []
     for mesh in (one, other):
         owned = np.arange(mesh.domain.topology.index_map(0).size_local, dtype=np.int32)
         x = compute_midpoints(mesh.domain, 0, owned)
@@ -121,4 +121,4 @@ def straight_joints(mesh: NamedMesh) -> int:
         for node in nodes:
             met.setdefault(int(node), []).append(along)
     straight = [len(chords) == 2 and abs(chords[0] @ chords[1]) > 1 - 1e-9 for chords in met.values()]
-    return mesh.domain.comm.allreduce(sum(straight))
+    return mesh.comm.allreduce(sum(straight))

@@ -14,6 +14,7 @@ from dolfinx.mesh import Mesh
 from mpi4py import MPI
 
 from ..checks import Choice, checked
+from ..communicators import lasting
 from ..compat import geometry_degree, geometry_nodes, gmsh_mesh
 from ..notices import warn
 from .cells import Cells
@@ -51,11 +52,16 @@ class NamedMesh:
     size: float = field(init=False)
 
     def __post_init__(self):
-        x, comm = self.domain.geometry.x, self.domain.comm
+        x, comm = self.domain.geometry.x, self.comm
         low, high = np.empty(3), np.empty(3)
         comm.Allreduce(x.min(axis=0, initial=np.inf), low, op=MPI.MIN)
         comm.Allreduce(x.max(axis=0, initial=-np.inf), high, op=MPI.MAX)
         self.size = float(np.linalg.norm(high - low))
+
+    @property
+    def comm(self) -> MPI.Intracomm:
+        """Its processes."""
+        return lasting(self.domain.comm)
 
     @property
     def dimension(self) -> int:
@@ -76,7 +82,7 @@ class NamedMesh:
         """Length of the curves, or area of the surfaces, of a group (default all)."""
         one = fem.Constant(self.domain, 1.0)
         dx = ufl.dx(self.domain) if group is None else self.integral({"quadrature_degree": 2 * self.degree}, group)
-        return self.domain.comm.allreduce(fem.assemble_scalar(fem.form(one * dx)))
+        return self.comm.allreduce(fem.assemble_scalar(fem.form(one * dx)))
 
     @property
     def degree(self) -> int:
@@ -99,12 +105,12 @@ class NamedMesh:
     def meet(self, name: str, other: str) -> bool:
         """Whether two named points or edges have vertices in common, on any process."""
         common = np.intersect1d(self.vertices(name), self.vertices(other)).size
-        return self.domain.comm.allreduce(common) > 0
+        return self.comm.allreduce(common) > 0
 
     def count(self, name: str) -> int:
         """Number of vertices of a named point or edge, on all processes."""
         owned = self.vertices(name) < self.domain.topology.index_map(0).size_local
-        return self.domain.comm.allreduce(int(owned.sum()))
+        return self.comm.allreduce(int(owned.sum()))
 
     def integral(self, rule: dict, group: str | None = None):
         """Measure over the cells of a group (default all) with a quadrature rule.
@@ -122,7 +128,7 @@ class NamedMesh:
     def edge_length(self, name: str) -> float:
         """Length of a named edge."""
         one = fem.Constant(self.domain, 1.0)
-        return self.domain.comm.allreduce(fem.assemble_scalar(fem.form(one * self.facet_measure(name))))
+        return self.comm.allreduce(fem.assemble_scalar(fem.form(one * self.facet_measure(name))))
 
     def group(self, name: str | None) -> np.ndarray:
         """Owned cells of a named group, or all owned cells."""
@@ -190,7 +196,7 @@ class NamedMesh:
             if cells:
                 pairs.append((min(cells), int(np.flatnonzero(to_facets.links(min(cells)) == facet)[0])))
                 claims.append(topology.index_map(top - 1).local_to_global(np.array([facet], dtype=np.int32))[0])
-        earlier = self.domain.comm.allgather(claims)[: self.domain.comm.rank]
+        earlier = self.comm.allgather(claims)[: self.comm.rank]
         taken = {c for rank in earlier for c in rank}
         return np.array([p for p, c in zip(pairs, claims, strict=True) if c not in taken], dtype=np.int32).ravel()
 

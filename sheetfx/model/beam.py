@@ -109,7 +109,7 @@ class Beam:
             return
         along = self.mesh.chords(self.group)
         across = np.linalg.norm(np.cross(self.up, along), axis=1) / (np.linalg.norm(self.up) or 1.0)
-        parallel = self.mesh.domain.comm.allreduce(int((across < PARALLEL).sum()))
+        parallel = self.mesh.comm.allreduce(int((across < PARALLEL).sum()))
         if parallel:
             raise ValueError(f"Beam: up is {tuple(map(float, self.up))}, parallel to {parallel} cells of group "
                              f"{self.group or 'all'!r}; give a direction across them, or a Beam for each group")
@@ -119,7 +119,7 @@ class Beam:
         across = ufl.cross(self._up, tangent)
         sizes = ufl.as_vector([ufl.dot(across, across), ufl.dot(self._up, self._up)])
         found = compiled_expression(sizes, _rule(self).points).eval(domain, self.mesh.group(self.group)).reshape(-1, 2)
-        parallel = domain.comm.allreduce(int((~(found[:, 0] > PARALLEL**2 * found[:, 1])).sum()))
+        parallel = self.mesh.comm.allreduce(int((~(found[:, 0] > PARALLEL**2 * found[:, 1])).sum()))
         if parallel:
             raise ValueError(f"Beam: up is parallel to the beam, or zero, at {parallel} points of group "
                              f"{self.group or 'all'!r}; give a direction across it")
@@ -149,7 +149,7 @@ class Beam:
         if not isinstance(length, float):
             at_points = compiled_expression(length, _rule(self).points)
             lengths = at_points.eval(domain, self.mesh.group(self.group))
-            if domain.comm.allreduce(lengths.min(initial=np.inf), op=MPI.MIN) <= 0:
+            if self.mesh.comm.allreduce(lengths.min(initial=np.inf), op=MPI.MIN) <= 0:
                 raise ValueError(f"Beam: offset {np.ravel(self.offset).tolist()} lies beyond the centre of curvature "
                                  f"of group {self.group or 'all'!r}; make it smaller")
 

@@ -31,5 +31,5 @@ def supports_that_hold(supports: Sequence[Support], mesh: NamedMesh, at: str, co
             found.append(support.at)
     _, sizes, span = np.linalg.svd(np.concatenate(rows), full_matrices=False)
     within = span[sizes**2 > ALONG] @ wanted
-    names = mesh.domain.comm.allgather(found if within @ within > 1 - ALONG else [])
+    names = mesh.comm.allgather(found if within @ within > 1 - ALONG else [])
     return list(dict.fromkeys(name for rank in names for name in rank))

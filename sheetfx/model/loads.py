@@ -163,7 +163,7 @@ def _size(force: Sequence[float] | Callable, part: Bar | Beam | Shell) -> float:
         size = ufl.sqrt(ufl.dot(forms.vector(components), forms.vector(components)))
     else:
         size = fem.Constant(domain, float(np.linalg.norm(components)))
-    return domain.comm.allreduce(fem.assemble_scalar(compiled_form(lift_numbers(size * part.measure(), domain))))
+    return part.mesh.comm.allreduce(fem.assemble_scalar(compiled_form(lift_numbers(size * part.measure(), domain))))
 
 
 @dataclass(frozen=True)
@@ -270,7 +270,7 @@ class PrescribedDisplacement(Load):
         """The reaction along the motion, as PrescribedRotation has its moment."""
         way = float(np.copysign(1.0, self.distance))
         reaction = way * fields.own(self, "reaction") * self.mesh.facet_measure(self.at)
-        form, comm = compiled_form(-reaction), self.mesh.domain.comm
+        form, comm = compiled_form(-reaction), self.mesh.comm
         return lambda: comm.allreduce(fem.assemble_scalar(form))
 
 
@@ -310,6 +310,6 @@ class PrescribedRotation(Load):
 
     def total(self, fields) -> Callable[[], float]:
         """The moment along the rotation."""
-        field, comm = fields.own_field(self, "moment"), self.mesh.domain.comm
+        field, comm = fields.own_field(self, "moment"), self.mesh.comm
         axis = np.ravel(self.rotation) / (np.linalg.norm(self.rotation) or 1.0)
         return lambda: -comm.allreduce(float((field.value.array.reshape(-1, len(axis)) @ axis).sum()))

@@ -27,7 +27,7 @@ def refuse_overlap(parts: Sequence[Beam | Bar | Shell]) -> None:
         if one.mesh is not other.mesh or not np.array_equal(*(np.ravel(getattr(p, "offset", 0.0)) for p in pair)):
             continue
         groups = [part.mesh.group(part.group) for part in pair]
-        both, *own = one.mesh.domain.comm.allreduce(np.array([len(np.intersect1d(*groups)), *map(len, groups)]))
+        both, *own = one.mesh.comm.allreduce(np.array([len(np.intersect1d(*groups)), *map(len, groups)]))
         if not both:
             continue
         names = [f"{type(p).__name__} on {'all cells' if p.group is None else f'group {p.group!r}'}" for p in pair]

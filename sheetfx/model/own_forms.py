@@ -244,7 +244,7 @@ def require_strains(part, function: Callable, count: int | None) -> int:
             found = _look_at(_Points(part, int(cells[0])), title_of(part, "strains", function), function, count)
         except ValueError as error:
             objection = error
-    everywhere = part.mesh.domain.comm.allgather((found, objection and str(objection)))
+    everywhere = part.mesh.comm.allgather((found, objection and str(objection)))
     if said := next((words for _, words in everywhere if words), None):
         raise ValueError(said) from (objection and objection.__cause__)
     return max(number for number, _ in everywhere)

@@ -46,7 +46,7 @@ class SampledContact(Joint):
     def _require_part(self) -> None:
         """Refuse places that the part does not have, and several processes."""
         require_places(self.name, self.mesh, each_of(self.at))
-        if (processes := self.mesh.domain.comm.size) > 1:
+        if (processes := self.mesh.comm.size) > 1:
             raise ValueError(f"{self._title}: {type(self).__name__} is not possible on {processes} processes yet; take "
                              "one process")
 

@@ -219,7 +219,7 @@ class Shell:
         length = ufl.tr(moved.to_mesh) * area  # the sum of the lengths along both directions
         at_points = compiled_expression(ufl.as_vector([area, length]), self.discrete.full.points)
         smallest = at_points.eval(domain, self.mesh.group(self.group)).min(initial=np.inf)
-        if domain.comm.allreduce(smallest, op=MPI.MIN) <= 0:
+        if self.mesh.comm.allreduce(smallest, op=MPI.MIN) <= 0:
             raise ValueError(f"Shell: offset {self.offset:g} lies beyond the centre of curvature of group "
                              f"{self.group or 'all'!r}; make it smaller")
 
@@ -296,8 +296,8 @@ def first_axis(mesh: NamedMesh, axis: Sequence[float] | Callable) -> fem.Functio
     values, given = projected.x.array.reshape(-1, 3), cellwise(domain, direction, 0).x.array.reshape(-1, 3)
     sizes, whole = (np.linalg.norm(v, axis=1, keepdims=True) for v in (values, given))
     wrong = np.flatnonzero(~(sizes > ALONG_NORMAL * whole))
-    if domain.comm.allreduce(len(wrong)):
+    if mesh.comm.allreduce(len(wrong)):
         raise ValueError("Shell: axis is along the normal of the surface, or zero, in "
-                         f"{domain.comm.allreduce(len(wrong))} cells; give a direction along the surface")
+                         f"{mesh.comm.allreduce(len(wrong))} cells; give a direction along the surface")
     values /= sizes
     return projected

@@ -13,6 +13,7 @@ import ufl
 from dolfinx import fem
 
 from ..checks import Positive
+from ..communicators import lasting
 from ..compat import interpolation_points
 from ..jit import compiled_expression
 from ..mesh.cellwise import SIMPLICES
@@ -75,7 +76,7 @@ class VaryingSection:
                 self._sections.append(self._made(row, place))
         except ValueError as error:
             said = str(error)
-        told = self._domain.comm.allgather((said, self._sections[:1]))
+        told = lasting(self._domain.comm).allgather((said, self._sections[:1]))
         if said := next((words for words, _ in told if words), None):
             raise ValueError(said)
         self.typical = next(some[0] for _, some in told if some)
@@ -114,7 +115,7 @@ class VaryingSection:
         size = len(_flat(function(self.typical)))
         table = np.array(rows).reshape(len(rows), size)
         there = np.abs(table).max(axis=0, initial=0.0) > 0
-        there = np.any(self._domain.comm.allgather(there), axis=0)
+        there = np.any(lasting(self._domain.comm).allgather(there), axis=0)
         space = self._space((int(there.sum()),))
         field = fem.Function(space)
         rows = space.dofmap.list[self._cells].ravel()

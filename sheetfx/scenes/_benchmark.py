@@ -144,7 +144,7 @@ def read_off(record: Record, readings: dict[str, Reading], number: int) -> dict[
 def slopes(record: Record, readings: dict[str, Reading], number: int) -> dict[str, float]:
     """Readings by a unit of the load factor in a state, with the tangent of that state."""
     mesh, response = record.case.scene.parts[0].mesh, record.states[number].response
-    return {name: r.sign * mesh.domain.comm.allreduce(float(response[_owned(record, mesh, r)].sum()))
+    return {name: r.sign * mesh.comm.allreduce(float(response[_owned(record, mesh, r)].sum()))
             for name, r in readings.items()}
 
 

@@ -107,12 +107,12 @@ def arch_model(half_angle: float, elements: int, degree: int, full: bool, imperf
 
 def crown_height(mesh: NamedMesh) -> float:
     """Height of the mesh's highest point (of the crown where the arch is perfect)."""
-    return mesh.domain.comm.allreduce(float(mesh.domain.geometry.x[:, 1].max()), op=MPI.MAX)
+    return mesh.comm.allreduce(float(mesh.domain.geometry.x[:, 1].max()), op=MPI.MAX)
 
 
 def rise(mesh: NamedMesh) -> float:
     """Height of the mesh's highest point above its lowest."""
-    return crown_height(mesh) - mesh.domain.comm.allreduce(float(mesh.domain.geometry.x[:, 1].min()), op=MPI.MIN)
+    return crown_height(mesh) - mesh.comm.allreduce(float(mesh.domain.geometry.x[:, 1].min()), op=MPI.MIN)
 
 
 def quantities(record: Record, thickness: float) -> dict[str, float]:

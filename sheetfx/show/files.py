@@ -54,7 +54,7 @@ def _write(record: Shown, mesh: NamedMesh, file: Folder) -> None:
     _add(share, np.ones((*space.dofmap.list[mesh.group(None)].shape, 3)), mesh)
     functions = [fem.Function(space, name=name) for name in values]
     plastic, forces = _plastic_fields(record, mesh), _Resultants(record, mesh)
-    with VTKFile(mesh.domain.comm, file, "w") as stream:
+    with VTKFile(mesh.comm, file, "w") as stream:
         for state in record.states:
             record.show(state)
             for function, expression in zip(functions, expressions, strict=True):

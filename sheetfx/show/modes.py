@@ -60,7 +60,7 @@ def mode_files(record: Shown, folder: Folder) -> None:
     for i, mesh in enumerate(record.case.scene.meshes):
         degree = min(record.path.discretisation.kinematics(mesh).u.function_space.element.basix_element.degree, 2)
         function = fem.Function(fem.functionspace(mesh.domain, ("P", degree, (mesh.dimension,))), name="mode")
-        with VTKFile(mesh.domain.comm, Folder(folder) / "paraview" / f"modes{i or ''}.pvd", "w") as stream:
+        with VTKFile(mesh.comm, Folder(folder) / "paraview" / f"modes{i or ''}.pvd", "w") as stream:
             for number, load in enumerate(record.buckling()):
                 function.interpolate(mode_displacement(record.path, mesh, load))
                 stream.write_function(function, float(number))

@@ -76,7 +76,7 @@ class _Moved:
     def __init__(self, scene: Scene, given: Sequence[tuple[Shape, float]]):
         self._scene = scene
         places = moved_together(scene.meshes, given, list(_common(scene)))
-        self._way = scene.meshes[0].domain.comm.allreduce(max(
+        self._way = scene.meshes[0].comm.allreduce(max(
             float(np.linalg.norm(x - m.domain.geometry.x[:, :m.dimension], axis=1).max(initial=0.0))
             for m, x in zip(scene.meshes, places, strict=True)), op=MPI.MAX)
         self._new: dict[int, Any] = {id(m): at_places(m, x) for m, x in zip(scene.meshes, places, strict=True)}
