@@ -40,11 +40,12 @@ def residual(system, x: PETSc.Vec) -> float:
     """Largest residual of equilibrium that is rounding: SAFETY times its noise at the increments x.
 
     Noise is what second differences of the residual show whose true part is far less (More and Wild 2011, eq. 2.2):
-    of strains in their formula, and of the last digits of displacements. The system is left at x.
+    of strains in their formula, and of the last digits of displacements, which places on both sides of x would round
+    alike. The system is left at x.
     """
     moved, out, difference = (system.create_vector() for _ in range(3))
-    for sign, share in ((1, 1), (-1, 1), (0, -2)):
-        moved.array[:] = x.array + sign * _nudge(system)
+    for nudges, share in ((2, 1), (1, -2), (0, 1)):
+        moved.array[:] = x.array + nudges * _nudge(system)
         moved.ghostUpdate(addv=PETSc.InsertMode.INSERT, mode=PETSc.ScatterMode.FORWARD)
         system.configure(moved, system.factor)
         system.residual(out)
