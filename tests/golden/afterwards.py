@@ -76,7 +76,7 @@ def imperfect_arch(record: Record) -> dict[str, float]:
         return hinged_arch(fx.imperfect(whole_arch(20), deviation, amplitude))
 
     rho = fx.imperfection_sensitivity(record.path, before, after, point, scene, 5e-3)
-    return {"sensitivity": rho, "limit": fx.limit_of_imperfect(point, 0.05, rho)}
+    return {"sensitivity": abs(rho), "limit": fx.limit_of_imperfect(point, 0.05, rho)}
 
 
 def heavy_column() -> fx.Case:
