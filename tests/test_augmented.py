@@ -10,6 +10,7 @@ from helpers import on_two_processes
 
 import sheetfx as fx
 from sheetfx.scenes import dome, lee_frame, roof, von_mises_truss
+from sheetfx.studies.traps import TRAPS
 
 
 def below(case, share, number=0):
@@ -50,6 +51,28 @@ def modes_at(path, state):
     path.tracer.factorise_at(state)
     values, modes = path.tracer.spectrum(2)
     return [modes[k].array for k in np.argsort(np.abs(values))]
+
+
+@pytest.mark.parametrize("name, number", [("augusti-0.1-percent", 0), ("close-modes-0.1-percent", 0), ("star-dome", 2)])
+@pytest.mark.parametrize("tilt", [0.0, 20.0])
+def test_points_close_together(name, number, tilt):
+    """Others lie within 0.1 %, or are the same: with their modes in the border, in at most 6 factorisations."""
+    case = TRAPS[name].case()
+    point, guess = below(case, 0.95, number)
+    path = fx.Path(case.scene, start=[guess])
+    one, other = modes_at(path, guess)
+    mode = cos(radians(tilt)) * one + sin(radians(tilt)) * other if point.multiplicity == 1 else None
+    found = fx.critical(path, guess, mode, multiplicity=point.multiplicity, beside=1)
+    assert (found.point.kind, found.point.name, found.point.multiplicity) == (point.kind, point.name, point.multiplicity)
+    assert found.point.load == pytest.approx(point.load, rel=1e-8)
+    assert found.factorisations <= 6
+
+
+def test_a_mode_that_passes_zero_close_by_belongs_to_the_border():
+    case = TRAPS["augusti-0.1-percent"].case()
+    _, guess = below(case, 0.95)
+    with pytest.raises(fx.NoCriticalPoint, match="more modes beside"):
+        fx.critical(case.scene, guess)
 
 
 def test_convergence_is_quadratic():

@@ -1,11 +1,12 @@
 """Critical points found directly, by Newton's method for state, load and null vectors together.
 
-The tangent K, bordered by weighted vectors C = W Phi near the k modes that become unstable, gives V and G with
+The tangent K, bordered by weighted vectors C = W Phi near k modes, those that become unstable and others beside them,
+gives V and G with
 
     K V = C G,    C^T V = 1,
 
-of which G is singular where K is (Griewank and Reddien 1984; Govaerts 2000, chapter 3). Where one of its eigenvalues
-is zero, with the null vector v = V u, lies
+of which G is singular where K is (Griewank and Reddien 1984; Govaerts 2000, chapter 3). Where the eigenvalue of the
+sought mode is zero, with the null vector v = V u, lies
 
 - a limit point:    R(x, factor) = 0,        u^T G u = 0;
 - a bifurcation:    R(x, factor) = C t,      u^T G u = 0,    V^T f = 0,
@@ -14,6 +15,7 @@ where f is the load and the forces t vanish with the solution (Moore 1980): they
 push with, and make the equations regular where two paths cross. The derivatives of G and of V^T f are third variations
 of the energy, by differences of the exact Hessian. Both systems are regular at simple points, so that Newton's method
 converges quadratically; at points of several modes together their mean is sought, which symmetry makes regular too.
+Close to other points the tangent is nearly singular in modes that are not sought: they belong to the border.
 """
 
 from __future__ import annotations
@@ -25,7 +27,7 @@ from typing import Annotated
 import numpy as np
 from petsc4py import PETSc
 
-from ..checks import Choice, Count, require
+from ..checks import NOT_NEGATIVE, Choice, Count, require
 from ..continuation.bordered import BorderedSolver, pivots
 from ..continuation.control import ArcLength
 from ..continuation.linear import SingularTangent
@@ -93,7 +95,7 @@ class Critical:
 
 
 def critical(scene, guess: State, mode: np.ndarray | Sequence[np.ndarray] | None = None, *,
-             kind: str | None = None, multiplicity: int = 1) -> Critical:
+             kind: str | None = None, multiplicity: int = 1, beside: int = 0) -> Critical:
     """The critical point next to a guess, without a path up to it.
 
     Parameters
@@ -105,6 +107,8 @@ def critical(scene, guess: State, mode: np.ndarray | Sequence[np.ndarray] | None
     kind : "limit" or "bifurcation"; None: a limit point where the response of the guess to the load is for the greater
         part along the mode
     multiplicity : number of modes where none are given
+    beside : number of further modes in the border, those of the guess that are nearest to zero: as many as there are
+        other points close to the one that is sought
 
     Raises
     ------
@@ -113,13 +117,17 @@ def critical(scene, guess: State, mode: np.ndarray | Sequence[np.ndarray] | None
     NoCriticalPoint
         Where Newton's method does not converge; says what the last corrections were.
     """
-    require("critical", kind=(kind or KINDS[0], Annotated[str, Choice(KINDS)]), multiplicity=(multiplicity, Count))
+    require("critical", kind=(kind or KINDS[0], Annotated[str, Choice(KINDS)]), multiplicity=(multiplicity, Count),
+            beside=(beside, Annotated[int, NOT_NEGATIVE]))
     tracer = Tracer(Discretisation(scene), ArcLength(), "sheetfx_") if isinstance(scene, Scene) else tracer_of(scene)
     _require_smooth(tracer)
     spent = tracer.total_factorisations
     tracer.back_to(guess)
-    modes = _modes(tracer, guess, mode, multiplicity)
-    newton = _Newton(tracer, guess, modes, kind)
+    sought = _modes(tracer, guess, mode, multiplicity)
+    count = max(len(sought), min(len(sought) + beside, tracer.system.size - 1))
+    others = _modes(tracer, guess, None, count) if count > len(sought) else []
+    modes = orthonormal(tracer.system.weights, [*sought, *others])[:count]
+    newton = _Newton(tracer, guess, modes, len(sought), kind)
     newton.iterate()
     return newton.found(tracer.total_factorisations - spent)
 
@@ -156,9 +164,9 @@ def _modes(tracer: Tracer, guess: State, mode, multiplicity: int) -> list[PETSc.
 class _Newton:
     """Newton's method about a guess."""
 
-    def __init__(self, tracer: Tracer, guess: State, modes: list[PETSc.Vec], kind: str | None):
+    def __init__(self, tracer: Tracer, guess: State, modes: list[PETSc.Vec], sought: int, kind: str | None):
         self._tracer, self._system, self._guess, self._kind = tracer, tracer.system, guess, kind
-        self._modes = modes
+        self._modes, self._sought = modes, np.arange(sought)
         self._energy = Energy(tracer)
         self._x, self._factor = tracer.x, guess.factor
         self._residual, self._load = self._system.create_vector(), self._system.create_vector()
@@ -234,7 +242,7 @@ class _Newton:
         said = "; ".join(map(str, self._iterations))
         self._tracer.back_to(self._guess)
         return NoCriticalPoint(f"critical: {why} from load {self._guess.load:.6g} ({said}); give a guess closer to the "
-                               "point, its mode, or its kind")
+                               "point, its mode or kind, or more modes beside")
 
     def _correction(self) -> tuple[PETSc.Vec, float]:
         """Newton's step of the unknowns and of the load factor."""
@@ -250,46 +258,45 @@ class _Newton:
         matrix = -(numbers + numbers.T) / 2
         (left, loaded), (held, pushed) = bordered.solve([-1.0 * self._residual, self._load], np.zeros((2, count)))
         values, turned = np.linalg.eigh(matrix)
+        self._sought = np.sort(np.argsort(-np.linalg.norm(turned[self._sought], axis=0))[:len(self._sought)])
         modes = [_combined(vectors, column) for column in turned.T]
         held, pushed = held @ turned, pushed @ turned
         self._kind = self._kind or self._likely(values, pushed, modes, loaded)
         change, shares = self._solved(values, modes, left, loaded, held, pushed)
-        self._forces = np.zeros(count) if self._kind == "limit" else values * shares - held - pushed * change
+        self._forces = np.zeros(count)
+        if self._kind == "bifurcation":
+            self._forces[self._sought] = (values * shares - held - pushed * change)[self._sought]
         step = left + change * loaded + _combined(modes, shares)
-        self._iterations.append(Iteration(load, self._tracer.distance(0.0, step.array), tuple(values)))
+        self._iterations.append(Iteration(load, self._tracer.distance(0.0, step.array), tuple(values[self._sought])))
         self._modes = orthonormal(system.weights, modes)
         return step, change
 
     def _likely(self, values, pushed, modes, loaded) -> str:
-        """Whether the response to the load, loaded + sum of mode pushed / value, is along the modes or not."""
-        if len(modes) > 1:
+        """Whether the response to the load, loaded + sum of mode pushed / value, is along the sought mode or not."""
+        if len(self._sought) > 1:
             return "bifurcation"
-        along = abs(pushed[0] / values[0]) * self._tracer.distance(0.0, modes[0].array)
-        return "limit" if along > self._tracer.distance(0.0, loaded.array) else "bifurcation"
+        (n,), shares = self._sought, pushed / values
+        rest = loaded + _combined(modes, np.where(np.arange(len(values)) == n, 0.0, shares))
+        along = abs(shares[n]) * self._tracer.distance(0.0, modes[n].array)
+        return "limit" if along > self._tracer.distance(0.0, rest.array) else "bifurcation"
 
     def _solved(self, values, modes, left, loaded, held, pushed) -> tuple[float, np.ndarray]:
         """Changes of the load factor and of the modes' amplitudes.
 
         The state changes by left + change * loaded + sum of shares * modes.
         """
-        count = len(modes)
-        along_modes = [self._third(modes, mode) for mode in modes]
         along_path = self._third(modes, loaded, 1.0)
-        rates = np.array([[mode.dot(along_modes[j][i]) for j in range(count)] for i, mode in enumerate(modes)])
-        slopes = np.array([mode.dot(along_path[i]) for i, mode in enumerate(modes)])
-        here = np.array([left.dot(along_modes[i][i]) for i in range(count)])
-        if self._kind == "limit":
-            matrix = np.array([[-pushed[0], values[0]], [slopes[0], rates[0, 0]]])
-            change, share = np.linalg.solve(matrix, [held[0], -values[0] - here[0]])
-            return float(change), np.array([share])
-        matrix, right = np.zeros((count + 1, count + 1)), np.zeros(count + 1)
-        matrix[0] = [slopes.mean(), *np.mean([[mode.dot(along_modes[i][i]) for mode in modes]
-                                              for i in range(count)], axis=0)]
-        right[0] = -values.mean() - here.mean()
-        for j in range(count):
-            matrix[j + 1] = [-loaded.dot(along_path[j]), *(-mode.dot(along_path[j]) for mode in modes)]
-            right[j + 1] = -pushed[j] + left.dot(along_path[j])
-        solution = np.linalg.solve(matrix, right)
+        matrix, right = np.column_stack((-pushed, np.diag(values))), held.copy()
+        rates = np.zeros((len(self._sought), len(values) + 1))
+        here = np.zeros(len(self._sought))
+        for row, n in enumerate(self._sought):
+            bent = self._third(modes, modes[n])
+            rates[row] = [modes[n].dot(along_path[n]), *(mode.dot(bent[n]) for mode in modes)]
+            here[row] = values[n] + left.dot(bent[n])
+            if self._kind == "bifurcation":
+                matrix[n] = [-loaded.dot(along_path[n]), *(-mode.dot(along_path[n]) for mode in modes)]
+                right[n] = left.dot(along_path[n]) - pushed[n]
+        solution = np.linalg.solve(np.vstack((rates.mean(axis=0), matrix)), [-here.mean(), *right])
         return float(solution[0]), solution[1:]
 
     def _third(self, modes: Sequence[PETSc.Vec], along: PETSc.Vec, load: float = 0.0) -> list[PETSc.Vec]:
@@ -303,14 +310,14 @@ class _Newton:
         unfolding = weighted.norm() / (abs(self._factor) * self._load.norm())
         state = tracer.accept(self._factor - guess.factor, len(self._iterations))
         point = CriticalPoint(self._kind, state.load, state.deflection, state.step, name="",
-                              multiplicity=len(self._modes))
+                              multiplicity=len(self._sought))
+        nulls = [self._modes[n] for n in self._sought]
         if self._kind == "bifurcation":
             tracer.factorise_at(state)
             values, modes = tracer.spectrum(len(self._modes) + 1)
-            nearest = np.argsort(np.abs(values))[:len(self._modes)]
-            self._modes = [modes[i] for i in nearest]
-            point = postbuckling(tracer, state, self._modes, point, [guess, guess])
-        modes = tuple(scaled(tracer.discretisation, mode) for mode in self._modes)
+            nulls = [modes[i] for i in np.argsort(np.abs(values))[:len(self._sought)]]
+            point = postbuckling(tracer, state, nulls, point, [guess, guess])
+        modes = tuple(scaled(tracer.discretisation, mode) for mode in nulls)
         return Critical(point, state, modes, unfolding, tuple(self._iterations), factorisations)
 
 
