@@ -63,7 +63,8 @@ def test_points_close_together(name, number, tilt):
     one, other = modes_at(path, guess)
     mode = cos(radians(tilt)) * one + sin(radians(tilt)) * other if point.multiplicity == 1 else None
     found = fx.critical(path, guess, mode, multiplicity=point.multiplicity, beside=1)
-    assert (found.point.kind, found.point.name, found.point.multiplicity) == (point.kind, point.name, point.multiplicity)
+    assert found.point.kind == point.kind and found.point.name == point.name
+    assert found.point.multiplicity == point.multiplicity
     assert found.point.load == pytest.approx(point.load, rel=1e-8)
     assert found.factorisations <= 6
 
