@@ -9,28 +9,28 @@ from typing import TYPE_CHECKING, Any
 
 from mpi4py import MPI
 
-from .archive import Archive
+from .archive.folder import Archive
 from .checks import Positive, check, require
 from .continuation.control import ArcLength, StepRule
-from .continuation.events import Event
 from .continuation.state import State
+from .critical.verdict import doubts
+from .events.event import Event
 from .model.reported import AXES, counted, meaning
 from .model.scene import Scene
 from .notices import warn
 from .path import Path, PathFailure, Until
 from .record import Record
 from .show.standard import STANDARD
-from .stability.verdict import doubts
 
 if TYPE_CHECKING:
-    from .stability.buckling import BucklingLoad
+    from .critical.buckling import BucklingLoad
 
 PARTS = ("compile", "assembly", "factorisation", "solve", "contact", "path", "output")
 
 
 def _linear_buckling(path: Path, state: State) -> list[BucklingLoad]:
-    """`stability.buckling.buckling`, imported when first asked for: SLEPc starts slowly."""
-    from .stability.buckling import buckling
+    """`critical.buckling.buckling`, imported when first asked for: SLEPc starts slowly."""
+    from .critical.buckling import buckling
 
     return buckling(path, state)
 

@@ -15,7 +15,7 @@ from typing import Annotated
 
 import typer
 
-from .archive import Stopped, write_whole
+from .archive.folder import Stopped, write_whole
 from .checks import Range, require
 from .interrupts import release, tell
 from .scenes import load_case, of_script, scene_names

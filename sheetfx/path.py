@@ -14,29 +14,30 @@ from dataclasses import replace
 from math import copysign, inf, pi
 from typing import Any
 
+from .archive.scattered import ScatteredState
 from .checks import require
 from .continuation.control import ArcLength, DisplacementControl, LoadControl, StepRule
 from .continuation.corner import LEAST, around_corner, change_ahead, up_to_bifurcation, up_to_change
-from .continuation.events import Event, Hidden, end_at, occurrences
 from .continuation.failing import explained_failure
 from .continuation.lapse import growth_by_history
 from .continuation.linear import SingularTangent
 from .continuation.problem import Problem
-from .continuation.scattered import ScatteredState
 from .continuation.segment import Jump, Missed
 from .continuation.state import CriticalPoint, State
 from .continuation.tracer import Tracer
 from .continuation.trail import Trail
-from .continuation.until import AT_BOUND, Until
+from .critical.flutter import Flutter
+from .critical.koiter import postbuckling
+from .critical.rest import unstable_at_rest
+from .critical.verdict import searched
 from .discrete.discretisation import discretised
+from .events.event import Event, Hidden, end_at, occurrences
+from .events.search import locate
+from .events.turning import load_sense
+from .events.until import AT_BOUND, Until
 from .model.scene import Scene, Stage
 from .notices import warn
 from .rounding import SAME, same
-from .stability.critical import locate
-from .stability.flutter import Flutter
-from .stability.rest import unstable_at_rest
-from .stability.turning import load_sense
-from .stability.verdict import searched
 
 CORNERED = 1 / 16  # of a step, length with which it fails where the path is taken to have a corner
 NEAR = 1e-3  # of the load, most that such a step would change it: a step around a corner leaves out what is before it
@@ -256,7 +257,7 @@ class Path:
             if self._trail and self._guards_corners and self._trail.holds(after):
                 self._refusal = "it leads back onto the path that has led here"
             elif turn <= largest_turn:
-                points = locate(self.tracer, earlier, before, after, self._others)
+                points = locate(self.tracer, earlier, before, after, postbuckling, self._others)
                 return self._with_events(before, self.tracer.state, points, whole)
             else:
                 self._refusal = f"it turns off the path by {turn:.2g} radians, more than {self.control.turn:g}"

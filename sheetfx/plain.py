@@ -14,11 +14,11 @@ from petsc4py import PETSc
 from .checks import Positive, require
 from .communicators import lasting
 from .continuation.control import StepRule
-from .continuation.crossings import first_passing
-from .continuation.events import Event
+from .continuation.inertia import first_passing
 from .continuation.linear import DirectSolver, SingularTangent
-from .continuation.until import Until
 from .discrete.plain_form import PlainForm
+from .events.event import Event
+from .events.until import Until
 from .notices import warn
 from .path import Path
 from .rounding import NONE, last_digits

@@ -16,6 +16,7 @@ from .discrete.pair_work import PairState, pairs_of
 from .discrete.plastic import PlasticState, plastic_share, plastic_state
 from .discrete.reactions import Holds, Reaction, ReactionPath
 from .discrete.section_forces import SectionPoints, section_forces, section_points
+from .events.search import state_at, step_of
 from .mesh.reader import NamedMesh
 from .model.stresses import stresses
 from .path import Path
@@ -26,14 +27,13 @@ from .show.modes import picture_of_modes
 from .show.pictures import picture_of_shapes
 from .show.saving import MOVING, File, on_process_0, picture, require_ending
 from .show.viewer import view_record
-from .stability.critical import state_at, step_of
 
 if TYPE_CHECKING:
-    from .stability.branches import Branch
-    from .stability.buckling import BucklingLoad
-    from .stability.descent import FallStep
-    from .stability.snap import Snap
-    from .stability.vibration import Vibration
+    from .critical.branches import Branch
+    from .critical.buckling import BucklingLoad
+    from .critical.descent import FallStep
+    from .critical.snap import Snap
+    from .critical.vibration import Vibration
 
 
 @dataclass
@@ -79,20 +79,20 @@ class Record:
         return known[point]
 
     def branches(self, point: CriticalPoint, amplitude: float = 0.05) -> list[Branch]:
-        """A start on every half-branch of a bifurcation, see `stability.branches.branches`."""
-        from .stability.branches import branches
+        """A start on every half-branch of a bifurcation, see `critical.branches.branches`."""
+        from .critical.branches import branches
 
         return branches(self.path, self.states, point, amplitude)
 
     def critical_modes(self, point: CriticalPoint) -> list[np.ndarray]:
-        """Null vectors at a bifurcation or limit point, see `stability.shares.critical_modes`."""
-        from .stability.shares import critical_modes
+        """Null vectors at a bifurcation or limit point, see `critical.shares.critical_modes`."""
+        from .critical.shares import critical_modes
 
         return critical_modes(self.path, self.states, point, self.path.critical_states.get(point))
 
     def energy_shares(self, modes: Sequence[np.ndarray]) -> list[float]:
-        """Shares of the parts, in the scene's order, in the strain energy of modes, see `stability.shares`."""
-        from .stability.shares import energy_shares
+        """Shares of the parts, in the scene's order, in the strain energy of modes, see `critical.shares`."""
+        from .critical.shares import energy_shares
 
         return energy_shares(self.path, self.states[0], modes)
 
@@ -101,26 +101,26 @@ class Record:
         return self.case.buckling(self.path, self.states[-1])
 
     def buckling(self, state: State | None = None, **options) -> list[BucklingLoad]:
-        """Linear buckling loads about a state, see `stability.buckling.buckling`.
+        """Linear buckling loads about a state, see `critical.buckling.buckling`.
 
         Without a state those of the case about the last one, found when first asked for.
         """
         if state is None and not options:
             return self._last_buckling
-        from .stability.buckling import buckling
+        from .critical.buckling import buckling
 
         return buckling(self.path, state or self.states[-1], **options)
 
     def frequencies(self, state: State | None = None, count: int = 6) -> list[Vibration]:
-        """Lowest free vibrations about a state (default the last), see `stability.vibration.frequencies`."""
-        from .stability.vibration import frequencies
+        """Lowest free vibrations about a state (default the last), see `critical.vibration.frequencies`."""
+        from .critical.vibration import frequencies
 
         return frequencies(self.path, state or self.states[-1], count)
 
     def snap(self, state: State, hold: str = "load", side: int = 1,
              listener: Callable[[FallStep], None] | None = None) -> Snap:
-        """The stable state that the structure falls into from an unstable one, see `stability.snap.snap`."""
-        from .stability.snap import snap
+        """The stable state that the structure falls into from an unstable one, see `critical.snap.snap`."""
+        from .critical.snap import snap
 
         return snap(self.path, state, hold, side, listener)
 

@@ -23,6 +23,7 @@ from sheetfx import meshes
 from sheetfx.case import Case, trace
 from sheetfx.continuation.control import LoadControl
 from sheetfx.continuation.state import CriticalPoint
+from sheetfx.critical.branches import Branch, branches
 from sheetfx.mesh.quadrature import simplex
 from sheetfx.mesh.reader import NamedMesh, read
 from sheetfx.model.beam import Beam
@@ -33,7 +34,6 @@ from sheetfx.model.shell import TRIANGLE, ShellForm
 from sheetfx.model.supports import Support, clamp, pin, symmetry
 from sheetfx.path import Path, Until
 from sheetfx.record import Record
-from sheetfx.stability.branches import Branch, branches
 
 DIRECTIONS = 12  # of differences
 TURNED_AT_EDGES = ShellForm(TRIANGLE, ("P", 2), ("CR", 1), simplex(1), simplex(2))  # a form of one's own

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from sheetfx.archive import Archive, Interrupted, Stopped
+from sheetfx.archive.folder import Archive, Interrupted, Stopped
 from sheetfx.continuation.state import State
 
 PARAMETERS = {"elements": 8}

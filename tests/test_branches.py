@@ -14,6 +14,8 @@ from scipy.special import ellipk
 from sheetfx import meshes
 from sheetfx.case import trace
 from sheetfx.continuation.control import ArcLength, LoadControl
+from sheetfx.critical.branches import branches
+from sheetfx.critical.modes import mode_displacement
 from sheetfx.mesh.imperfection import imperfect
 from sheetfx.mesh.reader import read
 from sheetfx.model.beam import Bar
@@ -24,8 +26,6 @@ from sheetfx.model.supports import Support, pin
 from sheetfx.path import Path, Until
 from sheetfx.scenes import plate_buckling, roorda_frame, sinusoidal_arch
 from sheetfx.show.curves import draw_branches
-from sheetfx.stability.branches import branches
-from sheetfx.stability.modes import mode_displacement
 
 
 def swaying_arch(mesh):

@@ -13,6 +13,8 @@ import sheetfx as fx
 from sheetfx import meshes
 from sheetfx.case import trace
 from sheetfx.continuation.control import ArcLength, LoadControl
+from sheetfx.critical.buckling import buckling, clusters
+from sheetfx.critical.modes import mode_displacement
 from sheetfx.mesh.imperfection import imperfect
 from sheetfx.mesh.reader import read
 from sheetfx.model.beam import Beam
@@ -23,8 +25,6 @@ from sheetfx.model.supports import Support, clamp, pin
 from sheetfx.path import Path, Until
 from sheetfx.scenes import cylinder_buckling, plate_buckling
 from sheetfx.show.modes import draw_modes, mode_files
-from sheetfx.stability.buckling import buckling, clusters
-from sheetfx.stability.modes import mode_displacement
 
 COLUMN = Elastic(1e7, 0.3)
 EULER = pi**2 * 1e7 * pi * 0.01**4 / 64

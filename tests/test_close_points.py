@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 import sheetfx as fx
 from sheetfx.continuation.segment import Segment
 from sheetfx.continuation.state import CriticalPoint, State
-from sheetfx.stability.critical import unresolved
+from sheetfx.events.search import unresolved
 
 RISE = 3.0
 NAMES = {"across": "stable symmetric", "return": "unstable symmetric"}

@@ -5,7 +5,7 @@ import pytest
 from test_pair_contact import SECTION, line
 
 import sheetfx as fx
-from sheetfx.stability.branches import NoBranch
+from sheetfx.critical.branches import NoBranch
 
 COUNT = 3
 
@@ -52,9 +52,9 @@ def test_every_set_of_props_may_let_go(columns):
 
 def test_corners_whose_branches_are_not_known_say_so(columns, monkeypatch):
     corner, = (p for p in columns.critical_points if p.name == "corner")
-    monkeypatch.setattr("sheetfx.stability.corner_branches.MOST", COUNT - 1)
+    monkeypatch.setattr("sheetfx.critical.corner_branches.MOST", COUNT - 1)
     with pytest.raises(NoBranch, match=f"corner at load .*{COUNT} pairs open or close together"):
         columns.branches(corner)
-    monkeypatch.setattr("sheetfx.stability.corner_branches.NEAR", 0.0)
+    monkeypatch.setattr("sheetfx.critical.corner_branches.NEAR", 0.0)
     with pytest.raises(NoBranch, match="no pair opens or closes"):
         columns.branches(corner)

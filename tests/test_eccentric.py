@@ -10,6 +10,8 @@ from helpers import distance, energy_and_residual, follow, move_at_random, strai
 
 from sheetfx import meshes
 from sheetfx.continuation.control import LoadControl
+from sheetfx.critical.buckling import buckling
+from sheetfx.critical.vibration import frequencies
 from sheetfx.discrete.discretisation import Discretisation
 from sheetfx.mesh.reader import read
 from sheetfx.model.beam import Beam
@@ -19,8 +21,6 @@ from sheetfx.model.scene import Monitor, Scene
 from sheetfx.model.section import Elastic, Rectangle
 from sheetfx.model.supports import clamp
 from sheetfx.path import Path
-from sheetfx.stability.buckling import buckling
-from sheetfx.stability.vibration import frequencies
 
 MATERIAL, SECTION = Elastic(1.2e5, 0.0, density=2.0), Rectangle(0.2, 0.05)
 

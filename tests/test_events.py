@@ -8,8 +8,8 @@ import pytest
 from helpers import shallow_arch
 
 import sheetfx as fx
-from sheetfx.continuation.events import occurrences
 from sheetfx.continuation.segment import Missed
+from sheetfx.events.event import occurrences
 from sheetfx.scenes import arch
 
 UNTIL = fx.Until(deflection=15.0)

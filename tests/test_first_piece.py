@@ -15,6 +15,7 @@ from scipy.optimize import brentq
 
 from sheetfx import meshes
 from sheetfx.continuation.control import ArcLength, LoadControl
+from sheetfx.critical.branches import branches
 from sheetfx.mesh.reader import read
 from sheetfx.model.beam import Bar
 from sheetfx.model.loads import PointForce
@@ -22,7 +23,6 @@ from sheetfx.model.scene import Monitor, Scene
 from sheetfx.model.section import Elastic, Rectangle
 from sheetfx.model.supports import pin
 from sheetfx.path import Path, Until
-from sheetfx.stability.branches import branches
 
 TURNING = 1.5, 0.825  # stiffness across, and height, where the load soon turns on the branch
 MASTS = *((1 + nearness, 2.0) for nearness in (0.05, 1e-3, 3e-6)), TURNING

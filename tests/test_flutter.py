@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 from test_following import follower, ring, steps
 
 import sheetfx as fx
-from sheetfx.stability.vibration import is_complex
+from sheetfx.critical.vibration import is_complex
 
 BECK = 20.046  # of the mesh below in one plane; Beck 1952: 20.05
 BED = 0.05  # stiffness of the foundation that carries a ring

@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 from scipy.sparse import csr_matrix
 
 import sheetfx as fx
-from sheetfx.continuation.crossings import sticking_tangent
+from sheetfx.continuation.inertia import sticking_tangent
 from sheetfx.discrete.pair_work import pairs_of
 from sheetfx.forms.interface import stiff
 from sheetfx.scenes import dome
@@ -211,6 +211,6 @@ def test_fewer_unstable_modes_than_none_are_no_count(monkeypatch):
     path = fx.Path(pressed_together(0.3, 0.5, 1e8, (1.0,)), fx.LoadControl(step=6000.0, target=16500.0))
     states = iter(path)
     next(states)
-    monkeypatch.setattr("sheetfx.continuation.crossings.crossings", lambda *_: -1)
+    monkeypatch.setattr("sheetfx.continuation.inertia.crossings", lambda *_: -1)
     with pytest.raises(fx.PathFailure, match="step 1 from load 0"):
         list(states)

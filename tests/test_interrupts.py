@@ -19,7 +19,7 @@ import pytest
 from mpi4py import MPI
 
 import sheetfx as fx
-from sheetfx.archive import Archive, Interrupted
+from sheetfx.archive.folder import Archive, Interrupted
 from sheetfx.case import run
 from sheetfx.continuation.arclength import PathStep
 from sheetfx.scenes import load_case
@@ -60,7 +60,7 @@ def states(folder) -> np.ndarray:
 MOMENTS = [  # and the states that are kept then; -1: all, None: those of earlier
     (NOW, None), (at_call("sheetfx.path:Path.__init__", 1), 0),
     (at_call("sheetfx.continuation.arclength:PathStep._evaluate", 20), 3),
-    (at_call("sheetfx.archive:Archive.drawing", 1), -1),
+    (at_call("sheetfx.archive.folder:Archive.drawing", 1), -1),
 ]
 
 

@@ -12,7 +12,7 @@ from helpers import response
 from scipy.linalg import expm
 
 import sheetfx as fx
-from sheetfx.stability.vibration import frequencies
+from sheetfx.critical.vibration import frequencies
 
 THICKNESS = 1e-3  # of a square of side 1: shear and large deflections do not matter
 ALONG, ACROSS, POISSON, SHEAR = 25e9, 1e9, 0.25, 0.5e9

@@ -76,7 +76,7 @@ def test_mode_of_a_point_that_does_not_converge_again_is_that_at_the_end_of_its_
     (point,) = record.critical_points
     assert point.load == pytest.approx(EULER, rel=1e-3)
     exact, = record.critical_modes(point)
-    monkeypatch.setattr("sheetfx.stability.shares.state_at", fails)
+    monkeypatch.setattr("sheetfx.critical.shares.state_at", fails)
     near, = record.critical_modes(point)
     assert abs(near @ exact) == pytest.approx(np.linalg.norm(near) * np.linalg.norm(exact), rel=1e-3)
 

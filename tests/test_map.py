@@ -10,7 +10,7 @@ from functools import partial
 import pytest
 from mpi4py import MPI
 
-from sheetfx.archive import Archive
+from sheetfx.archive.folder import Archive
 from sheetfx.continuation.state import CriticalPoint
 from sheetfx.path import Path, Until
 from sheetfx.scenes import arch

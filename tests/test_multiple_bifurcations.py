@@ -10,6 +10,7 @@ from truss import Truss
 from sheetfx import meshes
 from sheetfx.case import trace
 from sheetfx.continuation.control import LoadControl
+from sheetfx.critical.branches import zeros_around
 from sheetfx.mesh.reader import read
 from sheetfx.model.beam import Beam
 from sheetfx.model.joints import Spring
@@ -18,7 +19,6 @@ from sheetfx.model.scene import Monitor, Scene
 from sheetfx.model.section import Elastic, Rectangle
 from sheetfx.model.supports import Support, pin
 from sheetfx.scenes import star_dome
-from sheetfx.stability.branches import zeros_around
 
 
 def test_column_that_may_bend_in_any_direction():

@@ -12,9 +12,9 @@ from scipy.optimize import fsolve
 
 import sheetfx as fx
 from sheetfx.continuation.state import CriticalPoint, State
+from sheetfx.critical.verdict import doubts
 from sheetfx.discrete.discretisation import Discretisation
 from sheetfx.discrete.pair_work import pairs_of
-from sheetfx.stability.verdict import doubts
 
 LENGTH, DEPTH, WIDTH, MODULUS = 1000.0, 10.0, 10.0, 2e5
 BENDING = MODULUS * WIDTH * DEPTH**3 / 12

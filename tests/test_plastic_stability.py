@@ -13,9 +13,9 @@ from test_plastic_paths import column, hinged_beam
 from test_shell_forms import surface
 
 import sheetfx as fx
+from sheetfx.critical.koiter import expansion
+from sheetfx.events.search import state_at
 from sheetfx.model.plasticity import Layers
-from sheetfx.stability.critical import state_at
-from sheetfx.stability.koiter import expansion
 
 MODULUS, HARDENING = 200e3, 50e3  # of columns; the tangent modulus is a fifth of the elastic one
 

@@ -12,7 +12,7 @@ import pytest
 from petsc4py import PETSc
 
 import sheetfx as fx
-from sheetfx.archive import Archive
+from sheetfx.archive.folder import Archive
 from sheetfx.case import Case, run, trace
 from sheetfx.model.contact import Contact
 from sheetfx.model.loads import PointForce

@@ -12,7 +12,7 @@ from helpers import on_two_processes
 from mpi4py import MPI
 
 import sheetfx as fx
-from sheetfx.archive import Archive
+from sheetfx.archive.folder import Archive
 from sheetfx.case import Case, run
 from sheetfx.scenes import arch, plastic_cylinder, roof
 

@@ -10,10 +10,10 @@ import ufl
 from helpers import response, straight
 
 import sheetfx as fx
+from sheetfx.critical.buckling import buckling
+from sheetfx.critical.vibration import frequencies
 from sheetfx.model.plasticity import Fibres
 from sheetfx.model.stresses import stresses
-from sheetfx.stability.buckling import buckling
-from sheetfx.stability.vibration import frequencies
 
 MATERIAL = fx.Elastic(2e5, 0.3, density=7.85e-9)
 SIDES = 0.02, 0.05  # width and depth of a rectangle

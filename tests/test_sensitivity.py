@@ -12,10 +12,10 @@ import sheetfx as fx
 from sheetfx.case import Case, trace
 from sheetfx.continuation.control import ArcLength
 from sheetfx.continuation.state import CriticalPoint
+from sheetfx.critical import koiter
+from sheetfx.critical.sensitivity import imperfection_sensitivity, limit_of_imperfect
 from sheetfx.mesh.imperfection import imperfect
 from sheetfx.path import Until
-from sheetfx.stability import koiter
-from sheetfx.stability.sensitivity import imperfection_sensitivity, limit_of_imperfect
 
 HALF, DEPTH = radians(7.338), 4.7625
 

@@ -9,8 +9,8 @@ import pytest
 from helpers import energy_and_residual, response, turn_rigidly
 
 import sheetfx as fx
+from sheetfx.critical.vibration import frequencies
 from sheetfx.discrete.discretisation import Discretisation
-from sheetfx.stability.vibration import frequencies
 
 RADIUS, THICKNESS, LENGTH, MODULUS = 100.0, 10.0, 100.0, 2e5
 OWN = {"naghdi": fx.forms.shell.naghdi, "biot": fx.forms.shell.biot}

@@ -39,7 +39,7 @@ from sheetfx import (
     symmetry,
     trace,
 )
-from sheetfx.archive import Archive
+from sheetfx.archive.folder import Archive
 from sheetfx.continuation.state import CriticalPoint
 from sheetfx.scenes import load_case
 from sheetfx.show import contact, curves, display, pictures

@@ -12,15 +12,15 @@ from scipy.optimize import brentq
 
 from sheetfx.continuation.control import ArcLength, DisplacementControl, LoadControl
 from sheetfx.continuation.state import State
+from sheetfx.critical.branches import branches
+from sheetfx.critical.descent import SnapFailure
+from sheetfx.critical.snap import snap, snaps
+from sheetfx.events.search import state_at
 from sheetfx.model.loads import LineForce, PointForce, PrescribedDisplacement
 from sheetfx.model.supports import Support
 from sheetfx.path import Path, Until
 from sheetfx.scenes import arch, cylinder_buckling, deep_arch, lee_frame, roof, star_dome, von_mises_truss
 from sheetfx.show.snaps import falls_curve
-from sheetfx.stability.branches import branches
-from sheetfx.stability.critical import state_at
-from sheetfx.stability.descent import SnapFailure
-from sheetfx.stability.snap import snap, snaps
 
 
 def beyond_limit(record):

@@ -18,7 +18,7 @@ from two_elasticas import TwoElasticas
 
 import sheetfx as fx
 from sheetfx import meshes
-from sheetfx.archive import Archive
+from sheetfx.archive.folder import Archive
 from sheetfx.continuation.state import State
 from sheetfx.discrete.closest_point import SIZE, ClosestPoint
 from sheetfx.discrete.discretisation import Discretisation

@@ -12,9 +12,9 @@ import pytest
 from test_shell_forms import eigenvalues, shape, surface
 
 import sheetfx as fx
+from sheetfx.critical.vibration import frequencies
 from sheetfx.model.shell import named_form
 from sheetfx.scenes import plate_buckling
-from sheetfx.stability.vibration import frequencies
 
 SPEC = importlib.util.spec_from_file_location("triangles", Path(__file__).parents[1] / "demos" / "triangles.py")
 triangles = importlib.util.module_from_spec(SPEC)

@@ -9,6 +9,8 @@ from helpers import cantilever, follow, on_two_processes, straight
 
 from sheetfx import meshes
 from sheetfx.continuation.control import LoadControl
+from sheetfx.critical.modes import mode_displacement
+from sheetfx.critical.vibration import frequencies
 from sheetfx.mesh.reader import read
 from sheetfx.model.beam import Beam
 from sheetfx.model.loads import EdgeForce, LineForce, PointForce, PrescribedDisplacement
@@ -19,8 +21,6 @@ from sheetfx.model.shell import Shell
 from sheetfx.model.supports import Support, clamp, pin
 from sheetfx.path import Path
 from sheetfx.scenes import plate_buckling, von_mises_truss
-from sheetfx.stability.modes import mode_displacement
-from sheetfx.stability.vibration import frequencies
 
 STEEL, SECTION = Elastic(1e7, 0.3, density=2.0), Rectangle(0.02, 0.01)
 BENDING, MASS = 1e7 * 0.02 * 0.01**3 / 12, 2.0 * 0.02 * 0.01

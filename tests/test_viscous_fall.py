@@ -13,8 +13,8 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 import sheetfx as fx
+from sheetfx.critical import snap, viscous
 from sheetfx.scenes import lee_frame, star_dome
-from sheetfx.stability import snap, viscous
 from sheetfx.studies.traps import contact
 
 HELD = 2e-3  # friction of the wall at most, a force of 0.02 with a coefficient of 0.1

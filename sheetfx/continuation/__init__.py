@@ -3,16 +3,6 @@
 Called as a function, `fx.continuation(F, u, load_factor, bcs)`, the room follows a plain form: see `sheetfx.plain`.
 """
 
-import sys
-from importlib import import_module
-from types import ModuleType
+from ..rooms import called_as_function
 
-
-class _Room(ModuleType):
-    """A package of the name of a public function, which it is called as."""
-
-    def __call__(self, *given, **options):
-        return import_module("sheetfx.plain").continuation(*given, **options)
-
-
-sys.modules[__name__].__class__ = _Room
+called_as_function(__name__, "sheetfx.plain")

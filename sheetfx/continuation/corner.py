@@ -15,7 +15,7 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from .crossings import can_stick, sticking
+from .inertia import can_stick, sticking
 from .linear import SingularTangent
 from .state import CriticalPoint, State
 from .trail import Trail

@@ -19,7 +19,7 @@ class CriticalPoint:
     Attributes
     ----------
     kind : "limit" (the load has an extremum), "bifurcation", "flutter" (two frequencies meet, see
-        `stability.flutter`), or "event" (of one's own, see `continuation.events`)
+        `critical.flutter`), or "event" (of one's own, see `events.event`)
     load : total load on the whole structure
     deflection : of the monitored point
     step : number of the step that the point lies in

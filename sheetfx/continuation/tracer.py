@@ -12,8 +12,8 @@ from ..discrete.free_motions import usual_stiffness
 from .arclength import FLOWS_TO_AND_FRO, TO_AND_FRO, create, fewer_iterations
 from .callbacks import interruptible
 from .control import LoadResponse, StepRule
-from .crossings import Uncounted, UnstableModes, first_critical
 from .enforcement import Enforcement
+from .inertia import Uncounted, UnstableModes, first_critical
 from .linear import SingularTangent
 from .measuring import Measuring
 from .problem import Problem

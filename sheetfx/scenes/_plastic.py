@@ -7,8 +7,8 @@ from typing import Annotated
 from typer import Option
 
 from ..checks import POSITIVE
-from ..continuation.events import Event
-from ..continuation.yielding import NAME, first_yield
+from ..events.event import Event
+from ..events.yielding import NAME, first_yield
 from ..model.plasticity import Plastic
 from ..model.scene import Scene
 from ..model.section import Elastic

@@ -17,6 +17,7 @@ from typer import Option
 
 from ..case import Case
 from ..checks import AT_LEAST_1, POSITIVE
+from ..critical.buckling import buckling
 from ..model.loads import EdgeForce
 from ..model.plate import Plate
 from ..model.scene import Monitor, Scene
@@ -25,7 +26,6 @@ from ..model.shell import Shell
 from ..model.supports import Support, symmetry
 from ..path import Until
 from ..record import Record
-from ..stability.buckling import buckling
 from . import looked_at
 from ._benchmark import Form, surface
 

@@ -30,9 +30,9 @@ from .. import meshes
 from ..case import Case
 from ..checks import NOT_NEGATIVE, POSITIVE, Range
 from ..continuation.control import ArcLength
-from ..continuation.events import Event
-from ..continuation.sliding import first_touch, slide_off
 from ..continuation.state import State
+from ..events.event import Event
+from ..events.sliding import first_touch, slide_off
 from ..forms.shell import biot
 from ..mesh.reader import read
 from ..model.loads import EdgeForce, PointForce

@@ -12,7 +12,7 @@ import numpy as np
 from dolfinx import fem
 from dolfinx.io import VTKFile
 
-from ..stability.modes import mode_displacement
+from ..critical.modes import mode_displacement
 from .evaluate import Curves, communicator, unit_of, with_unit
 from .measure import OF_SIZE, Measure
 from .saving import save_picture
@@ -21,7 +21,7 @@ from .surfaces import surfaces
 from .views import Manner, View, coloured, draw_views
 
 if TYPE_CHECKING:  # SLEPc starts slowly
-    from ..stability.buckling import BucklingLoad
+    from ..critical.buckling import BucklingLoad
 
 WIDTH, HEIGHT, ROW, COLUMNS, MOST = 1600, 900, 450, 3, 9  # in pixels: of pictures, least and of each row
 SHARE = 0.05  # of the structure's size, by which its modes are moved

@@ -9,16 +9,16 @@ import numpy as np
 
 from ..continuation.balance import Balance
 from ..continuation.state import CriticalPoint, State
-from ..continuation.until import Until
 from ..discrete.pair_work import PairState
 from ..discrete.plastic import PlasticState
 from ..discrete.reactions import Reaction
 from ..discrete.section_forces import SectionPoints
+from ..events.until import Until
 from ..model.scene import Scene
 from ..path import Path
 
 if TYPE_CHECKING:
-    from ..stability.buckling import BucklingLoad
+    from ..critical.buckling import BucklingLoad
 
 
 class ShownCase(Protocol):

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path as Folder
 
+from ..critical.descent import SnapFailure
+from ..critical.snap import Snap, snaps
 from ..notices import warn
-from ..stability.descent import SnapFailure
-from ..stability.snap import Snap, snaps
 from .curves import draw_path
 from .evaluate import communicator
 from .saving import save_picture

@@ -23,7 +23,7 @@ import numpy as np
 from mpi4py import MPI
 from scipy.interpolate import CubicHermiteSpline, PPoly
 
-from ..archive import Archive
+from ..archive.folder import Archive
 from ..case import Case
 from ..interrupts import call
 from .chart import ONE_THREAD

@@ -29,15 +29,15 @@ import numpy as np
 from mpi4py import MPI
 from scipy.interpolate import PchipInterpolator
 
-from ..archive import Archive
+from ..archive.folder import Archive
 from ..case import Case
 from ..continuation.control import ArcLength
 from ..continuation.state import CriticalPoint, State
+from ..critical.branches import Branch
+from ..events.search import state_at
 from ..path import Path, PathFailure, Until
 from ..record import Record
 from ..scenes import load_case
-from ..stability.branches import Branch
-from ..stability.critical import state_at
 
 DISPLACEMENT = "displacement"  # name of fields of it
 EQUIVALENT = 1e-2  # of the distance from the bifurcation in displacements and in load, difference of equivalent starts

@@ -15,7 +15,7 @@ from pathlib import Path as Folder
 
 from mpi4py import MPI
 
-from ..archive import Archive, write_whole
+from ..archive.folder import Archive, write_whole
 from ..continuation.state import CriticalPoint
 from ..interrupts import call
 from ..path import Path, PathFailure, Until

@@ -19,7 +19,7 @@ from typing import Any
 
 from mpi4py import MPI
 
-from ..archive import Archive
+from ..archive.folder import Archive
 from ..continuation.state import CriticalPoint, State
 from ..interrupts import call
 from ..scenes import load_case

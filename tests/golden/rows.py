@@ -14,17 +14,17 @@ from dataclasses import dataclass
 from pathlib import Path
 
 PACKAGE = Path(__file__).parents[2] / "sheetfx"
-ROOMS = ("continuation/*.py", "stability/*.py", "path.py", "rounding.py", "*/*contact*.py", "*/*pair*.py",
+ROOMS = ("continuation/*.py", "events/*.py", "critical/*.py", "path.py", "rounding.py", "*/*contact*.py", "*/*pair*.py",
          "*/obstacle*.py", "*/zones.py", "*/layer.py", "*/growth.py", "*/surface_*.py", "*/partners.py",
          "*/closest_point.py")
 TRIVIAL = 0.0, 1.0, -1.0, 0.5, 2.0
 # files whose dataclasses are a user's
-OPTIONS = "continuation/options.py", "continuation/control.py", "continuation/until.py", "model/"
+OPTIONS = "continuation/options.py", "continuation/control.py", "events/until.py", "model/"
 # Sizes and indices that follow from a formulation, and what a user says: a load, a number of repeated parts.
 NO_CONSTANTS = ("discrete/closest_point.py:ROWS",
                 "discrete/obstacle_work.py:BEFORE", "discrete/obstacle_work.py:SLIPPED",
                 "discrete/zones.py:SAMPLES", "discrete/zones.py:POINTS", "continuation/work.py:POINTS",
-                "stability/descent.py:POINTS", "stability/descent.py:WEIGHTS", "stability/branches.py:TURN",
+                "critical/descent.py:POINTS", "critical/descent.py:WEIGHTS", "critical/branches.py:TURN",
                 "continuation/control.py:LoadControl.target")
 SIGNALS = "Jump", "Missed", "Hidden", "Uncounted", "Unsettled"
 # What each predicate, retry or homotopy gives where it is switched off.
@@ -33,7 +33,7 @@ SWITCHES = {
     "continuation/explained.py:explained": True,
     "continuation/defect.py:interpolates": True,
     "continuation/work.py:work_matches": True,
-    "stability/leaping.py:require_convergence": None,
+    "events/leaping.py:require_convergence": None,
     "path.py:Path._past_corner": None,
     "path.py:Path._by_change": None,
     "path.py:Path._around_corner": None,

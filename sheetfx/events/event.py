@@ -10,9 +10,9 @@ from typing import Annotated
 import numpy as np
 
 from ..checks import Choice, Like, NotNegative, check, require
+from ..continuation.segment import Missed, Segment
+from ..continuation.state import CriticalPoint, State
 from ..rounding import SAME, root
-from .segment import Missed, Segment
-from .state import CriticalPoint, State
 
 TOLD = Like("a number, or True or False", lambda value: isinstance(value, Real))
 SHORTEST = 1e-6  # of a step, within which a test that is only true or false changes

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..continuation.control import StepRule
-from ..continuation.crossings import can_stick
+from ..continuation.inertia import can_stick
 from ..continuation.problem import Problem
 from ..continuation.state import State
 from ..discrete.pair_work import PairWork, pairs_of

@@ -8,8 +8,8 @@ from functools import partial
 from typing import Annotated
 
 from ..checks import Positive, Range, check
-from .events import Event
-from .state import State
+from ..continuation.state import State
+from .event import Event
 
 AT_BOUND = 1e-6  # relative distance from a bound at which a path has reached it
 

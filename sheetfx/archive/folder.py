@@ -25,10 +25,10 @@ from uuid import uuid4
 
 import numpy as np
 
-from .continuation.state import State
-from .interrupts import HOW, tell
-from .state_files import PATTERNS as STATES
-from .state_files import StateFiles
+from ..continuation.state import State
+from ..interrupts import HOW, tell
+from .states import PATTERNS as STATES
+from .states import StateFiles
 
 COLUMNS = ("step", "load", "deflection", "factor", "unstable", "load_rate", "iterations", "factorisations",
            "length", "contact_points", "penetration", "stage")

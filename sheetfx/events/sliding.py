@@ -6,13 +6,13 @@ from functools import partial
 
 import numpy as np
 
+from ..continuation.state import State
 from ..discrete.surface_partners import MARGIN
 from ..model.pair_contact import PairContact
 from ..model.scene import Scene
 from ..model.surface_contact import SurfaceContact
 from ..rounding import NONE
-from .events import Event
-from .state import State
+from .event import Event
 
 
 def first_touch() -> Event:

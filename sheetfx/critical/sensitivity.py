@@ -10,8 +10,8 @@ from .. import rounding
 from ..continuation.state import CriticalPoint, State
 from ..continuation.tracer import tracer_of
 from ..discrete.discretisation import Discretisation
+from ..events.search import state_at
 from ..model.scene import Scene
-from .critical import state_at
 from .koiter import expansion
 
 

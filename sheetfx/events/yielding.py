@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from mpi4py import MPI
 
+from ..continuation.state import State
 from ..discrete.plastic import is_plastic
 from ..model.loads import PointForce
 from ..model.scene import Scene
 from ..notices import warn
-from .events import Event
-from .state import State
+from .event import Event
 
 NAME = "first yield"
 NEAR = 1e-6  # of the yield stress

@@ -6,17 +6,17 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
+from petsc4py import PETSc
 
 from ..continuation.defect import interpolates
 from ..continuation.explained import cornered, explained
 from ..continuation.lapse import remembering
 from ..continuation.segment import Jump, Missed, Segment
 from ..continuation.state import CriticalPoint, State
-from ..continuation.tracer import tracer_of
+from ..continuation.tracer import Tracer, tracer_of
 from ..continuation.work import work_matches
 from ..rounding import same
 from .crossings import Crossing, pass_zero, unresolved
-from .koiter import postbuckling
 from .stationary import returning, stationary_loads, surround, turns
 from .turning import turning_loads
 
@@ -25,8 +25,11 @@ CLUSTER = 0.01  # relative difference of the loads of a step that may hold any n
 SHORTEST = 1 / 64  # of a step, piece that must be explained
 AGREE = 0.01  # of the load that a step adds, difference between two interpolations of a bifurcation's load
 
+# from the tracer, which is at the state of a bifurcation, null vectors, the point, and the states before and after
+Naming = Callable[[Tracer, State, Sequence[PETSc.Vec], CriticalPoint, Sequence[State]], CriticalPoint]
 
-def locate(tracer, earlier: State | None, before: State, after: State,
+
+def locate(tracer, earlier: State | None, before: State, after: State, named: Naming,
            others: Sequence[Callable[[Segment], list[CriticalPoint]]] = ()) -> dict[CriticalPoint, State | None]:
     """Critical points that the step from `before` to `after` brings to light; the tracer ends at `after`.
 
@@ -41,6 +44,7 @@ def locate(tracer, earlier: State | None, before: State, after: State,
 
     Parameters
     ----------
+    named : gives a bifurcation its name, from its state and null vectors, such as `koiter.postbuckling`
     others : functions that look for critical points of other kinds on a segment, such as `flutter.Flutter`
 
     Returns
@@ -72,7 +76,7 @@ def locate(tracer, earlier: State | None, before: State, after: State,
     crossings = _bifurcations(segment, [length for s, length, _ in limits if s is segment])
     crossings += [returning(segment, length) for length in returns]
     clusters = _clusters(crossings, TOGETHER * after.length, tracer.control.same_load)
-    points |= (_bifurcation(segment, cluster) for cluster in clusters)
+    points |= (_bifurcation(segment, cluster, named) for cluster in clusters)
     if tracer.control.guarded and turns(segment) > sum(limit[0] is segment for limit in limits) + len(returns):
         raise Jump("the load turns beside a bifurcation that the step passes")
     for other in others:
@@ -257,7 +261,7 @@ def _agree(segment: Segment, *loads: float) -> bool:
     return np.ptp(loads) <= AGREE * rise + segment.tracer.control.exact * max(map(abs, loads))
 
 
-def _bifurcation(segment: Segment, crossings: list[Crossing]) -> tuple[CriticalPoint, State | None]:
+def _bifurcation(segment: Segment, crossings: list[Crossing], named: Naming) -> tuple[CriticalPoint, State | None]:
     """A simple or multiple bifurcation, classified, and its state.
 
     Where points have yielded the tangent is that of a linear comparison solid, which goes on loading (Hill 1958). Its
@@ -282,4 +286,4 @@ def _bifurcation(segment: Segment, crossings: list[Crossing]) -> tuple[CriticalP
     tracer.factorise_at(state)
     nearest = np.argsort(np.abs(values))[:count]
     null = [modes[i] for i in nearest]
-    return postbuckling(tracer, state, null, point, [segment.before, segment.after]), state
+    return named(tracer, state, null, point, [segment.before, segment.after]), state

@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from itertools import pairwise
 from pathlib import Path as Folder
 
-from ..continuation.crossings import can_stick
+from ..continuation.inertia import can_stick
 from ..continuation.state import State
 from ..continuation.tracer import tracer_of
 from .descent import Fall, FallStep, unstable

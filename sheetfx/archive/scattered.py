@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from .state import State
+from ..continuation.state import State
 
 
 @dataclass(frozen=True)

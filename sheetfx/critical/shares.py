@@ -8,7 +8,7 @@ import numpy as np
 
 from ..continuation.state import CriticalPoint, State
 from ..continuation.tracer import tracer_of
-from .critical import state_at, step_of
+from ..events.search import state_at, step_of
 from .modes import scaled
 
 SMALL = 1e-6  # largest displacement of a mode that is imposed, over the size of the structure

@@ -18,8 +18,8 @@ from ..checks import Positive, require
 from ..continuation.segment import Jump, Missed
 from ..continuation.state import CriticalPoint, State
 from ..continuation.tracer import tracer_of
+from ..events.search import state_at, step_of
 from .corner_branches import Unsettled, corner_of
-from .critical import state_at, step_of
 from .first_piece import FirstPiece
 from .modes import largest_displacement
 from .reduction import NoSolution, Reduction

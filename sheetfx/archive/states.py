@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from .continuation.scattered import ScatteredState
-from .continuation.state import ForeignState, State, write_arrays
-from .notices import warn
+from ..continuation.state import ForeignState, State, write_arrays
+from ..notices import warn
+from .scattered import ScatteredState
 
 STEP = 6 * "[0-9]"
 PATTERNS = (f"states/{STEP}.*[0-9].npz", f"states/{STEP}.*[0-9].part", "states/origins*.npz", "states/origins*.part")

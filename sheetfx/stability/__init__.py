@@ -1,1 +1,0 @@
-"""Critical points and what follows from them: branches, snaps, buckling, vibrations, imperfections."""
