@@ -9,20 +9,19 @@ import os
 import sys
 import traceback
 import warnings
-from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from .archive.folder import Stopped, write_whole
-from .checks import Range, require
 from .interrupts import release, tell
 from .scenes import load_case, of_script, scene_names
 from .studies.diagram_command import diagram_app
+from .studies.map_command import Listing, draw_failure_map
 from .studies.run import PLAIN, run_app
 from .studies.study_command import study_app
-from .studies.suggesting import Single, Suggesting
+from .studies.suggesting import Resumed, Single, Suggesting, with_choices
 from .studies.view_command import view
 
 app = typer.Typer(help="Stability of thin sheet-and-bar structures.", no_args_is_help=True, cls=Suggesting,
@@ -31,32 +30,13 @@ app.add_typer(run_app, name="run")
 app.add_typer(diagram_app, name="diagram")
 app.add_typer(study_app, name="study")
 app.command(cls=Single)(view)
-
-
-def _listing(choices: Callable[[], str]) -> type[Single]:
-    """A kind of command whose help ends with what can be chosen, which is looked up when help is asked for."""
-    class Listing(Single):
-        def format_help(self, context, formatter):
-            self.epilog = choices()
-            super().format_help(context, formatter)
-
-    return Listing
+app.command(name="map", cls=Listing)(draw_failure_map)
 
 
 def _charts() -> str:
     from .studies.chart import charts
 
     return f"Scenes with a chart: {', '.join(charts())}; or a script with REFERENCE and CHART."
-
-
-def _traps_and_methods() -> str:
-    from .studies.methods import METHODS
-    from .studies.traps import TRAPS
-
-    return f"Traps: {', '.join(TRAPS)}.\n\nMethods: {', '.join(METHODS)}."
-
-
-Resumed = Annotated[bool, typer.Option("--resume", help="Keep what is in the folder, and run what is missing.")]
 
 
 def _tell_version(asked: bool) -> None:
@@ -96,7 +76,7 @@ def warm(scenes: Annotated[list[str] | None, typer.Argument(help="Names of scene
         Discretisation(load_case("hemisphere")(form=form).scene)
 
 
-@app.command(cls=_listing(_charts))
+@app.command(cls=with_choices(_charts))
 def chart(
     name: Annotated[str, typer.Argument(help="Name of a scene, or a script.")],
     repeat: Annotated[int, typer.Option(min=1, help="Runs of each method; the median counts.")] = 3,
@@ -135,57 +115,6 @@ def chart(
     draw_chart(points, title).savefig(folder / "chart.png", dpi=150)
     print_table(points, console)
     console.print(f"results in {folder}", soft_wrap=True)
-
-
-@app.command(name="map", cls=_listing(_traps_and_methods))
-def failure_map(
-    traps: Annotated[str | None, typer.Option(help="Names of traps, separated by commas; default all.")] = None,
-    methods: Annotated[str | None, typer.Option(help="Names of methods, separated by commas; default all.")] = None,
-    output: Annotated[Path, typer.Option("-o", "--output", help="Folder of the results.")] = Path("results/map"),
-    limit: Annotated[float, typer.Option(help="Seconds that a path may take.")] = 60.0,
-    resume: Resumed = False,
-) -> None:
-    """Draw which method of path following passes which trap, and how the others fail.
-
-    The table map.csv has each result as soon as it is there.
-    """
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-    require("map", **{"--limit": (limit, Annotated[float, Range(least=1)])})
-    from .studies.failure_map import REFERENCE, choose, failure_map, read_map, write_map
-    from .studies.map_picture import draw_map
-    from .studies.methods import METHODS
-    from .studies.traps import TRAPS
-
-    rows, columns = choose("trap", traps, TRAPS), choose("method", methods, METHODS)
-    layout = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
-    earlier = read_map(output / "map.csv") if resume else []
-    with Progress(*layout, transient=True) as progress:
-        output.mkdir(parents=True, exist_ok=True)
-        task, done, running = progress.add_task("", total=len(rows) * (len(columns) + 1)), [*earlier], []
-        progress.advance(task, len(earlier))
-
-        def begin(trap: str, method: str) -> None:
-            running.append(f"{trap}, {method}")
-            progress.update(task, description="; ".join(running))
-
-        def say(cell) -> None:
-            running.remove(f"{cell.trap}, {cell.method}")
-            progress.update(task, description="; ".join(running))
-            if cell.method != REFERENCE:
-                done.append(cell)
-                write_map(done, output / "map.csv")
-                tell(lambda: f"{len(done)} cells are kept in {output}")
-            line = f"{cell.trap}, {cell.method}: {cell.outcome}{'; ' if cell.reason else ''}{cell.reason}"
-            progress.console.print(line, soft_wrap=True, markup=False, highlight=False)
-            progress.advance(task)
-
-        cells = failure_map(rows, columns, output, limit, say, begin, earlier)
-        if not cells:
-            raise ValueError("map: no method applies; those of contact need traps with contact")
-    write_map(cells, output / "map.csv")
-    draw_map(cells).savefig(output / "map.png", dpi=200)
-    typer.echo(f"results in {output}")
 
 
 def main() -> None:

@@ -6,11 +6,11 @@ from math import cos, radians, sin
 
 import numpy as np
 import pytest
+from failure_map.traps import TRAPS
 from helpers import on_two_processes
 
 import sheetfx as fx
 from sheetfx.scenes import dome, lee_frame, roof, von_mises_truss
-from sheetfx.studies.traps import TRAPS
 
 
 def below(case, share, number=0):

@@ -8,17 +8,17 @@ from dataclasses import replace
 from functools import partial
 
 import pytest
+from failure_map.cells import REFERENCE, Cell, choose, trace, within
+from failure_map.judgement import BACK, JUMPED, PASSED, STALLED, WRONG, Judge, Trail
+from failure_map.methods import METHODS
+from failure_map.picture import explanations
+from failure_map.traps import TRAPS, Expected, Trap
 from mpi4py import MPI
 
 from sheetfx.archive.folder import Archive
 from sheetfx.continuation.state import CriticalPoint
 from sheetfx.path import Path, Until
 from sheetfx.scenes import arch
-from sheetfx.studies.failure_map import REFERENCE, Cell, choose, trace, within
-from sheetfx.studies.judgement import BACK, JUMPED, PASSED, STALLED, WRONG, Judge, Trail
-from sheetfx.studies.map_picture import explanations
-from sheetfx.studies.methods import METHODS
-from sheetfx.studies.traps import TRAPS, Expected, Trap
 
 TILTING = Trap(
     "tilting-arch", "The determinant is positive again behind the bifurcation.",
@@ -195,3 +195,12 @@ def test_map_is_not_for_mpi(tmp_path):
     command = ["mpirun", "-n", "2", sys.executable, "-m", "sheetfx", "map", "-o", str(tmp_path)]
     result = subprocess.run(command, capture_output=True, text=True, timeout=60, env=os.environ)
     assert result.returncode and "leave mpirun out" in result.stderr
+
+
+def test_an_installed_package_says_where_the_traps_are(command, monkeypatch, tmp_path):
+    monkeypatch.setattr("sheetfx.studies.map_command.DEMOS", tmp_path)
+    status, _, error = command("map", "--traps", "lee-frame")
+    assert status == 2
+    assert "map: the traps belong to the source tree" in error
+    assert "docker/run sheetfx map" in error
+    assert "source tree" in " ".join(command("map", "--help")[1].split())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from failure_map.traps import TRAPS
 from helpers import distance, move_at_random, tangents
 
 import sheetfx as fx
@@ -13,7 +14,6 @@ from sheetfx.discrete.pair_work import pairs_of
 from sheetfx.discrete.pairs import friction_work
 from sheetfx.scenes import dome
 from sheetfx.show.pairs import draw_pairs, pair_states
-from sheetfx.studies.traps import TRAPS
 
 SECTION = {"section": fx.Rectangle(0.1, 0.1), "material": fx.Elastic(1.2e6, 0.0)}
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 from itertools import pairwise
 
 import pytest
+from failure_map.traps import contact
 from helpers import follow
 from scipy.integrate import quad
 from scipy.optimize import brentq
@@ -15,7 +16,6 @@ from scipy.optimize import brentq
 import sheetfx as fx
 from sheetfx.critical import snap, viscous
 from sheetfx.scenes import lee_frame, star_dome
-from sheetfx.studies.traps import contact
 
 HELD = 2e-3  # friction of the wall at most, a force of 0.02 with a coefficient of 0.1
 TANGENTIAL = HELD / contact.SLIPS  # with which it is reached behind the truss's own maximum

@@ -1,1 +1,1 @@
-"""Many runs: charts, traps, the failure map, and the command that runs one scene."""
+"""Many runs: charts, studies, diagrams, and the command that runs one scene."""

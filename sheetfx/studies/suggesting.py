@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
+import typer
 from typer.core import TyperCommand, TyperGroup
 
 from ..scenes import meant
+
+Resumed = Annotated[bool, typer.Option("--resume", help="Keep what is in the folder, and run what is missing.")]
 
 
 @dataclass(frozen=True)
@@ -28,6 +33,16 @@ class Single(TyperCommand):
             if parameter.param_type_name == "option" and not parameter.multiple and parameter in order[:n]:
                 ctx.fail(f"option {max(parameter.opts, key=len)} is given twice; leave one out")
         return super().parse_args(ctx, args)
+
+
+def with_choices(choices: Callable[[], str]) -> type[Single]:
+    """A kind of command whose help ends with what can be chosen, which is looked up when help is asked for."""
+    class Listing(Single):
+        def format_help(self, context, formatter):
+            self.epilog = choices()
+            super().format_help(context, formatter)
+
+    return Listing
 
 
 class Suggesting(TyperGroup):

@@ -7,11 +7,11 @@ from functools import partial
 from math import radians
 
 import numpy as np
+from failure_map.traps import TRAPS, contact
 from helpers import hinged_arch, whole_arch
 
 import sheetfx as fx
 from sheetfx.record import Record
-from sheetfx.studies.traps import TRAPS, contact
 
 FALLS = 2  # of a path, at most
 

@@ -11,15 +11,15 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
+sys.path[:0] = [str(Path(__file__).parents[1]), str(Path(__file__).parents[2] / "demos")]
 
 import random_shapes
 from afterwards import AFTERWARDS
+from failure_map.traps import TRAPS
 from random_structures import scene as random_scene
 from untried import CASES
 
 import sheetfx as fx
-from sheetfx.studies.traps import TRAPS
 
 TRUSSES, FRAMES = 34, 26
 STEPS = 25  # of a random structure

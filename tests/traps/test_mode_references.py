@@ -6,10 +6,9 @@ from math import cos, pi, sin, sqrt
 
 import numpy as np
 import pytest
+from failure_map.traps import TRAPS
 from scipy.optimize import brentq, fsolve, minimize_scalar
 from truss import SymmetricPath, Truss
-
-from sheetfx.studies.traps import TRAPS
 
 
 def loads(name):

@@ -6,13 +6,13 @@ from math import pi, sqrt
 
 import numpy as np
 import pytest
+from failure_map.traps import TRAPS
 from scipy.integrate import solve_bvp
 from scipy.optimize import brentq, fsolve
 from truss import SymmetricPath, Truss
 
 from sheetfx.case import trace
 from sheetfx.scenes import column, roorda_frame, star_dome
-from sheetfx.studies.traps import TRAPS
 
 
 def loads(name, kind=None):

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from failure_map.traps import FAMILIES, TRAPS, Trap
 
 import sheetfx as fx
 from sheetfx.case import Case, trace
-from sheetfx.studies.traps import FAMILIES, TRAPS, Trap
 
 UNLESS_LONG = "punch", "slenderness", "contact"  # whose points lie too close together for long steps
 SMALL = [t.name for t in TRAPS.values() if not t.slow and t.points and not t.name.startswith(UNLESS_LONG)]

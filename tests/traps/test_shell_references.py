@@ -6,12 +6,12 @@ from math import cos, cosh, pi, radians, sin, sinh, sqrt
 
 import numpy as np
 import pytest
+from failure_map.traps import TRAPS
 from scipy.integrate import solve_bvp
 from scipy.interpolate import CubicSpline
 from test_mode_references import loads, zeros
 
 from sheetfx.model.laminate import Laminate, Ply
-from sheetfx.studies.traps import TRAPS
 
 WAVES = range(1, 20)
 

@@ -10,10 +10,10 @@ from collections.abc import Callable
 from dataclasses import replace
 from math import inf, pi
 
-from ..case import Case
-from ..continuation.control import ArcLength, DisplacementControl, LoadControl, StepRule
-from ..discrete.contact import ContactFields
-from ..path import Path
+from sheetfx.case import Case
+from sheetfx.continuation.control import ArcLength, DisplacementControl, LoadControl, StepRule
+from sheetfx.discrete.contact import ContactFields
+from sheetfx.path import Path
 
 SOFT, STIFF = 1e-4, 1e8  # times the augmentation that the beam's stiffness gives
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from string import ascii_lowercase
 from textwrap import wrap
 
-from .failure_map import Cell
+from .cells import Cell
 from .judgement import BACK, CRASHED, JUMPED, OUTCOMES, PASSED, STALLED, WRONG
 
 COLOURS = dict(zip(OUTCOMES, ("#d9efdf", "#f2c14e", "#c4432b", "#e58a3c", "#9fb3c8", "#4a4a4a"), strict=True))

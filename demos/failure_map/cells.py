@@ -15,11 +15,12 @@ from pathlib import Path as Folder
 
 from mpi4py import MPI
 
-from ..archive.folder import Archive, write_whole
-from ..continuation.state import CriticalPoint
-from ..interrupts import call
-from ..path import Path, PathFailure, Until
-from .chart import ONE_THREAD
+from sheetfx.archive.folder import Archive, write_whole
+from sheetfx.continuation.state import CriticalPoint
+from sheetfx.interrupts import call
+from sheetfx.path import Path, PathFailure, Until
+from sheetfx.studies.chart import ONE_THREAD
+
 from .judgement import CRASHED, STALLED, Judge, Trail, place
 from .methods import METHODS, applies, references
 from .traps import TRAPS, Trap
@@ -102,9 +103,10 @@ def _ended(pool: ThreadPoolExecutor, tasks: Sequence[tuple], say, begin) -> Iter
 
 def _process(trap: str, method: str, folder: Folder, limit: float) -> Cell:
     """A cell traced in a process of its own, which is given some time for its last step."""
-    command = [sys.executable, "-m", "sheetfx.studies.failure_map", trap, method, str(folder), str(limit)]
+    command = [sys.executable, "-m", "failure_map.cells", trap, method, str(folder), str(limit)]
+    environment = os.environ | ONE_THREAD | {"PYTHONPATH": os.pathsep.join(sys.path)}
     try:
-        process = call(command, os.environ | ONE_THREAD, timeout=1.5 * limit + 60)
+        process = call(command, environment, timeout=1.5 * limit + 60)
     except subprocess.TimeoutExpired:
         return Cell(trap, method, STALLED, f"does not return from a step within {limit:g} s", limit, 0)
     if process.returncode:

@@ -11,19 +11,20 @@ from functools import partial
 
 import numpy as np
 
-from ... import meshes
-from ...case import Case
-from ...continuation.control import ArcLength, LoadControl, StepRule
-from ...mesh.reader import NamedMesh, read
-from ...model.beam import Bar, Beam
-from ...model.interface import hinge
-from ...model.joints import Joint, Spring
-from ...model.loads import LineForce, PointForce
-from ...model.pair_contact import PairContact
-from ...model.scene import Monitor, Scene, Stage
-from ...model.section import Elastic, Rectangle
-from ...model.supports import Support, pin
-from ...path import Until
+from sheetfx import meshes
+from sheetfx.case import Case
+from sheetfx.continuation.control import ArcLength, LoadControl, StepRule
+from sheetfx.mesh.reader import NamedMesh, read
+from sheetfx.model.beam import Bar, Beam
+from sheetfx.model.interface import hinge
+from sheetfx.model.joints import Joint, Spring
+from sheetfx.model.loads import LineForce, PointForce
+from sheetfx.model.pair_contact import PairContact
+from sheetfx.model.scene import Monitor, Scene, Stage
+from sheetfx.model.section import Elastic, Rectangle
+from sheetfx.model.supports import Support, pin
+from sheetfx.path import Until
+
 from .trap import Trap, limits
 
 RISE = 0.2  # of the apex over half the span

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..continuation.state import CriticalPoint, State
+from sheetfx.continuation.state import CriticalPoint, State
+
 from .traps import Expected
 
 PASSED, WRONG, JUMPED, BACK, STALLED, CRASHED = OUTCOMES = (

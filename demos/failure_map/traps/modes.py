@@ -9,18 +9,19 @@ from math import pi, sqrt
 import numpy as np
 import ufl
 
-from ... import meshes
-from ...case import Case
-from ...continuation.control import ArcLength, LoadControl
-from ...mesh.reader import NamedMesh, read
-from ...model.beam import Bar, Beam
-from ...model.joints import Foundation, Spring
-from ...model.loads import LineForce, Moment, PointForce
-from ...model.scene import Monitor, Scene
-from ...model.section import Elastic, Rectangle
-from ...model.supports import Support, pin
-from ...path import Until
-from ...scenes import sinusoidal_arch, von_mises_truss
+from sheetfx import meshes
+from sheetfx.case import Case
+from sheetfx.continuation.control import ArcLength, LoadControl
+from sheetfx.mesh.reader import NamedMesh, read
+from sheetfx.model.beam import Bar, Beam
+from sheetfx.model.joints import Foundation, Spring
+from sheetfx.model.loads import LineForce, Moment, PointForce
+from sheetfx.model.scene import Monitor, Scene
+from sheetfx.model.section import Elastic, Rectangle
+from sheetfx.model.supports import Support, pin
+from sheetfx.path import Until
+from sheetfx.scenes import sinusoidal_arch, von_mises_truss
+
 from .trap import Expected, Trap, and_mirrored, bifurcation, limits
 
 UNIT = Rectangle(1.0, 1.0), Elastic(1.0)

@@ -9,19 +9,20 @@ from collections.abc import Mapping
 from functools import partial
 from math import pi
 
-from ... import meshes
-from ...case import Case
-from ...continuation.control import LoadControl
-from ...mesh.reader import NamedMesh, read
-from ...model.joints import Uniform
-from ...model.laminate import Laminate, Ply
-from ...model.loads import EdgeForce
-from ...model.plate import Plate
-from ...model.scene import Monitor, Scene
-from ...model.section import Elastic
-from ...model.shell import Shell
-from ...model.supports import Support
-from ...scenes._benchmark import surface
+from sheetfx import meshes
+from sheetfx.case import Case
+from sheetfx.continuation.control import LoadControl
+from sheetfx.mesh.reader import NamedMesh, read
+from sheetfx.model.joints import Uniform
+from sheetfx.model.laminate import Laminate, Ply
+from sheetfx.model.loads import EdgeForce
+from sheetfx.model.plate import Plate
+from sheetfx.model.scene import Monitor, Scene
+from sheetfx.model.section import Elastic
+from sheetfx.model.shell import Shell
+from sheetfx.model.supports import Support
+from sheetfx.scenes._benchmark import surface
+
 from .trap import STABLE, Trap, bifurcation
 
 THICKNESS, FORM = 0.001, "naghdi-q3"

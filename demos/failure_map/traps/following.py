@@ -11,17 +11,18 @@ from math import pi
 
 import numpy as np
 
-from ... import meshes
-from ...case import Case
-from ...continuation.control import LoadControl
-from ...mesh.reader import NamedMesh, read
-from ...model.beam import Beam
-from ...model.following import FollowerForce, LinePressure
-from ...model.joints import Spring
-from ...model.loads import LineForce, Moment, PointForce
-from ...model.scene import Monitor, Scene
-from ...model.section import Elastic, Rectangle, round_bar
-from ...model.supports import Support, clamp, pin, symmetry
+from sheetfx import meshes
+from sheetfx.case import Case
+from sheetfx.continuation.control import LoadControl
+from sheetfx.mesh.reader import NamedMesh, read
+from sheetfx.model.beam import Beam
+from sheetfx.model.following import FollowerForce, LinePressure
+from sheetfx.model.joints import Spring
+from sheetfx.model.loads import LineForce, Moment, PointForce
+from sheetfx.model.scene import Monitor, Scene
+from sheetfx.model.section import Elastic, Rectangle, round_bar
+from sheetfx.model.supports import Support, clamp, pin, symmetry
+
 from .trap import Expected, Trap, bifurcation
 
 DEPTH = 0.003

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from ...case import Case
+from sheetfx.case import Case
 
 STABLE, UNSTABLE = "stable symmetric", "unstable symmetric"
 

@@ -7,10 +7,10 @@ from functools import partial
 
 import numpy as np
 
-from ...case import Case
-from ...model.loads import PrescribedDisplacement
-from ...model.supports import Support
-from ...scenes import (
+from sheetfx.case import Case
+from sheetfx.model.loads import PrescribedDisplacement
+from sheetfx.model.supports import Support
+from sheetfx.scenes import (
     arch,
     column,
     cylinder_panel,
@@ -23,6 +23,7 @@ from ...scenes import (
     star_dome,
     von_mises_truss,
 )
+
 from .trap import STABLE, UNSTABLE, Expected, Trap, and_mirrored, bifurcation, limits
 
 

@@ -7,16 +7,17 @@ from math import cos, pi, radians, sin
 
 import numpy as np
 
-from ...case import Case
-from ...continuation.control import ArcLength, LoadControl
-from ...model.following import Pressure
-from ...model.plate import Plate
-from ...model.scene import Monitor, Scene
-from ...model.section import Elastic
-from ...model.shell import Shell
-from ...model.supports import Support, clamp, symmetry
-from ...path import Until
-from ...scenes._benchmark import cylinder, surface
+from sheetfx.case import Case
+from sheetfx.continuation.control import ArcLength, LoadControl
+from sheetfx.model.following import Pressure
+from sheetfx.model.plate import Plate
+from sheetfx.model.scene import Monitor, Scene
+from sheetfx.model.section import Elastic
+from sheetfx.model.shell import Shell
+from sheetfx.model.supports import Support, clamp, symmetry
+from sheetfx.path import Until
+from sheetfx.scenes._benchmark import cylinder, surface
+
 from .trap import Trap, bifurcation, limits
 
 FORM, POISSON = "naghdi-q3", 0.3

@@ -1,0 +1,1 @@
+"""Methods of path following against structures on which some fail: `sheetfx map` in a checkout."""
