@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import suppress
 from itertools import pairwise
 from math import inf
 
@@ -15,7 +14,7 @@ from .course import Course
 from .state import State
 
 IN_BALANCE = 1e-6  # residual over the load of an interpolated state
-CLOSE = 0.02  # of the distance between its neighbours, by which a state misses an interpolation that is good enough
+CLOSE = 0.02  # of the distance between two states, by which one in the middle misses a cubic that is good enough
 STATIONARY = 6  # interpolations of the load, after which a stationary one is looked for without them
 STRAY = 0.3  # of the distance between its neighbours, by which a state may miss their interpolation
 WITHIN = 0.5  # of the iterations of a step, those after which a shorter one within it is given up
@@ -92,7 +91,7 @@ class Segment:
                 self._missed.add(length)
                 raise Missed
             self.states[length] = state
-            if self._off(state, guess) <= CLOSE * self.distance(left, right):
+            if self._off(state, guess) <= CLOSE * _share_of_error(length, left, right) * self.distance(left, right):
                 self.close.add(length)
         return self.states[length]
 
@@ -247,6 +246,11 @@ class Segment:
         Parameters
         ----------
         exact : relative error of the load at which to stop
+
+        Raises
+        ------
+        Missed
+            If states between them do not converge.
         """
         def rate(length):
             return self[length].load_rate
@@ -265,8 +269,7 @@ class Segment:
             last = change
             if not self.reach(length):
                 break
-        with suppress(Missed):
-            self.close_in(rate, left, right, exact)
+        self.close_in(rate, left, right, exact)
         return min((s for s in self.states if left <= s <= right), key=lambda s: abs(rate(s)))
 
     def _size(self, state: State) -> float:
@@ -278,3 +281,9 @@ class Segment:
         rate = self.distance(0.0, self.after.length) / self.after.length * length
         bend = abs(self.after.load_rate - self.before.load_rate) / self.distance(0.0, self.after.length)
         return abs(state.load_rate * rate) + bend * rate**2
+
+
+def _share_of_error(length: float, left: float, right: float) -> float:
+    """Error of a cubic by values and slopes at its ends, over that in the middle, to leading order."""
+    s = (length - left) / (right - left)
+    return 16 * (s * (1 - s)) ** 2

@@ -18,7 +18,7 @@ from ..continuation.work import work_matches
 from ..rounding import same
 from .crossings import Crossing, pass_zero, unresolved
 from .stationary import returning, stationary_loads, surround, turns
-from .turning import turning_loads
+from .turning import Limit, turning_loads
 
 TOGETHER = 1e-3  # of a step, distance of the crossings of one multiple point
 CLUSTER = 0.01  # relative difference of the loads of a step that may hold any number
@@ -66,18 +66,20 @@ def locate(tracer, earlier: State | None, before: State, after: State, named: Na
     if segment.wavering:
         if tracer.control.guarded and not work_matches(segment, earlier):
             raise Jump("the work done along the step is not what is stored and dissipated")
-        limits, returns = [limit for limit in turning_loads(segment, earlier) if limit[0].wavering], []
+        limits, returns = [limit for limit in turning_loads(segment, earlier) if limit.segment.wavering], []
     else:
         if segment.guarded:
             _check(segment)
         limits, returns = stationary_loads(segment)
+        if segment.guarded and (limits or returns) and _check(segment):
+            limits, returns = stationary_loads(segment)
         limits = _turned_before(segment, earlier) + limits
-    points = dict(_limit(*found) for found in limits)
-    crossings = _bifurcations(segment, [length for s, length, _ in limits if s is segment])
+    points = dict(map(_limit, limits))
+    crossings = _bifurcations(segment, [limit.length for limit in limits if limit.segment is segment])
     crossings += [returning(segment, length) for length in returns]
     clusters = _clusters(crossings, TOGETHER * after.length, tracer.control.same_load)
     points |= (_bifurcation(segment, cluster, named) for cluster in clusters)
-    if tracer.control.guarded and turns(segment) > sum(limit[0] is segment for limit in limits) + len(returns):
+    if tracer.control.guarded and turns(segment) > sum(limit.segment is segment for limit in limits) + len(returns):
         raise Jump("the load turns beside a bifurcation that the step passes")
     for other in others:
         points |= dict.fromkeys(other(segment))
@@ -135,19 +137,28 @@ def state_at(path, before: State, after: State, point: CriticalPoint) -> State:
     return state
 
 
-def _check(segment: Segment) -> None:
-    """Look into the middle of pieces that turn, or that the tangents at their ends do not explain or interpolate."""
-    pieces = segment.pairs()[::-1]
+def _check(segment: Segment) -> bool:
+    """Look into the middle of pieces that turn, or that the tangents at their ends do not explain or interpolate.
+
+    Of shorter pieces than must be explained rounding may decide: they are left as a search has made them.
+
+    Returns
+    -------
+    Whether there were any.
+    """
+    shortest, known = SHORTEST * segment.after.length, len(segment.states)
+    pieces = [(left, right) for left, right in segment.pairs()[::-1] if right - left >= shortest]
     while pieces:
         left, right = pieces.pop()
         if not _is_clear(segment, left, right):
             sound = segment.states[left] if left else None
-            if right - left < SHORTEST * segment.after.length:
+            if right - left < shortest:
                 raise Jump("tangents within the step do not explain its load", sound)
             middle = (left + right) / 2
             if not segment.reach(middle, only_guessed=sound is not None):
                 raise Jump("the middle of the step does not converge", sound)
             pieces += [(middle, right), (left, middle)]
+    return len(segment.states) > known
 
 
 def _is_clear(segment: Segment, left: float, right: float) -> bool:
@@ -157,13 +168,13 @@ def _is_clear(segment: Segment, left: float, right: float) -> bool:
     return explained(segment, left, right) and interpolates(segment, left, right)
 
 
-def _limit(segment: Segment, length: float, rising: bool) -> tuple[CriticalPoint, State]:
-    state = segment.states[length]
-    return CriticalPoint("limit", state.load, state.deflection, state.step, float(length or state.length),
-                         name="maximum" if rising else "minimum"), state
+def _limit(limit: Limit) -> tuple[CriticalPoint, State]:
+    state = limit.segment.states[limit.length]
+    return CriticalPoint("limit", state.load, state.deflection, state.step, float(limit.length or state.length),
+                         name="maximum" if limit.rising else "minimum", spread=limit.spread), state
 
 
-def _turned_before(segment: Segment, earlier: State | None) -> list[tuple[Segment, float, bool]]:
+def _turned_before(segment: Segment, earlier: State | None) -> list[Limit]:
     """The limit point of a step with contact before one without, at whose start the load has turned by its rate."""
     before = segment.before
     if earlier is None or before.load_rate * before.load_increment >= 0:

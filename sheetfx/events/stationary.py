@@ -7,12 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.interpolate import KroghInterpolator
 
-from ..continuation.segment import Segment
+from ..continuation.segment import Missed, Segment
 from ..continuation.state import State
 from ..continuation.work import WAVER
 from ..rounding import SAME, root
 from .crossings import REACHES, SAMPLES, Crossing
-from .turning import SHORT
+from .turning import SHORT, Limit
 
 ROUGHLY = 1e-6  # relative error of the load where a limit point may be a return
 ONWARD = 0.1  # rate of a displacement at a limit point, over the larger one beside it
@@ -27,18 +27,30 @@ def surround(segment: Segment, length: float, reaches: Sequence[float] = REACHES
                 segment.reach(wanted)
 
 
-def stationary_loads(segment: Segment) -> tuple[list[tuple[Segment, float, bool]], list[float]]:
-    """Where the load rate is zero: limit points, with whether the load rises before, and lengths of returns."""
+def stationary_loads(segment: Segment) -> tuple[list[Limit], list[float]]:
+    """Where the load rate is zero: limit points, and lengths of returns.
+
+    Raises
+    ------
+    Missed
+        If states between two whose rates have other signs do not converge, and the segment is guarded.
+    """
     limits, returns = [], []
     for left, right in segment.pairs():
         if not segment[left].load_rate * segment[right].load_rate < 0:
             continue
-        length = segment.stationary(left, right, ROUGHLY)
-        if _returns(segment, length):
-            returns.append(length)
-            continue
-        length = segment.stationary(left, right, SAME)
-        limits.append((segment, length, segment[left].load_rate > 0))
+        rising = segment[left].load_rate > 0
+        try:
+            length = segment.stationary(left, right, ROUGHLY)
+            if _returns(segment, length):
+                returns.append(length)
+            else:
+                limits.append(Limit(segment, segment.stationary(left, right, SAME), rising))
+        except Missed:
+            if segment.guarded:
+                raise
+            low, high = sorted(segment[s].load for s in (left, right))
+            limits.append(Limit(segment, right, rising, (low, high)))
     return limits, returns
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,7 +16,24 @@ SHORT = 1 / 16  # of the usual first step, a step of which rates say little
 SHARP = 1e-3  # change of load between two states by the lower one of their rates, over the load, at a corner
 
 
-def turning_loads(segment: Segment, earlier: State | None) -> list[tuple[Segment, float, bool]]:
+class Limit(NamedTuple):
+    """A limit point.
+
+    Attributes
+    ----------
+    segment : that has its state
+    length : of the state
+    rising : whether the load rises before it
+    spread : loads between which it lies, where no more is known
+    """
+
+    segment: Segment
+    length: float
+    rising: bool
+    spread: tuple[float, float] | None = None
+
+
+def turning_loads(segment: Segment, earlier: State | None) -> list[Limit]:
     """The state of the highest (lowest) load where the load turns from one step to the next.
 
     Where the control prescribes the load it turns because the control does, which is no limit point.
@@ -66,7 +84,7 @@ def turning_loads(segment: Segment, earlier: State | None) -> list[tuple[Segment
             break
         known[place] = one, place - start
     one, length = known[max(known, key=load)]
-    return [(one, length, sign > 0)]
+    return [Limit(one, length, sign > 0)]
 
 
 def load_sense(tracer, before: State, after: State) -> float:
