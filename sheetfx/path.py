@@ -18,7 +18,7 @@ from .archive.scattered import ScatteredState
 from .checks import require
 from .continuation.control import ArcLength, DisplacementControl, LoadControl, StepRule
 from .continuation.corner import LEAST, around_corner, change_ahead, up_to_bifurcation, up_to_change
-from .continuation.failing import explained_failure
+from .continuation.failing import explained_failure, several_modes
 from .continuation.lapse import growth_by_history
 from .continuation.linear import SingularTangent
 from .continuation.problem import Problem
@@ -92,7 +92,7 @@ class Path:
         self.start, self._started = self._taken(start), time.process_time()
         self.tracer = Tracer(self.discretisation, self._controls[start[-1].stage if start else 0], prefix)
         self._others = [Flutter(self.tracer)] if Flutter.concerns(self.tracer) else []
-        self.message, self._refusal, self._hidden = "", "", 0.0
+        self.message, self._refusal, self._hidden, self._together = "", "", 0.0, 0
         self.critical_states: dict[CriticalPoint, State] = {}
         self._listeners: list[Callable[[State], None]] = []
         self._earlier = self.start[-2] if len(start) > 1 else None
@@ -167,7 +167,7 @@ class Path:
     def _step(self, before: State) -> State:
         """One converged step, shortened as often as needed, with the critical points inside it."""
         length = wanted = self.control.clip(before.next_length or self.tracer.first, before.factor)
-        largest = self.control.largest * self.tracer.usual
+        largest, self._together = self.control.largest * self.tracer.usual, 0
         while (taken := self._try(before, length)) is None:
             shortest = length / 2 < self.control.smallest * self.tracer.shortest
             failure = self._failure(before, length / 2)
@@ -271,6 +271,8 @@ class Path:
             self._refusal = "it skips states in between"
         except SingularTangent:
             self._refusal = "the tangent is singular within it"
+        if None not in (modes := (before.unstable_modes, after.unstable_modes)):
+            self._together = max(self._together, abs(modes[1] - modes[0]))
         self.tracer.back_to(before)
         return None
 
@@ -315,6 +317,9 @@ class Path:
             details, remedy)
         if self._refusal:
             cause, details = f"is refused {shortest}", f"it converges, but {self._refusal}"
+            if self._together > 1:
+                more, remedy = several_modes(self._together, state)
+                details += more
         failure = PathFailure(
             f"step {state.step + 1} from load {state.load:.6g}, deflection {state.deflection:.6g} {cause}: {details}. "
             f"All states up to step {state.step} are kept; {remedy}.")

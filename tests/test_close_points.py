@@ -108,3 +108,37 @@ def test_what_cannot_be_told_apart_has_a_spread_instead_of_a_number(tmp_path):
     assert re.match(r"bifurcation points \(at least 2, not told apart, between the loads .* and .*\)", point.title)
     replace(after, critical=(point,)).save(tmp_path / "state.npz")
     assert State.load_from(tmp_path / "state.npz").critical == (point,)
+
+
+def springs_in_series(scales: list[float]) -> fx.Scene:
+    """Springs of the law s (e^3 - 4.5 e^2 + 6 e): each has a maximum 2.5 s at e = 1 and a minimum 2 s at e = 2."""
+    count = len(scales)
+    nodes = {f"n{i}": (float(i), 0.0) for i in range(count + 1)}
+    members = {f"b{i}": (f"n{i}", f"n{i + 1}", 1) for i in range(count)}
+    mesh = fx.read(lambda: fx.meshes.frame(nodes, members), 2)
+    springs = [fx.Spring(mesh, f"n{i}", "x", s, to=(mesh, f"n{i + 1}"),
+                         law=lambda e, s: s * (e**3 - 4.5 * e**2 + 6 * e)) for i, s in enumerate(scales)]
+    supports = [fx.pin(mesh, "n0"), *(fx.Support(mesh, f"n{i}", "y") for i in range(1, count + 1))]
+    bars = fx.Bar(mesh, fx.Rectangle(1, 1), fx.Elastic(1e-9))
+    end = f"n{count}"
+    return fx.Scene([bars], supports, [fx.PointForce(mesh, end, (1.0, 0.0))], fx.Monitor(mesh, end, "x"), joints=springs)
+
+
+@pytest.mark.parametrize("times", [8.0, *(pytest.param(t, marks=pytest.mark.slow) for t in (None, 1 / 8, 1 / 3, 3.0))])
+def test_springs_that_are_almost_equal_snap_one_after_the_other(times):
+    """Behind a limit point others are as near as 0.013: the path goes through all, the load turning at each."""
+    scales = [1.0, 1.0001, 1.0002, 1.0003]
+    record = fx.trace(fx.Case(springs_in_series(scales), fx.ArcLength(times and 0.01 * times), fx.Until(load=3.5)))
+    assert [p.kind for p in record.critical_points] == 8 * ["limit"]
+    exact = [x * s for s in scales for x in (2.5, 2.0)]
+    assert [p.load for p in record.critical_points] == pytest.approx(exact, rel=1e-8)
+
+
+def test_springs_that_are_equal_end_at_a_multiple_point_that_is_found_directly():
+    with pytest.raises(fx.PathFailure, match=r"4 modes .* fx.critical\(path, state, multiplicity=4") as failure:
+        fx.trace(fx.Case(springs_in_series(4 * [1.0]), until=fx.Until(load=3.5)))
+    record = failure.value.record
+    found = fx.critical(record.path, record.states[9], kind="limit", multiplicity=4)
+    assert (found.point.load, found.point.deflection) == pytest.approx((2.5, 4.0), rel=1e-8)
+    assert found.point.multiplicity == 4
+    assert found.factorisations <= 6
