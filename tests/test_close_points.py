@@ -120,8 +120,8 @@ def springs_in_series(scales: list[float]) -> fx.Scene:
                          law=lambda e, s: s * (e**3 - 4.5 * e**2 + 6 * e)) for i, s in enumerate(scales)]
     supports = [fx.pin(mesh, "n0"), *(fx.Support(mesh, f"n{i}", "y") for i in range(1, count + 1))]
     bars = fx.Bar(mesh, fx.Rectangle(1, 1), fx.Elastic(1e-9))
-    end = f"n{count}"
-    return fx.Scene([bars], supports, [fx.PointForce(mesh, end, (1.0, 0.0))], fx.Monitor(mesh, end, "x"), joints=springs)
+    load, monitor = fx.PointForce(mesh, f"n{count}", (1.0, 0.0)), fx.Monitor(mesh, f"n{count}", "x")
+    return fx.Scene([bars], supports, [load], monitor, joints=springs)
 
 
 @pytest.mark.parametrize("times", [8.0, *(pytest.param(t, marks=pytest.mark.slow) for t in (None, 1 / 8, 1 / 3, 3.0))])
