@@ -271,8 +271,8 @@ class Path:
             self._refusal = "it skips states in between"
         except SingularTangent:
             self._refusal = "the tangent is singular within it"
-        if None not in (modes := (before.unstable_modes, after.unstable_modes)):
-            self._together = max(self._together, abs(modes[1] - modes[0]))
+        if before.unstable_modes is not None and after.unstable_modes is not None:
+            self._together = max(self._together, abs(after.unstable_modes - before.unstable_modes))
         self.tracer.back_to(before)
         return None
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+import importlib
 import inspect
 import re
 import shlex
@@ -14,6 +16,7 @@ import typer
 
 import sheetfx as fx
 from sheetfx.cli import app
+from sheetfx.continuation.options import Options
 from sheetfx.scenes import scene_names
 
 ROOT = Path(__file__).parents[1]
@@ -109,3 +112,16 @@ def test_commands_exist_with_their_options(line):
     if scene and not words[0].startswith("-"):
         return
     assert {w.split("=")[0] for w in words if w.startswith("-")} <= known, line
+
+
+def test_the_page_on_the_method_names_what_there_is_in_few_words():
+    page = (ROOT / "demos" / "pages" / "method.md").read_text()
+    names = re.findall(r"`((?:continuation|events|critical)\.[\w.]+)`", page)
+    assert len(names) > 15
+    for name in names:
+        found = importlib.import_module(f"sheetfx.{'.'.join(name.split('.')[:2])}")
+        for part in name.split(".")[2:]:
+            found = getattr(found, part)
+    keywords = set(re.findall(r"`([a-z_]+)`", page)) - {"code", "spread"}
+    assert keywords <= {field.name for field in dataclasses.fields(Options)}
+    assert len(page.split()) <= 1500
