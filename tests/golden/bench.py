@@ -137,6 +137,7 @@ def trials(name: str, factor: float, keys: list[str], kept: dict, together: int)
     """
     from structures import difference, outcome
 
+    outcome(name)  # compiles, which counts in no trial
     first, every = kept_outcome(kept), {row.key: row for row in rows.rows()}
     found = {"structure": name, "factor": factor, "tried": keys, "differing": {}, "together": [], "impossible": [],
              "runs": 0}
