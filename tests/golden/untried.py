@@ -17,7 +17,6 @@ import sheetfx as fx
 from sheetfx.scenes import load_case
 
 WRONG = {
-    "chain-long-steps": "eight limit points, 2.5 s and 2 s of each spring s; the path leaves its branch",
     "toggle-on-floor": "load 4.04e-4 at the deflection 0.54; it is 0 there",
     "column-at-wall": "no bifurcation below 14 pi^2: the tangent of the penalty lacks the moving reaction",
     "friction-limit": "limits at 1.5e-2 and 1.2e-2 (Klarbring 1990); both are jumped over",
