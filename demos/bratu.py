@@ -12,11 +12,10 @@
 # above. No structure is needed: the path follower takes any residual form of DOLFINx.
 
 # %%
+import sheetfx as fx  # isort: skip  before DOLFINx, whose wheel it loads
 from dolfinx import fem, mesh
 from mpi4py import MPI
 from ufl import TestFunction, dot, dx, exp, grad
-
-import sheetfx as fx
 
 line = mesh.create_unit_interval(MPI.COMM_WORLD, 32)
 space = fem.functionspace(line, ("Lagrange", 3))

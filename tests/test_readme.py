@@ -125,3 +125,13 @@ def test_the_page_on_the_method_names_what_there_is_in_few_words():
     keywords = set(re.findall(r"`([a-z_]+)`", page)) - {"code", "spread"}
     assert keywords <= {field.name for field in dataclasses.fields(Options)}
     assert len(page.split()) <= 1500
+
+
+def test_scripts_import_sheetfx_before_dolfinx():
+    """The wheel of DOLFINx 0.11 finds its MPI by what `import sheetfx` loads."""
+    texts = [block for page in PAGES for block in blocks(page, "python")]
+    texts += [file.read_text() for file in (ROOT / "demos").rglob("*.py")]
+    with_dolfinx = [text for text in texts if re.search(r"^(from|import) dolfinx", text, re.MULTILINE)]
+    assert len(with_dolfinx) > 1
+    for text in with_dolfinx:
+        assert re.search(r"^(from|import) sheetfx", text, re.MULTILINE).start() < text.index(" dolfinx")

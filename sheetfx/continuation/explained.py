@@ -22,7 +22,7 @@ def explained(segment: Segment, left: float, right: float) -> bool:
     options = tracer.control
     return (all(tracer.angle((load, x), tangent) <= options.turning for tangent in zip(rates, motions, strict=True))
             and _follows(load, rates, distance, options.unexplained)
-            and not _bulges(load, rates, distance, options.steepest)
+            and _is_monotone(load, rates, distance)
             and _follows(_reactions(tracer, x), [_reactions(tracer, motion) for motion in motions],
                          distance, options.unexplained, _reaction_noise(tracer, load, x)))
 
@@ -71,10 +71,12 @@ def _follows(change, rates: Sequence, distance: float, share: float, noise: floa
     return error <= share * distance * max(map(np.linalg.norm, rates)) + noise
 
 
-def _bulges(change: float, rates: Sequence[float], distance: float, most: float) -> bool:
-    """Whether a value that changes to one side at both ends may turn twice between (Fritsch and Carlson 1980).
+def _is_monotone(change: float, rates: Sequence[float], distance: float) -> bool:
+    """Whether a value that changes to one side at both ends does so between, and does not turn twice.
 
-    A cubic with a rate beyond three times that of the chord can; a parabola has twice that rate at one end.
+    A cubic does if its rates are within a circle of three times that of the chord (Fritsch and Carlson 1980, the region
+    S1); a parabola has twice that rate at one end.
     """
-    steepest = max(rates, key=abs)
-    return rates[0] * rates[1] > 0 and abs(steepest) * distance > most * change * np.sign(steepest)
+    if rates[0] * rates[1] <= 0:
+        return True
+    return rates[0] * change > 0 and distance * np.hypot(*rates) <= 3 * abs(change)

@@ -14,7 +14,7 @@ Share = Annotated[float, Range(above=0, most=1)]
 class Options:
     """Lengths of steps, accuracies of critical points, and what a step may leave unexplained.
 
-    Smaller `turning`, `unexplained`, `steepest`, `off_path` and `off_load` make a path take more states and miss less.
+    Smaller `turning`, `unexplained`, `off_path` and `off_load` make a path take more states and miss less.
 
     Attributes
     ----------
@@ -32,8 +32,6 @@ class Options:
         is looked at
     unexplained : share of a piece's change of load, or of its reactions, that the mean of the tangents at its ends may
         leave, over what the steeper one gives, likewise
-    steepest : rate of the load at an end of a piece over that of the chord, likewise; a cubic may turn twice from 3 on
-        (Fritsch and Carlson 1980)
     off_path : correction off the interpolated path inside of a piece, over its length, likewise (Kierzenka and Shampine
         2001)
     off_load : correction of the interpolated load in the middle of a piece, over what the steeper tangent gives,
@@ -61,7 +59,6 @@ class Options:
     with_contact: Share = 1 / 8
     turning: Positive = 0.4
     unexplained: Share = 0.25
-    steepest: Annotated[float, Range(above=1)] = 2.5
     off_path: Positive = 0.006
     off_load: Positive = 0.065
     unbalanced: Positive = 0.1
