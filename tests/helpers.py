@@ -249,7 +249,8 @@ class Pair:
     """Two MPI processes that stay for the scripts of all tests, since a start takes seconds, see `pair.py`."""
 
     def __init__(self):
-        names = os.pathsep.join([str(Folder(__file__).parent), *filter(None, [os.environ.get("PYTHONPATH")])])
+        here = Folder(__file__).parent
+        names = os.pathsep.join([str(here), str(here.parent / "demos"), *filter(None, [os.environ.get("PYTHONPATH")])])
         command = ["mpirun", "-n", "2", sys.executable, str(Folder(__file__).with_name("pair.py"))]
         self.errors = TemporaryFile("w+")  # noqa: SIM115  until the end of the session
         self.process = subprocess.Popen(command, env=os.environ | {"PYTHONPATH": names}, text=True,

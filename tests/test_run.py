@@ -255,7 +255,8 @@ import sheetfx as fx
 nodes = {n: (x, y, z) for n, x, y, z in zip("abcdefgh", (0, 1, 1, 0, 0, 0, -1, -1), (0, 0, 1, 1, 0, 1, 0, 1),
                                             (0, 0, 0, 0, 1, 1, 0, 0))}
 mesh = fx.read(lambda: fx.meshes.panels(nodes, {"one": "abcd", "two": "adfe", "three": "adhg"}, 4), 3)
-print(mesh.domain.topology.index_map(0).size_global)
+counts = mesh.comm.gather(mesh.domain.topology.index_map(0).size_global)
+print(*(counts or []))
 """
     result = subprocess.run(["mpirun", "-n", "2", sys.executable, "-c", script], capture_output=True, text=True,
                             timeout=100)
