@@ -39,7 +39,7 @@ def test_constant_is_moved_wherever_it_is_and_put_back(factor):
 
 
 def test_default_of_an_option_is_moved():
-    for name, usual in (("largest", 8.0), ("steepest", 2.5)):
+    for name, usual in (("largest", 8.0), ("turning", 0.4)):
         with moved.changed(row(f"Options.{name}", "continuation/options.py"), 2.0) as possible:
             assert possible and getattr(ArcLength(), name) == getattr(DisplacementControl(), name) == 2 * usual
         assert getattr(ArcLength(), name) == usual
@@ -91,7 +91,7 @@ def test_groups_are_halved_down_to_rows_that_change_an_outcome(monkeypatch, need
     monkeypatch.setattr(bench.moved, "changed", pretend)
     monkeypatch.setattr(bench.rows, "rows", lambda: [rows.Row(name, "constant", "", 0, 1.0) for name in "abcde"])
     monkeypatch.setattr(structures, "outcome",
-                        lambda name, within: replace(first, load=1.0 + len(changed & {f":{n}" for n in needed})))
+                        lambda name, within=0.0: replace(first, load=1.0 + len(changed & {f":{n}" for n in needed})))
     found = bench.trials("", 2.0, [f":{name}" for name in "abcde"], asdict(first) | {"accuracy": 0.0}, 4)
     assert found["differing"].keys() == {f":{name}" for name in needed} and found["together"] == []
 
