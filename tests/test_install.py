@@ -34,9 +34,10 @@ def declared(*groups):
 
 
 def imported(*folders):
-    """Packages that files import, inside functions too, but for the standard library and those beside them."""
+    """Packages that files import, inside functions too, but for the standard library and the tree's own."""
     files = [file for folder in folders for file in (TREE / folder).rglob("*.py") if "peers" not in file.parts]
-    found, own = set(), {"sheetfx", *(file.stem for file in files)}
+    own = {"sheetfx", *(file.parent.name for file in TREE.glob("demos/*/__init__.py")), *(file.stem for file in files)}
+    found = set()
     for file in files:
         for node in ast.walk(ast.parse(file.read_text())):
             if isinstance(node, ast.Import):

@@ -19,14 +19,13 @@ import numpy as np
 from petsc4py import PETSc
 
 from ..continuation.state import CriticalPoint, State
-from ..rounding import TINIEST
+from ..rounding import TINIEST, residual
 from .modes import scaled
 
 STEP = 1e-4  # of differences of the Hessian, in the scaled norm of increments
-LONGEST, HALVINGS = 0.1, 14  # of differences of the gradient
+LONGEST, HALVINGS = 0.1, 40  # of differences of the gradient, which end before where rounding takes over
 GROWN = 100  # times the least change from one difference to the next, a change that rounding makes
 AGREED = 1e-7  # relative change of the quartic coefficient, from which it is good enough
-UNTOLD = 0.5  # relative change of the quartic coefficient, from which its sign is that of rounding
 RESOLVED = 1e-6  # amplitude, in the scaled norm, for a load changed by one per cent; less beside a limit point
 NEGLIGIBLE = 1e-2  # share of the slope in a load changed by one per cent, of a symmetric bifurcation
 
@@ -82,7 +81,7 @@ class Expansion:
     ----------
     mode : null vector, of unit length in the scaled inner product, its largest displacement being positive
     size : largest displacement of the mode
-    cubic, stiffness, quartic : A, B and C; a quartic coefficient that rounding makes is zero
+    cubic, stiffness, quartic : A, B and C; what rounding may make, A or the sign of C, is zero
     """
 
     mode: PETSc.Vec
@@ -108,10 +107,13 @@ def expansion(tracer, mode: PETSc.Vec, neighbours: Sequence[State]) -> Expansion
     cubic = _cubic(energy, mode)
     slope = solve(tracer.load_vector())
     stiffness, bend = (mode.dot(change) for change in energy.third([mode, slope], slope, 1.0))
-    quartic = 24 * _quartic(energy, mode, solve(-0.5 * third))
+    quartic, error = (24 * number for number in _quartic(energy, mode, solve(-0.5 * third)))
+    if abs(cubic) < _blur(tracer, mode, abs(quartic) + error):
+        cubic = 0.0
     energy.leave()
     along = sum(tracer.inner((0.0, mode.array), (0.0, s.response)) for s in neighbours) / len(neighbours)
-    return Expansion(mode, size, cubic, stiffness + cubic * _fundamental(cubic, stiffness, bend, along), quartic)
+    stiffness += cubic * _fundamental(cubic, stiffness, bend, along)
+    return Expansion(mode, size, cubic, stiffness, quartic if abs(quartic) > error else 0.0)
 
 
 def postbuckling(tracer, state: State, modes: Sequence[PETSc.Vec], point: CriticalPoint,
@@ -138,6 +140,15 @@ def postbuckling(tracer, state: State, modes: Sequence[PETSc.Vec], point: Critic
         return replace(point, slope=0.0)
     point = replace(point, name="stable symmetric" if e.quartic > 0 else "unstable symmetric", slope=0.0)
     return replace(point, curvature=second / state.factor) if reach > RESOLVED * e.size else point
+
+
+def _blur(tracer, mode: PETSc.Vec, quartic: float) -> float:
+    """Cubic coefficient that a symmetric structure may have at a state which is off along the mode.
+
+    There the energy has the derivative C s^3 / 6 and A = C s. Where the derivative is rounding no state is better.
+    """
+    noise = residual(tracer.system, tracer.system.create_vector()) * mode.norm()
+    return (6 * noise * quartic**2) ** (1 / 3)
 
 
 def _fundamental(cubic: float, stiffness: float, bend: float, seen: float) -> float:
@@ -186,26 +197,27 @@ def _cubic(energy: Energy, mode: PETSc.Vec) -> float:
     return found[1 + int(np.argmin(changes))]
 
 
-def _quartic(energy: Energy, mode: PETSc.Vec, bend: PETSc.Vec) -> float:
-    """Coefficient of s^4 in the energy along s mode + s^2 bend.
+def _quartic(energy: Energy, mode: PETSc.Vec, bend: PETSc.Vec) -> tuple[float, float]:
+    """Coefficient of s^4 in the energy along s mode + s^2 bend, and its error.
 
     The odd part of its derivative is c s + 4 quartic s^3 + d s^5; three neighbours of a sequence of halved s give the
-    quartic. Long ones suffer from higher terms and short ones from rounding: those count that agree best, or well.
-    It is zero where none agree, as at a bifurcation whose branch keeps its load.
+    quartic. Long ones suffer from higher terms and short ones from rounding: the value counts that differs least from
+    those before and behind it. Where a branch keeps its load the error is as large as the value.
     """
     lengths = [LONGEST / 2**n for n in range(HALVINGS)]
-    odd, found, changes = [], [], [np.inf]
+    odd, found, errors = [], [], []
     for n, length in enumerate(lengths):
         odd.append((_slope(energy, mode, bend, length) - _slope(energy, mode, bend, -length)) / 2)
         if n >= 2:
             s = np.array(lengths[n - 2: n + 1])
             found.append(np.linalg.solve(np.column_stack((s, s**3, s**5)) / s[0] ** np.array([1, 3, 5]),
                                          odd[-3:])[1] / s[0] ** 3 / 4)
-        if n >= 3:
-            changes.append(abs(found[-1] - found[-2]) / abs(found[-1]) if found[-1] else np.inf)
-        if changes[-1] < AGREED:
-            break
-    return float(found[int(np.argmin(changes))]) if min(changes) < UNTOLD else 0.0
+        if n >= 4:
+            errors.append(max(abs(found[-2] - other) for other in (found[-3], found[-1])))
+            if errors[-1] < AGREED * abs(found[-2]) or errors[-1] > GROWN * min(errors):
+                break
+    best = int(np.argmin(errors))
+    return float(found[1 + best]), float(errors[best])
 
 
 def _slope(energy: Energy, mode: PETSc.Vec, bend: PETSc.Vec, length: float) -> float:
