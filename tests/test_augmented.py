@@ -70,10 +70,32 @@ def test_points_close_together(name, number, tilt):
 
 
 def test_a_mode_that_passes_zero_close_by_belongs_to_the_border():
+    """It is taken there where no mode is given."""
+    case = TRAPS["augusti-0.1-percent"].case()
+    point, guess = below(case, 0.95)
+    with pytest.raises(fx.NoCriticalPoint, match="more modes beside"):
+        fx.critical(case.scene, guess, beside=0)
+    found = fx.critical(case.scene, guess)
+    assert found.point.load == pytest.approx(point.load, rel=1e-8) and found.point.multiplicity == 1
+
+
+@pytest.mark.parametrize("name, number", [
+    ("star-dome", 2), ("close-modes-exact", 0), ("whole-ring", 0)])
+def test_a_double_point_that_is_asked_for_as_a_simple_one(name, number):
+    """Its multiplicity is found: a second null vector left out would name it by one branch of several."""
+    case = TRAPS[name].case()
+    point, guess = below(case, 0.95, number)
+    found = fx.critical(case.scene, guess)
+    assert (found.point.multiplicity, found.point.name) == (2, "multiple") == (point.multiplicity, point.name)
+    assert found.point.load == pytest.approx(point.load, rel=1e-8)
+
+
+def test_points_that_are_asked_for_as_one_multiple_point():
+    """Nothing is singular at the mean of two loads."""
     case = TRAPS["augusti-0.1-percent"].case()
     _, guess = below(case, 0.95)
-    with pytest.raises(fx.NoCriticalPoint, match="more modes beside"):
-        fx.critical(case.scene, guess)
+    with pytest.raises(fx.NoCriticalPoint, match="the tangent has . null vectors and not 2.*ask for fewer"):
+        fx.critical(case.scene, guess, multiplicity=2)
 
 
 def test_convergence_is_quadratic():

@@ -42,7 +42,7 @@ def several_modes(count: int, state: State) -> tuple[str, str]:
     """What a refusal means where the number of unstable modes changes by several within a step, and a remedy."""
     return (f"; {count} modes change their stability together in a step from there, at a multiple point or points very "
             "close to each other, which this path does not tell apart",
-            f"find it by fx.critical(path, state, multiplicity={count}, kind=...), or make parts slightly unequal")
+            "find it by fx.critical(path, state, kind=...), or make parts slightly unequal")
 
 
 def _plastic_limit(tracer: Tracer, before: State, state: State, length: float) -> float | None:

@@ -15,7 +15,8 @@ where f is the load and the forces t vanish with the solution (Moore 1980): they
 push with, and make the equations regular where two paths cross. The derivatives of G and of V^T f are third variations
 of the energy, by differences of the exact Hessian. Both systems are regular at simple points, so that Newton's method
 converges quadratically; at points of several modes together their mean is sought, which symmetry makes regular too.
-Close to other points the tangent is nearly singular in modes that are not sought: they belong to the border.
+Close to other points the tangent is nearly singular in modes that are not sought: they belong to the border. Where the
+tangent of the solution has other null vectors as well, Newton's method goes on with all of them.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from typing import Annotated
 import numpy as np
 from petsc4py import PETSc
 
+from .. import rounding
 from ..checks import NOT_NEGATIVE, Choice, Count, require
 from ..continuation.bordered import BorderedSolver, pivots
 from ..continuation.control import ArcLength
@@ -95,7 +97,7 @@ class Critical:
 
 
 def critical(scene, guess: State, mode: np.ndarray | Sequence[np.ndarray] | None = None, *,
-             kind: str | None = None, multiplicity: int = 1, beside: int = 0) -> Critical:
+             kind: str | None = None, multiplicity: int = 1, beside: int | None = None) -> Critical:
     """The critical point next to a guess, without a path up to it.
 
     Parameters
@@ -106,30 +108,42 @@ def critical(scene, guess: State, mode: np.ndarray | Sequence[np.ndarray] | None
         those of a multiple point; None: the modes of the guess's tangent that are nearest to zero
     kind : "limit" or "bifurcation"; None: a limit point where the response of the guess to the load is for the greater
         part along the mode
-    multiplicity : number of modes where none are given
+    multiplicity : number of modes where none are given; the point that is found may have more
     beside : number of further modes in the border, those of the guess that are nearest to zero: as many as there are
-        other points close to the one that is sought
+        other points close to the one that is sought; None: none beside given modes, else those whose eigenvalues differ
+        from the sought one's by no more than its own size
 
     Raises
     ------
     ValueError
         Where forces have no potential, or laws with history or contacts act.
     NoCriticalPoint
-        Where Newton's method does not converge; says what the last corrections were.
+        Where Newton's method does not converge, which says what the last corrections were, or several modes do not
+        become singular at one load.
     """
     require("critical", kind=(kind or KINDS[0], Annotated[str, Choice(KINDS)]), multiplicity=(multiplicity, Count),
-            beside=(beside, Annotated[int, NOT_NEGATIVE]))
+            beside=(beside or 0, Annotated[int, NOT_NEGATIVE]))
     tracer = Tracer(Discretisation(scene), ArcLength(), "sheetfx_") if isinstance(scene, Scene) else tracer_of(scene)
     _require_smooth(tracer)
     spent = tracer.total_factorisations
     tracer.back_to(guess)
-    sought = _modes(tracer, guess, mode, multiplicity)
-    count = max(len(sought), min(len(sought) + beside, tracer.system.size - 1))
-    others = _modes(tracer, guess, None, count) if count > len(sought) else []
-    modes = orthonormal(tracer.system.weights, [*sought, *others])[:count]
-    newton = _Newton(tracer, guess, modes, len(sought), kind)
-    newton.iterate()
-    return newton.found(tracer.total_factorisations - spent)
+    given = _given(tracer, mode) if mode is not None else []
+    modes, count = given, len(given) or multiplicity
+    if beside or not given:
+        modes = orthonormal(tracer.system.weights, [*given, *_softest(tracer, guess, count, beside, kind)])
+    newton = _Newton(tracer, guess, modes, count, kind)
+    state, nulls = newton.solution()
+    while len(nulls) > newton.multiplicity:
+        newton = _Newton(tracer, state, orthonormal(tracer.system.weights, [*nulls, *newton.modes]), len(nulls),
+                         newton.kind)
+        state, nulls = newton.solution()
+    if len(nulls) < newton.multiplicity:
+        tracer.back_to(guess)
+        raise NoCriticalPoint(
+            f"critical: near load {state.load:.6g} the tangent has {len(nulls)} null vectors and not "
+            f"{newton.multiplicity}, with eigenvalues {newton.eigenvalues}; ask for fewer, with the others beside, or "
+            "for the other kind")
+    return newton.named(state, nulls, guess, tracer.total_factorisations - spent)
 
 
 def _require_smooth(tracer: Tracer) -> None:
@@ -139,13 +153,35 @@ def _require_smooth(tracer: Tracer) -> None:
                          "to the point")
 
 
-def _modes(tracer: Tracer, guess: State, mode, multiplicity: int) -> list[PETSc.Vec]:
-    """Vectors near the null vectors, orthonormal in the scaled inner product."""
-    system = tracer.system
-    if mode is None:
-        tracer.factorise_at(guess)
-        return tracer.spectrum(multiplicity)[1][:multiplicity]
-    mode = getattr(mode, "mode", mode)
+def _softest(tracer: Tracer, guess: State, sought: int, beside: int | None, kind: str | None) -> list[PETSc.Vec]:
+    """Vectors near the sought null vectors, then those beside, from the tangent at the guess.
+
+    Near a limit point that is the response to the load; bifurcations have the modes with eigenvalues nearest to zero
+    that the response does not lie along. Beside are those of points no farther from the sought one than the guess is.
+    """
+    tracer.factorise_at(guess)
+    system, most = tracer.system, max(sought, tracer.system.size - 1)
+    response, asked = system.create_vector(guess.response), sought + (2 if beside is None else 1 + beside)
+    size = tracer.distance(0.0, response.array)
+    along_response = kind == "limit" and sought == 1
+    while True:
+        values, modes = tracer.spectrum(min(asked, most))
+        order = [int(n) for n in np.argsort(np.abs(values))]
+        if kind == "bifurcation":
+            order.sort(key=lambda n: (system.weights * modes[n]).dot(response) ** 2 > size**2 / 2)
+        found = [modes[n] for n in order]
+        last = tracer.load_vector().dot(response) / size**2 if along_response else values[order[sought - 1]]
+        near = [modes[n] for n in order[sought:] if min(abs(values[n]), abs(values[n] - last)) <= abs(last)]
+        if beside is not None or len(near) < len(found) - sought or asked >= most:
+            break
+        asked *= 2
+    first = [response] if along_response else found[:sought]
+    return first + (near if beside is None else found[sought:sought + beside])
+
+
+def _given(tracer: Tracer, mode) -> list[PETSc.Vec]:
+    """Given modes as vectors, orthonormal in the scaled inner product."""
+    system, mode = tracer.system, getattr(mode, "mode", mode)
     given = [mode] if isinstance(mode, np.ndarray) and mode.ndim == 1 else [getattr(m, "mode", m) for m in mode]
     size = len(system.create_vector().array)
     vectors = []
@@ -162,37 +198,67 @@ def _modes(tracer: Tracer, guess: State, mode, multiplicity: int) -> list[PETSc.
 
 
 class _Newton:
-    """Newton's method about a guess."""
+    """Newton's method about a guess, for the first `sought` of some modes.
+
+    Attributes
+    ----------
+    modes : of the border
+    multiplicity : number of those that are sought
+    kind : of the point; None: not known yet
+    """
 
     def __init__(self, tracer: Tracer, guess: State, modes: list[PETSc.Vec], sought: int, kind: str | None):
-        self._tracer, self._system, self._guess, self._kind = tracer, tracer.system, guess, kind
-        self._modes, self._sought = modes, np.arange(sought)
+        self._tracer, self._system, self._guess, self.kind = tracer, tracer.system, guess, kind
+        self.modes, self._sought = modes, np.arange(sought)
         self._energy = Energy(tracer)
-        self._x, self._factor = tracer.x, guess.factor
+        self._x, self._factor, self._zero = tracer.x, guess.factor, 0.0
         self._residual, self._load = self._system.create_vector(), self._system.create_vector()
         self._iterations: list[Iteration] = []
-        self._forces = np.zeros(len(modes))
+        self._forces, self._left = np.zeros(len(modes)), 0.0
         self._system.extrapolate_stress()
         self._system.tangent()
         self._springs, self._least = pivots(modes, self._system.weights), usual_stiffness(tracer.discretisation)
 
-    def iterate(self) -> None:
-        """Correct until a further correction would be rounding.
+    @property
+    def multiplicity(self) -> int:
+        return len(self._sought)
+
+    @property
+    def eigenvalues(self) -> str:
+        return ", ".join(f"{value:.2e}" for value in self._iterations[-1].eigenvalues)
+
+    def solution(self) -> tuple[State, list[PETSc.Vec]]:
+        """The state that the iterations lead to, where the tracer ends, and null vectors of the tangent there.
 
         Raises
         ------
         NoCriticalPoint
         """
+        self._iterate()
+        tracer = self._tracer
+        state = tracer.accept(self._factor - self._guess.factor, len(self._iterations))
+        tracer.factorise_at(state)
+        asked = len(self.modes)
+        while True:
+            asked = min(asked + 1, self._system.size)
+            values, modes = tracer.spectrum(asked)
+            zero = [n for n in np.argsort(np.abs(values)) if abs(values[n]) <= self._zero]
+            if len(zero) < asked or asked == self._system.size:
+                self._left = max((abs(values[n]) for n in zero[:self.multiplicity]), default=0.0)
+                return state, [modes[n] for n in zero]
+
+    def _iterate(self) -> None:
+        """Correct until a further correction would be rounding."""
         with self._system.additive_increments():
             for _ in range(ITERATIONS):
                 try:
                     step, change = self._correction()
                     self._go(step, change)
                 except (SingularTangent, np.linalg.LinAlgError):
-                    raise self._failure("the tangent with its border is singular") from None
+                    raise self._failure("ends at a singular tangent") from None
                 if self._is_last(change):
                     return
-        raise self._failure(f"{len(self._iterations)} iterations do not converge")
+        raise self._failure(f"does not converge in {ITERATIONS} iterations")
 
     def _go(self, step: PETSc.Vec, change: float) -> None:
         """Go along a step, and correct the state off the modes: a long step strains stiff parts.
@@ -223,12 +289,12 @@ class _Newton:
         """Newton's correction that keeps the load factor and the amplitudes of the modes."""
         self._system.configure(self._x, self._factor)
         self._system.residual(self._residual)
-        (step,), _ = self._bordered.solve([-1.0 * self._residual], np.zeros((1, len(self._modes))))
+        (step,), _ = self._bordered.solve([-1.0 * self._residual], np.zeros((1, len(self.modes))))
         return step
 
     def _factorise(self) -> None:
         """Factor the tangent with the stresses that are set."""
-        border = [self._system.weights * mode for mode in self._modes]
+        border = [self._system.weights * mode for mode in self.modes]
         self._system.tangent()
         self._bordered = BorderedSolver(self._tracer.stepper.linear, self._springs, self._least)
         self._bordered.border(border, border)
@@ -239,14 +305,15 @@ class _Newton:
         return abs(change) <= exact**0.5 * abs(self._factor) and self._iterations[-1].correction <= exact**0.5 * 0.1
 
     def _failure(self, why: str) -> NoCriticalPoint:
-        said = "; ".join(map(str, self._iterations))
+        said, sizes = "; ".join(map(str, self._iterations)), [i.correction for i in self._iterations]
         self._tracer.back_to(self._guess)
-        return NoCriticalPoint(f"critical: {why} from load {self._guess.load:.6g} ({said}); give a guess closer to the "
-                               "point, its mode or kind, or more modes beside")
+        why = "diverges" if len(sizes) > 1 and sizes[-1] > sizes[0] else why
+        return NoCriticalPoint(f"critical: Newton's method {why} from load {self._guess.load:.6g} ({said}); give a "
+                               "guess closer to the point, its mode or kind, or more modes beside")
 
     def _correction(self) -> tuple[PETSc.Vec, float]:
         """Newton's step of the unknowns and of the load factor."""
-        system, count = self._system, len(self._modes)
+        system, count = self._system, len(self.modes)
         system.configure(self._x, self._factor)
         system.residual(self._residual)
         system.load(self._load)
@@ -258,22 +325,22 @@ class _Newton:
         matrix = -(numbers + numbers.T) / 2
         (left, loaded), (held, pushed) = bordered.solve([-1.0 * self._residual, self._load], np.zeros((2, count)))
         values, turned = np.linalg.eigh(matrix)
-        self._sought = np.sort(np.argsort(-np.linalg.norm(turned[self._sought], axis=0))[:len(self._sought)])
+        self._sought = np.sort(np.argsort(-np.linalg.norm(turned[self._sought], axis=0))[:self.multiplicity])
         modes = [_combined(vectors, column) for column in turned.T]
         held, pushed = held @ turned, pushed @ turned
-        self._kind = self._kind or self._likely(values, pushed, modes, loaded)
+        self.kind = self.kind or self._likely(values, pushed, modes, loaded)
         change, shares = self._solved(values, modes, left, loaded, held, pushed)
         self._forces = np.zeros(count)
-        if self._kind == "bifurcation":
+        if self.kind == "bifurcation":
             self._forces[self._sought] = (values * shares - held - pushed * change)[self._sought]
         step = left + change * loaded + _combined(modes, shares)
         self._iterations.append(Iteration(load, self._tracer.distance(0.0, step.array), tuple(values[self._sought])))
-        self._modes = orthonormal(system.weights, modes)
+        self.modes = orthonormal(system.weights, modes)
         return step, change
 
     def _likely(self, values, pushed, modes, loaded) -> str:
         """Whether the response to the load, loaded + sum of mode pushed / value, is along the sought mode or not."""
-        if len(self._sought) > 1:
+        if self.multiplicity > 1:
             return "bifurcation"
         (n,), shares = self._sought, pushed / values
         rest = loaded + _combined(modes, np.where(np.arange(len(values)) == n, 0.0, shares))
@@ -287,35 +354,63 @@ class _Newton:
         """
         along_path = self._third(modes, loaded, 1.0)
         matrix, right = np.column_stack((-pushed, np.diag(values))), held.copy()
-        rates = np.zeros((len(self._sought), len(values) + 1))
-        here = np.zeros(len(self._sought))
+        rates = np.zeros((self.multiplicity, len(values) + 1))
+        here = np.zeros(self.multiplicity)
+        self._zero = 0.0
         for row, n in enumerate(self._sought):
             bent = self._third(modes, modes[n])
             rates[row] = [modes[n].dot(along_path[n]), *(mode.dot(bent[n]) for mode in modes)]
             here[row] = values[n] + left.dot(bent[n])
-            if self._kind == "bifurcation":
-                matrix[n] = [-loaded.dot(along_path[n]), *(-mode.dot(along_path[n]) for mode in modes)]
-                right[n] = left.dot(along_path[n]) - pushed[n]
+            self._zero = max(self._zero, self._at_same_load(rates[row, 0], rates[row, 1 + n], pushed[n]))
+            if self.kind == "bifurcation":
+                turning = along_path[n] + self._turning(n, values, modes, pushed)
+                matrix[n] = [-loaded.dot(turning), *(-mode.dot(turning) for mode in modes)]
+                right[n] = left.dot(turning) - pushed[n]
         solution = np.linalg.solve(np.vstack((rates.mean(axis=0), matrix)), [-here.mean(), *right])
         return float(solution[0]), solution[1:]
+
+    def _turning(self, n: int, values, modes, pushed) -> PETSc.Vec:
+        """Change of the Hessian's product with mode n along what the response to the load has of modes not sought.
+
+        As the state changes the mode turns towards these, and with it the work of the load along the mode.
+        """
+        others = [m for m in range(len(values))
+                  if m not in self._sought and abs(values[m] - values[n]) > rounding.NONE * abs(values[m])]
+        if not others:
+            return 0.0 * modes[n]
+        along = _combined([modes[m] for m in others], pushed[others] / (values[others] - values[n]))
+        return self._third([modes[n]], along)[0]
+
+    def _spread(self, state: State) -> tuple[float, float] | None:
+        """Loads between which the point lies where rounding leaves an eigenvalue; None: it is as exact as `exact`."""
+        control, share = self._tracer.control, self._left / self._zero
+        off = control.same_load * share if self.kind == "bifurcation" else control.exact * share**2
+        low, high = sorted((state.load * (1 - off), state.load * (1 + off)))
+        return (low, high) if off > control.exact else None
+
+    def _at_same_load(self, rate: float, bent: float, pushed: float) -> float:
+        """Size of the sought eigenvalue where the load is that of the point: of bifurcations by the option `same_load`.
+
+        At a limit point, by the option `exact`: the eigenvalue changes by `bent` a and the load by
+        bent a^2 / (2 pushed) with the amplitude a.
+        """
+        control, size = self._tracer.control, max(abs(self._factor), abs(self._guess.load_increment))
+        if self.kind == "bifurcation":
+            return abs(rate) * control.same_load * size
+        return (2 * abs(bent * pushed) * control.exact * size) ** 0.5
 
     def _third(self, modes: Sequence[PETSc.Vec], along: PETSc.Vec, load: float = 0.0) -> list[PETSc.Vec]:
         """Change of the Hessian's products with modes along an increment of unknowns and load factor, from here."""
         return self._energy.third(modes, along, load, about=(self._x, self._factor))
 
-    def found(self, factorisations: int) -> Critical:
-        """The point that the iterations have led to; the tracer ends there."""
-        tracer, guess = self._tracer, self._guess
-        weighted = _combined([self._system.weights * mode for mode in self._modes], self._forces)
-        unfolding = weighted.norm() / (abs(self._factor) * self._load.norm())
-        state = tracer.accept(self._factor - guess.factor, len(self._iterations))
-        point = CriticalPoint(self._kind, state.load, state.deflection, state.step, name="",
-                              multiplicity=len(self._sought))
-        nulls = [self._modes[n] for n in self._sought]
-        if self._kind == "bifurcation":
-            tracer.factorise_at(state)
-            values, modes = tracer.spectrum(len(self._modes) + 1)
-            nulls = [modes[i] for i in np.argsort(np.abs(values))[:len(self._sought)]]
+    def named(self, state: State, nulls: list[PETSc.Vec], guess: State, factorisations: int) -> Critical:
+        """The point that the solution is."""
+        tracer = self._tracer
+        weighted = _combined([self._system.weights * mode for mode in self.modes], self._forces)
+        unfolding = weighted.norm() / (abs(self._factor) * tracer.load_vector().norm())
+        point = CriticalPoint(self.kind, state.load, state.deflection, state.step, name="", multiplicity=len(nulls),
+                              spread=self._spread(state))
+        if self.kind == "bifurcation":
             point = postbuckling(tracer, state, nulls, point, [guess, guess])
         modes = tuple(scaled(tracer.discretisation, mode) for mode in nulls)
         return Critical(point, state, modes, unfolding, tuple(self._iterations), factorisations)

@@ -246,7 +246,8 @@ def _compare_sides(segment: Segment, roots: np.ndarray, samples: Sequence[float]
     for root, mode in zip(sorted(roots, key=lambda s: abs(s - nearest)), border.null_vectors(nearest), strict=True):
         moved, led = segment.along(mode, left, right)
         size, critical = max(abs(moved), abs(led)), factors(root)
-        grown = sum(abs(critical / (segment[s].factor - critical)) for s in (left, right))
+        with np.errstate(divide="ignore"):
+            grown = np.abs(critical / np.subtract([segment[s].factor for s in (left, right)], critical)).sum()
         strays = abs(moved - led) > size / 2 and size > NOISE * distance + rounding.NONE * grown
         if (strays or abs(moved) > FOLD * distance) and (
                 size > STEADY * _stray_beside(segment, mode, left, right)
