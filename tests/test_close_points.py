@@ -135,12 +135,13 @@ def test_springs_that_are_almost_equal_snap_one_after_the_other(times):
 
 
 def test_springs_that_are_equal_end_at_a_multiple_point_that_is_found_directly():
-    """About the limit point the load is square in the deflection, which is known to the root of what the load is."""
+    """Where one mode is sought it takes more factorisations; the deflection is known to the root of what the load is."""
     with pytest.raises(fx.PathFailure, match=r"[2-4] modes .* fx.critical\(path, state, kind") as failure:
         fx.trace(fx.Case(springs_in_series(4 * [1.0]), until=fx.Until(load=3.5)))
     record = failure.value.record
-    found = fx.critical(record.path, record.states[9], kind="limit")
-    assert found.point.load == pytest.approx(2.5, rel=1e-8)
-    assert found.point.deflection == pytest.approx(4.0, rel=1e-5)
-    assert found.point.multiplicity == 4
-    assert found.factorisations <= 6
+    for asked, most in ((1, 20), (4, 6)):
+        found = fx.critical(record.path, record.states[9], kind="limit", multiplicity=asked)
+        assert found.point.load == pytest.approx(2.5, rel=1e-8)
+        assert found.point.deflection == pytest.approx(4.0, rel=1e-5)
+        assert found.point.multiplicity == 4
+        assert found.factorisations <= most
