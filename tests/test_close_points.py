@@ -135,7 +135,7 @@ def test_springs_that_are_almost_equal_snap_one_after_the_other(times):
 
 
 def test_springs_that_are_equal_end_at_a_multiple_point_that_is_found_directly():
-    """Where one mode is sought it takes more factorisations; the deflection is known to the root of what the load is."""
+    """Where one mode is sought it takes more factorisations; the deflection is known to the root of that."""
     with pytest.raises(fx.PathFailure, match=r"[2-4] modes .* fx.critical\(path, state, kind") as failure:
         fx.trace(fx.Case(springs_in_series(4 * [1.0]), until=fx.Until(load=3.5)))
     record = failure.value.record

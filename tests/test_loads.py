@@ -8,6 +8,7 @@ import pytest
 from helpers import on_two_processes
 
 import sheetfx as fx
+from sheetfx.scenes._benchmark import surface
 
 
 def two_fields(width: float):
@@ -144,3 +145,38 @@ part = fx.Shell(mesh, fx.Plate(0.1), fx.Elastic(1e4, 0.3), form="naghdi-q2", gro
 print(total(mesh, fx.SurfaceForce(part, (0.0, 0.0, 4.0))), total(mesh, fx.PointForce(mesh, "c-d", (0.0, 0.0, 2.0))))
 ''')
     assert [float(word) for word in lines[0].split()] == pytest.approx([1.5, 3.0], rel=1e-12)
+
+
+def turned(tip: str, rotation) -> list[float]:
+    """Moments at the tip of a cantilever in space that is turned there, and components that a support holds besides."""
+    mesh = fx.read(lambda: fx.meshes.frame({"a": (0, 0, 0), "b": (1, 0, 0)}, {"s": ("a", "b", 4)}), 3)
+    beam = fx.Beam(mesh, fx.Rectangle(0.1, 0.2), fx.Elastic(1e4, 0.0))
+    held = [fx.Support(mesh, "b", tip)] if tip else []
+    scene = fx.Scene([beam], [fx.clamp(mesh, "a"), *held], [fx.PrescribedRotation(mesh, "b", rotation)],
+                     fx.Monitor(mesh, "b", "x"))
+    return [state.load for state in fx.trace(fx.Case(scene, fx.LoadControl(0.5, target=1.0))).states]
+
+
+@pytest.mark.parametrize("tip", ["rx", "rz", "rx rz", "y rx rz"])
+def test_what_is_turned_may_be_held_about_other_axes(tip):
+    """As in half of a symmetric structure: the moment is the same, where the tangent was singular."""
+    assert turned(tip, (0.0, 0.6, 0.0)) == pytest.approx(turned("", (0.0, 0.6, 0.0)), rel=1e-9)
+
+
+@pytest.mark.parametrize(("tip", "rotation", "name"), [("ry", (0.0, 0.6, 0.0), "ry"), ("rx rz", (0.3, 0.6, 0.0), "rx")])
+def test_what_is_held_is_not_turned(tip, rotation, name):
+    with pytest.raises(ValueError, match=f"PrescribedRotation at 'b': the support at 'b' holds {name}, and 0"):
+        turned(tip, rotation)
+
+
+def test_an_edge_that_is_turned_ends_on_a_line_of_symmetry():
+    """Half of a strip that is bent into a roll has half of the moment."""
+    def moment(cells, low):
+        mesh = surface("naghdi-q2", (4, cells), lambda s, t: (10 * s, low + (1 - low) * t, 0.0), {})
+        shell = fx.Shell(mesh, fx.Plate(0.1), fx.Elastic(1e6, 0.3), form="naghdi-q2")
+        held = fx.Support(mesh, "south-west", "y") if low else fx.symmetry(mesh, "south", "y")
+        scene = fx.Scene([shell], [fx.Support(mesh, "west", "x z ry"), held],
+                         [fx.PrescribedRotation(mesh, "east", (0.0, -1.0, 0.0))], fx.Monitor(mesh, "north-east", "z"))
+        return fx.trace(fx.Case(scene, fx.LoadControl(0.5, target=1.0))).states[-1].load
+
+    assert moment(2, 0.0) == pytest.approx(moment(4, -1.0) / 2, rel=1e-8)

@@ -116,17 +116,21 @@ class Fields:
         field = NumberField(self._unique(name), shared_by_all(mesh.comm), scale, multiplier, mesh.domain)
         self._add(owner, name, Block.of_numbers(field))
 
-    def add_numbers(self, owner, mesh: NamedMesh, name: str, origins: np.ndarray, count: int) -> None:
+    def add_numbers(self, owner, mesh: NamedMesh, name: str, origins: np.ndarray, count: int,
+                    without: Sequence[int] = ()) -> None:
         """Add Lagrange multipliers at the points of this process.
 
         Parameters
         ----------
         origins : of the points: numbers that tell them from each other on any number of processes
         count : of multipliers at each point
+        without : those that are none, since supports hold what they would
         """
         numbers = components(origins, count)
         field = NumberField(self._unique(name), IndexMap(mesh.comm, len(numbers)), np.inf, True, origins=numbers)
-        self._add(owner, name, Block.of_numbers(field))
+        block = Block.of_numbers(field)
+        self._add(owner, name, block)
+        self.fixed[block] = [field.dofs[np.asarray(without, dtype=int)]]
 
     def add_multiplier(self, owner, mesh: NamedMesh, name: str, at: str, without: Sequence[str] = ()) -> None:
         """Add a field of Lagrange multipliers on a component of displacement at a named point or edge.

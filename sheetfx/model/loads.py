@@ -279,7 +279,7 @@ class PrescribedRotation(Load):
     """Prescribed rotation of a named point; the moment that it takes is an unknown.
 
     In the plane an angle in radians, of any size. In space a vector, angle times axis: all of the rotation is
-    prescribed, and the point turns about the axis as the load factor grows.
+    prescribed, and the point turns about the axis as the load factor grows. A support may hold the other components.
     """
 
     mesh: NamedMesh
@@ -294,8 +294,30 @@ class PrescribedRotation(Load):
                            2 * self.mesh.dimension - 3)
 
     def unknowns(self, fields) -> None:
-        origins = fields.origins(self.mesh, fields.nodes(self.mesh, self.at, "rotation"), "rotation")
-        fields.add_numbers(self, self.mesh, "moment", origins, len(np.ravel(self.rotation)))
+        nodes, width = fields.nodes(self.mesh, self.at, "rotation"), len(np.ravel(self.rotation))
+        origins = fields.origins(self.mesh, nodes, "rotation")
+        fields.add_numbers(self, self.mesh, "moment", origins, width, without=np.flatnonzero(self._held(fields, nodes)))
+
+    def _held(self, fields, nodes: np.ndarray) -> np.ndarray:
+        """Whether a support holds each component of the rotation of each node.
+
+        Raises
+        ------
+        ValueError
+            Where it is to turn.
+        """
+        held = np.zeros((len(nodes), len(np.ravel(self.rotation))), dtype=bool)
+        names = COMPONENTS[self.mesh.dimension][self.mesh.dimension:]
+        for support in (s for s in fields.scene.supports if s.mesh is self.mesh and s.axes is None):
+            there = np.isin(nodes, fields.nodes(self.mesh, support.at, "rotation"))
+            for index, (name, angle) in enumerate(zip(names, np.ravel(self.rotation), strict=True)):
+                if name not in support.fixed.split():
+                    continue
+                if angle and self.mesh.comm.allreduce(int(there.sum())):
+                    raise ValueError(f"PrescribedRotation at {self.at!r}: the support at {support.at!r} holds {name}, "
+                                     f"and {angle} is prescribed; take it from the one or the other")
+                held[there, index] = True
+        return held
 
     def contributions(self, fields):
         nodes, width = fields.nodes(self.mesh, self.at, "rotation"), len(np.ravel(self.rotation))
