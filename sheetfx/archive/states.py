@@ -88,10 +88,13 @@ class StateFiles:
         if not self.have_origins(processes):
             return f"{self._name(step, 0)} is of {processes} processes, whose origins are missing,"
         parts = [self._read(step, rank, run) for rank in range(processes)]
-        if wrong := [part for part in parts if isinstance(part, str)]:
-            return wrong[0]
+        states = []
+        for part in parts:
+            if isinstance(part, str):
+                return part
+            states.append(part[0])
         origins = [dict(np.load(self._origins(rank, processes))) for rank in range(processes)]
-        return ScatteredState.of([part for part, _ in parts], origins)
+        return ScatteredState.of(states, origins)
 
     def _read(self, step: int, rank: int, run: str) -> tuple[State, int] | str:
         """A process's part of a state and how many have one (0: an older version's), or what is wrong with it."""

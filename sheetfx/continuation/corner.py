@@ -183,6 +183,6 @@ def _unloads(tracer, before: State, after: State) -> bool:
     """
     if tracer.inner(before.direction, after.direction) >= 0:
         return False
-    stiffer = (tracer.system.conservative and after.unstable_modes < before.unstable_modes
+    stiffer = (tracer.system.conservative and (after.unstable_modes or 0) < (before.unstable_modes or 0)
                and after.contact_points == before.contact_points)
     return stiffer or not tracer.system.history.moved_since(before.fields)

@@ -90,7 +90,7 @@ class UnstableModes:
         if start is None:
             return 0
         before = self._start
-        if before.unstable_modes is None:
+        if before is None or before.unstable_modes is None or before.determinant_sign is None:
             return None
         return self._after(before.unstable_modes, self._tangent, determinant * before.determinant_sign)
 

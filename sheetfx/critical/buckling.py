@@ -249,11 +249,14 @@ class _Problem:
 
 def clusters(increments: Sequence[float], tolerance: float) -> list[int]:
     """For each increment the number of its cluster: neighbours of one sign closer than the relative tolerance."""
-    numbers, last = [], {}
+    numbers: list[int] = []
+    last: dict[bool, tuple[float, int]] = {}
     for increment in increments:
         before = last.get(increment > 0)
-        near = before is not None and abs(increment - before[0]) <= tolerance * abs(increment)
-        number = before[1] if near else max(numbers, default=-1) + 1
+        if before is not None and abs(increment - before[0]) <= tolerance * abs(increment):
+            number = before[1]
+        else:
+            number = max(numbers, default=-1) + 1
         last[increment > 0] = increment, number
         numbers.append(number)
     return numbers

@@ -40,7 +40,7 @@ class FirstPiece:
         self._bifurcation = reduction.bifurcation
         self._states: dict[tuple[bytes, float], State] = {}
         counted = self._bifurcation.unstable_modes
-        self._others = None if counted is None else counted - reduction.negative
+        self._others = (counted or 0) - reduction.negative
 
     def state(self, direction: np.ndarray, amplitude: float, family: bool, free: bool = False) -> State:
         """The state of a branch at an amplitude in a direction.
@@ -115,7 +115,7 @@ class FirstPiece:
         """Numbers of unstable modes that branches may have."""
         if self._point.name.endswith("symmetric") and self._point.slope == 0:
             return [self._others + (self._point.name == "unstable symmetric")]
-        sides = {np.sign(self._rise(s)): s.unstable_modes for s in self._neighbours}
+        sides = {np.sign(self._rise(s)): s.unstable_modes or 0 for s in self._neighbours}
         possible = list(range(self._others, self._others + len(self._reduction.modes) + 1))
         if len(possible) == 2 and sorted(sides.values()) == possible and self._rise(start):
             return [sides[-np.sign(self._rise(start))]]
@@ -151,6 +151,6 @@ class FirstPiece:
         return ""
 
 
-def _stability(state: State) -> int | None:
+def _stability(state: State) -> int:
     """What counts unstable modes, or the sign that a simple bifurcation changes where they cannot be counted."""
-    return state.determinant_sign if state.unstable_modes is None else state.unstable_modes
+    return (state.determinant_sign or 0) if state.unstable_modes is None else state.unstable_modes

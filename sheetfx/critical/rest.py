@@ -10,7 +10,7 @@ TOLD = 3  # modes that words describe
 
 def unstable_at_rest(tracer: Tracer) -> str:
     """Number of unstable modes of the first state, and on one process the first ones; called on all processes."""
-    count, home = tracer.state.unstable_modes, tracer.discretisation
+    count, home = tracer.state.unstable_modes or 0, tracer.discretisation
     if home.system.comm.size > 1:
         return f"{home.unstable_at_rest(count, [])}; run it on one process to have the modes described"
     values, modes = nearest_to_zero(tracer.stepper.linear, diagonal(home.system.weights), count + TOLD)

@@ -11,6 +11,7 @@ chapter 3). Eigenvalues change their order where they pass zero together; G does
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 from petsc4py import PETSc
@@ -120,8 +121,11 @@ class Border:
             return np.full(len(self.numbers), np.inf)
         border = KroghInterpolator(list(place.values()), np.array([self.at(s) for s in samples]))
         ends = place[max(before)], place[min(behind)]
-        return np.sort([rounding.root(lambda s, number=number: self._eigenvalues(border(s))[number], *ends)
-                        for number in self.numbers])
+
+        def eigenvalue(number: int, length: float) -> float:
+            return self._eigenvalues(border(length))[number]
+
+        return np.sort([rounding.root(partial(eigenvalue, number), *ends) for number in self.numbers])
 
     def null_vectors(self, nearest: float) -> list[np.ndarray]:
         """About the null vectors of the tangent at crossings, from the solutions at a near state, the nearest first."""

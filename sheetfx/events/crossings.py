@@ -160,7 +160,8 @@ def _at_loads(segment: Segment, roots: np.ndarray, samples: Sequence[float], bor
         exact = segment.tracer.control.exact * np.abs(found[:, 0])
         noisy = np.abs(off[:, 0]) > DOUBT * np.maximum(np.abs(doubt[:, 0]), exact)
         found[noisy] += off[noisy]
-    return [Crossing(float(s), *map(float, values)) for s, values in zip(roots, found, strict=True)]
+    return [Crossing(float(s), float(load), float(deflection))
+            for s, (load, deflection) in zip(roots, found, strict=True)]
 
 
 def _load_change(segment: Segment, near: float, change: float) -> float:
@@ -195,7 +196,7 @@ def _pieces(segment: Segment, left: float, right: float) -> list[Crossing]:
         If none lies between, or they are too close to each other.
     """
     lengths = [s for s in sorted(segment.states) if left <= s <= right]
-    counts = [segment[s].unstable_modes for s in lengths]
+    counts = [segment[s].unstable_modes or 0 for s in lengths]
     closest = CORNERED if segment.wavering else CLOSEST
     if len(lengths) < 3 or right - left < closest * segment.after.length:
         if segment.guarded:
@@ -220,8 +221,8 @@ def _sampled(border: Border, segment: Segment, lengths: Sequence[float], roots: 
     """Lengths of states with one more before (-1) or behind (1) the crossings, as far as they converge."""
     found = set(lengths)
     for wanted in (float((roots.min() if side < 0 else roots.max()) + side * reach) for side in sides):
-        nearest = min(segment.states, key=lambda s, wanted=wanted: abs(s - wanted))
-        if abs(nearest - wanted) < reach / 4:
+        away, nearest = min((abs(s - wanted), s) for s in segment.states)
+        if away < reach / 4:
             found.add(nearest)
         elif min(lengths) < wanted < max(lengths) and segment.reach(wanted):
             found.add(wanted)

@@ -57,6 +57,7 @@ def locate(tracer, earlier: State | None, before: State, after: State, named: Na
         If the states of the step do not lie on one smooth piece of path.
     """
     segment = Segment(tracer, before, after)
+    returns: list[float] = []
     if segment.guarded and _crowded(before, after, tracer.control.crowded):
         raise Jump("too many bifurcations lie in one step")
     if segment.flows and tracer.control.guarded:
@@ -66,7 +67,7 @@ def locate(tracer, earlier: State | None, before: State, after: State, named: Na
     if segment.wavering:
         if tracer.control.guarded and not work_matches(segment, earlier):
             raise Jump("the work done along the step is not what is stored and dissipated")
-        limits, returns = [limit for limit in turning_loads(segment, earlier) if limit.segment.wavering], []
+        limits = [limit for limit in turning_loads(segment, earlier) if limit.segment.wavering]
     else:
         if segment.guarded:
             _check(segment)
@@ -74,7 +75,7 @@ def locate(tracer, earlier: State | None, before: State, after: State, named: Na
         if segment.guarded and (limits or returns) and _check(segment):
             limits, returns = stationary_loads(segment)
         limits = _turned_before(segment, earlier) + limits
-    points = dict(map(_limit, limits))
+    points: dict[CriticalPoint, State | None] = dict(map(_limit, limits))
     crossings = _bifurcations(segment, [limit.length for limit in limits if limit.segment is segment])
     crossings += [returning(segment, length) for length in returns]
     clusters = _clusters(crossings, TOGETHER * after.length, tracer.control.same_load)

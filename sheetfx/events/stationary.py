@@ -122,4 +122,5 @@ def _stationary(segment: Segment, length: float, count: int) -> Crossing:
                                         for s in samples])
     left, right = max(s for s in samples if s < length), min(s for s in samples if s > length)
     found = root(lambda s: table(s)[0], left, right)
-    return Crossing(found, *map(float, table(found)[1:]))
+    _, load, deflection = table(found)
+    return Crossing(found, float(load), float(deflection))
