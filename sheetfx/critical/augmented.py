@@ -167,8 +167,11 @@ def _softest(tracer: Tracer, guess: State, sought: int, beside: int | None, kind
     while True:
         values, modes = tracer.spectrum(min(asked, most))
         order = [int(n) for n in np.argsort(np.abs(values))]
+        shares = [((system.weights * mode).dot(response) / size) ** 2 for mode in modes]
         if kind == "bifurcation":
-            order.sort(key=lambda n: (system.weights * modes[n]).dot(response) ** 2 > size**2 / 2)
+            order.sort(key=lambda n: shares[n] > 1 / 2)
+        elif along_response:
+            order.sort(key=lambda n: shares[n] < max(shares))
         found = [modes[n] for n in order]
         last = tracer.load_vector().dot(response) / size**2 if along_response else values[order[sought - 1]]
         near = [modes[n] for n in order[sought:] if min(abs(values[n]), abs(values[n] - last)) <= abs(last)]
