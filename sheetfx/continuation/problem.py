@@ -70,6 +70,9 @@ class Equations(Protocol):
     def extrapolate_stress(self, step: PETSc.Vec | None = None) -> None:
         """Let the next tangent be that of a long step, where the problem has one; nothing otherwise."""
 
+    def additive_increments(self) -> AbstractContextManager[None]:
+        """Let increments add, where they turn something otherwise, so that the tangent is the Hessian of the energy."""
+
     def snapshot(self) -> dict[str, np.ndarray]:
         """All that the last converged state consists of on this process."""
 

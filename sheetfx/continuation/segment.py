@@ -50,6 +50,7 @@ class Segment:
     flows : whether points that begin or cease to flow alone make them do so
     states : those that are known, by their lengths
     close : lengths of states that were found where their neighbours' interpolation had them
+    looked : pieces whose eigenvalues have been looked at
     """
 
     def __init__(self, tracer, before: State, after: State):
@@ -62,6 +63,7 @@ class Segment:
         self._spectra: dict[float, tuple[list[float], list]] = {}
         self._missed: set[float] = set()
         self.close: set[float] = set()
+        self.looked: set[tuple[float, float]] = set()
 
     def __getitem__(self, length: float) -> State:
         """State at a length of the step.

@@ -17,6 +17,7 @@ from ..continuation.tracer import Tracer, tracer_of
 from ..continuation.work import work_matches
 from ..rounding import same
 from .crossings import Crossing, pass_zero, unresolved
+from .heading import hides
 from .stationary import returning, stationary_loads, surround, turns
 from .turning import Limit, turning_loads
 
@@ -159,6 +160,10 @@ def _check(segment: Segment) -> bool:
             if not segment.reach(middle, only_guessed=sound is not None):
                 raise Jump("the middle of the step does not converge", sound)
             pieces += [(middle, right), (left, middle)]
+        elif right - left >= shortest and not segment.flows and hides(segment, left, right):
+            middle = (left + right) / 2
+            if segment.reach(middle):
+                pieces += [(middle, right), (left, middle)]
     return len(segment.states) > known
 
 

@@ -34,6 +34,7 @@ SWITCHES = {
     "continuation/defect.py:interpolates": True,
     "continuation/work.py:work_matches": True,
     "events/leaping.py:require_convergence": None,
+    "events/heading.py:hides": False,
     "path.py:Path._past_corner": None,
     "path.py:Path._by_change": None,
     "path.py:Path._around_corner": None,

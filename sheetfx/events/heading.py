@@ -1,0 +1,46 @@
+"""Eigenvalues that pass zero to and fro between two states, told by how fast they change at both.
+
+Where the number of unstable modes is the same at both ends of a piece, a mode may have lost its stability within it and
+regained it, such as one off the symmetry that the path keeps. An eigenvalue that dips below zero and is convex lies
+above its tangents: these lead through zero within the piece, from both ends. The rates are mode K' mode, of the change
+of the tangent K along the path.
+"""
+
+from __future__ import annotations
+
+from ..continuation.segment import Segment
+from ..continuation.state import State
+from ..continuation.tracer import Tracer
+from .border import ABOUT
+
+MODES = 4  # nearest to zero, whose eigenvalues are followed
+AHEAD = 1e-4  # distance along the path, at which the change of the tangent is looked at
+
+
+def hides(segment: Segment, left: float, right: float) -> bool:
+    """Whether more eigenvalues head for zero within a piece, from both of its ends, than are known to pass it."""
+    if (left, right) in segment.looked:
+        return False
+    segment.looked.add((left, right))
+    one, other = segment.states[left], segment.states[right]
+    if one.unstable_modes is None or other.unstable_modes is None or not segment.tracer.system.conservative:
+        return False
+    way, known = segment.distance(left, right), abs(one.unstable_modes - other.unstable_modes)
+    return all(_heading(segment.tracer, state, ahead) > known for state, ahead in ((other, -way), (one, way)))
+
+
+def _heading(tracer: Tracer, state: State, way: float) -> int:
+    """Number of eigenvalues that pass zero within a way along the path, at the rates that they have at a state."""
+    tracer.factorise_at(state)
+    values, modes = tracer.spectrum(min(MODES, tracer.system.size), ABOUT)
+    rate, motion = state.tangent
+    system, product = tracer.system, tracer.system.create_vector()
+    with system.additive_increments():
+        system.configure(system.create_vector(AHEAD * motion), state.factor + AHEAD * rate)
+        system.extrapolate_stress()
+        there, found = system.tangent(), 0
+        for value, mode in zip(values, modes, strict=True):
+            there.mult(mode, product)
+            found += value * (value + (product.dot(mode) - value) * way / AHEAD) < 0
+    tracer.back_to(state)
+    return found
