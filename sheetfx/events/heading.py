@@ -11,6 +11,7 @@ from __future__ import annotations
 from ..continuation.segment import Segment
 from ..continuation.state import State
 from ..continuation.tracer import Tracer
+from ..rounding import SAME
 from .border import ABOUT
 
 MODES = 4  # nearest to zero, whose eigenvalues are followed
@@ -30,9 +31,13 @@ def hides(segment: Segment, left: float, right: float) -> bool:
 
 
 def _heading(tracer: Tracer, state: State, way: float) -> int:
-    """Number of eigenvalues that pass zero within a way along the path, at the rates that they have at a state."""
+    """Number of eigenvalues that pass zero within a way along the path, at the rates that they have at a state.
+
+    The infinite ones of multipliers, which have no weight, are rounding beside the nearest to zero.
+    """
     tracer.factorise_at(state)
     values, modes = tracer.spectrum(min(MODES, tracer.system.size), ABOUT)
+    nearest = min(map(abs, values))
     rate, motion = state.tangent
     system, product = tracer.system, tracer.system.create_vector()
     with system.additive_increments():
@@ -40,6 +45,8 @@ def _heading(tracer: Tracer, state: State, way: float) -> int:
         system.extrapolate_stress()
         there, found = system.tangent(), 0
         for value, mode in zip(values, modes, strict=True):
+            if SAME * abs(value) > nearest:
+                continue
             there.mult(mode, product)
             found += value * (value + (product.dot(mode) - value) * way / AHEAD) < 0
     tracer.back_to(state)
