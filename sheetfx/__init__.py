@@ -44,6 +44,7 @@ _ROOMS = {
     "model.supports": "Support clamp pin symmetry",
     "discrete.contribution": "Contribution",
     "discrete.points": "PointWork Trace",
+    "continuation.transferred": "transferred",
     "continuation.control": "ArcLength DisplacementControl LoadControl",
     "events.event": "Event",
     "events.sliding": "first_touch slide_off",

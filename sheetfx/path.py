@@ -106,10 +106,10 @@ class Path:
 
     def _taken(self, states: Sequence[State]) -> list[State]:
         """States as this process has them."""
-        if not any(isinstance(state, ScatteredState) for state in states):
-            return list(states)
-        origins = self.discretisation.system.origins()
-        return [state.taken(origins) if isinstance(state, ScatteredState) else state for state in states]
+        if any(isinstance(state, ScatteredState) for state in states):
+            origins = self.discretisation.system.origins()
+            states = [state.taken(origins) if isinstance(state, ScatteredState) else state for state in states]
+        return [replace(state, scene=self.scene) for state in states]
 
     @property
     def control(self) -> StepRule:

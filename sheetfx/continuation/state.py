@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 import os
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+ARRAYS = "increment", "response", "fields", "scene"  # of a state, which are not among the numbers of its file
 RENAMED = {"unstable": "unstable_modes", "determinant": "determinant_sign"}  # in files of version 0.1
 
 
@@ -111,6 +113,7 @@ class State:
         led off the path, over the length of the step, see `continuation.lapse`
     critical : critical points that this state brought to light, in its step or the one before
     fields : values of all fields on this process
+    scene : that the state belongs to; None: not known, as of a file
     """
 
     step: int
@@ -140,6 +143,7 @@ class State:
     increment: np.ndarray = field(repr=False, default=None)
     response: np.ndarray = field(repr=False, default=None)
     fields: dict[str, np.ndarray] = field(repr=False, default_factory=dict)
+    scene: Any = field(repr=False, compare=False, default=None)
 
     def __str__(self) -> str:
         modes = f", {self.unstable_modes} unstable modes" if self.unstable_modes else ""
@@ -155,6 +159,17 @@ class State:
         """Rates of load factor and unknowns along the path."""
         return self.load_rate, self.load_rate * self.response
 
+    def on(self, scene: Any) -> State:
+        """The state on another mesh, degree or model of its structure, see `continuation.transferred.transferred`.
+
+        ```python
+        finer = fx.critical(fine, found.state.on(fine))
+        ```
+        """
+        from .transferred import transferred
+
+        return transferred(self, scene)[0]
+
     def save(self, file: Path, run: str = "", processes: int = 1) -> None:
         """Write to a NumPy archive; the file appears complete or not at all.
 
@@ -163,7 +178,8 @@ class State:
         run : what states of one run have in common; "": not known
         processes : number of those that have a part of the state
         """
-        numbers = {k: v for k, v in asdict(self).items() if k not in ("fields", "increment", "response")}
+        numbers = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in ARRAYS}
+        numbers["critical"] = [asdict(point) for point in self.critical]
         write_arrays(file, numbers=json.dumps(numbers), run=run, processes=processes, increment=self.increment,
                      response=self.response, **{f"field {k}": v for k, v in self.fields.items()})
 

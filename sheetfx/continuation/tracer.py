@@ -287,7 +287,8 @@ class Tracer(Measuring):
             current_stiffness=tangent.current_stiffness, displacement_extremes=extremes, reference=self._reference,
             contact_points=touching, penetration=penetration,
             apart=apart and (start is not None or not system.history.moved),
-            increment=increment, response=self._response.array.copy(), fields=system.snapshot())
+            increment=increment, response=self._response.array.copy(), fields=system.snapshot(),
+            scene=getattr(self.discretisation, "scene", None))
 
     def _load_weight(self) -> float:
         return getattr(self.control, "load_weight", lambda tangent: 0.0)(self.tangent)

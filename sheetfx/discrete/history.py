@@ -84,7 +84,7 @@ class History:
         ValueError
             If two contributions use one name.
         """
-        kept = {self._key(n, f): f.previous.x.array.copy() for n, f in enumerate(self._fields)}
+        kept = {self.key(f): f.previous.x.array.copy() for f in self._fields}
         for contribution in self._contributions:
             own = contribution.snapshot()
             if twice := kept.keys() & own.keys():
@@ -95,19 +95,18 @@ class History:
 
     def origins(self) -> dict[str, np.ndarray]:
         """What tells rows of a snapshot's arrays on any number of processes, of those where it is known."""
-        known = {self._key(n, f): f.origins for n, f in enumerate(self._fields)}
+        known = {self.key(f): f.origins for f in self._fields}
         for contribution in self._contributions:
             known |= contribution.origins()
         return known
 
     def restore(self, snapshot: dict[str, np.ndarray]) -> None:
         """Return to a state that `snapshot` gave."""
-        for n, field in enumerate(self._fields):
-            field.restore(snapshot[self._key(n, field)])
+        for field in self._fields:
+            field.restore(snapshot[self.key(field)])
         for contribution in self._contributions:
             contribution.restore(snapshot)
 
-    @staticmethod
-    def _key(number: int, field: AdditiveField) -> str:
+    def key(self, field: AdditiveField) -> str:
         """Name of a field in a snapshot; fields of several meshes have the same name but for the number."""
-        return f"{field.name} {number}"
+        return f"{field.name} {self._fields.index(field)}"

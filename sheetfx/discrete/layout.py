@@ -95,6 +95,11 @@ class Layout:
         """Each field with the arrays of its block."""
         return [(f, *own) for block, *own in zip(self._blocks, *arrays, strict=True) for f in block.fields]
 
+    def held(self, field: AdditiveField) -> np.ndarray:
+        """Which components of a field's nodal increments are fixed, shape (nodes, width)."""
+        fixed = next(dofs for block, dofs in zip(self._blocks, self._fixed, strict=True) if field in block.fields)
+        return np.isin(field.dofs, fixed).reshape(-1, field.width)
+
     def rows(self, dofs: Sequence[np.ndarray]) -> np.ndarray:
         """Rows of this process that belong to local dofs of each block."""
         return np.concatenate([offset + d[d < owned] for d, owned, offset in zip(

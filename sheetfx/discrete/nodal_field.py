@@ -139,6 +139,23 @@ class AdditiveField:
         """Replacements that put the increment's symbol to zero in a form."""
         return {}
 
+    def holding(self, values: np.ndarray, held: np.ndarray) -> np.ndarray:
+        """The nearest nodal values that supports allow.
+
+        Parameters
+        ----------
+        values : shape (nodes, components)
+        held : which components of nodal increments are fixed, shape (nodes, width)
+        """
+        return self._put_back(values, held)
+
+    def _put_back(self, vectors: np.ndarray, held: np.ndarray) -> np.ndarray:
+        """Vectors along the directions of space without their components that are fixed."""
+        if self.axes is None:
+            return np.where(held, 0.0, vectors)
+        own = np.where(held, np.einsum("nji,nj->ni", self.axes, vectors), 0.0)
+        return vectors - np.einsum("nij,nj->ni", self.axes, own)
+
 
 class QuaternionField(AdditiveField):
     """Rotations as nodal quaternions of unit length, scalar first.
@@ -293,6 +310,14 @@ class QuaternionField(AdditiveField):
             nodes, twist, normals = self._edge()
             blocks[nodes] += np.einsum("ni,ni->n", conjugate[nodes], normals)[:, None, None] * twist
         return blocks
+
+    def holding(self, values, held):
+        """The nearest rotations; where one component is fixed, those of the surface in `PartlyFixed`."""
+        found = values.copy()
+        found[:, 1:] = self._put_back(values[:, 1:], held)
+        if self.partly_fixed is not None:
+            found[self.partly_fixed.nodes] = self.partly_fixed.nearest(values[self.partly_fixed.nodes])
+        return found / np.linalg.norm(found, axis=1, keepdims=True)
 
     def moment_slopes(self, moments: np.ndarray) -> np.ndarray:
         """Derivative of `inward` with respect to further increments, shape (nodes, 3, 3); not symmetric."""

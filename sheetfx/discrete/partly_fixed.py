@@ -49,7 +49,7 @@ class PartlyFixed:
 
     def __init__(self, nodes: np.ndarray, fixed: np.ndarray, axes: np.ndarray, edges: np.ndarray):
         self.nodes, self.start = nodes, axes.copy()
-        held = np.take_along_axis(axes, fixed[:, None, None], axis=2)[..., 0]
+        self._held = held = np.take_along_axis(axes, fixed[:, None, None], axis=2)[..., 0]
         across = np.eye(3) - np.einsum("ni,nj->nij", held, held)
         sizes, directions = np.linalg.eigh(across @ edges @ across)
         self._edge = (sizes[:, 2] > ACROSS) & (sizes[:, 1] < CORNER * sizes[:, 2])
@@ -71,6 +71,21 @@ class PartlyFixed:
         kept = np.abs(np.einsum("ni,ni->n", along, self._across)) < BROKEN
         axes[self._edge] = np.where(kept[:, None, None], on_edge, axes[self._edge])
         return axes
+
+    def nearest(self, quaternions: np.ndarray) -> np.ndarray:
+        """The rotations of the nodes that are closest to given ones and that the supports allow."""
+        found = quaternions.copy()
+        found[:, 1:] -= np.einsum("ni,ni->n", found[:, 1:], self._held)[:, None] * self._held
+        off = quaternions[self._edge]
+        along = _turned(off, self._along[:, :, None])[..., 0]
+        sine = np.einsum("ni,ni->n", along, self._across)[:, None]
+        about = np.cross(along, self._across)
+        size = np.linalg.norm(about, axis=1, keepdims=True)
+        back = -np.tan(np.arctan2(sine, size) / 2) * about / np.where(size > 0, size, 1.0)
+        scalar, vector = off[:, :1], off[:, 1:]
+        found[self._edge] = np.column_stack((scalar[:, 0] - np.einsum("ni,ni->n", back, vector),
+                                             vector + scalar * back + np.cross(back, vector)))
+        return found
 
 
 def _turned(quaternions: np.ndarray, columns: np.ndarray) -> np.ndarray:

@@ -122,18 +122,19 @@ class Cells:
         start : reference point where the iteration starts
         axes : directions in which reference points are looked for, one in each row
         """
-        reference = np.tile(start, (len(points), 1))
+        reference, left = np.tile(start, (len(points), 1)), np.arange(len(points))
         if not len(axes):
             return reference
         for _ in range(ITERATIONS):
-            place, slopes = self._map(which, reference)
+            place, slopes = self._map(which[left], reference[left])
             slopes = slopes @ axes.T
             matrix = np.einsum("nai,naj->nij", slopes, slopes)
-            right = np.einsum("nai,na->ni", slopes, points - place)
-            moved = np.clip(reference + np.linalg.solve(matrix, right[:, :, None])[:, :, 0] @ axes, -BEYOND, 1 + BEYOND)
-            done = np.abs(moved - reference).max(initial=0.0) <= CONVERGED
-            reference = moved
-            if done:
+            right = np.einsum("nai,na->ni", slopes, points[left] - place)
+            step = np.linalg.solve(matrix, right[:, :, None])[:, :, 0] @ axes
+            moved = np.clip(reference[left] + step, -BEYOND, 1 + BEYOND)
+            going = np.abs(moved - reference[left]).max(axis=1) > CONVERGED
+            reference[left], left = moved, left[going]
+            if not len(left):
                 break
         return reference
 
