@@ -217,7 +217,7 @@ class _Newton:
         self._x, self._factor, self._zero = tracer.x, guess.factor, 0.0
         self._residual, self._load = self._system.create_vector(), self._system.create_vector()
         self._iterations: list[Iteration] = []
-        self._forces, self._left = np.zeros(len(modes)), 0.0
+        self._forces, self._left, self._across = np.zeros(len(modes)), 0.0, False
         self._system.extrapolate_stress()
         self._system.tangent()
         self._springs, self._least = pivots(modes, self._system.weights), usual_stiffness(tracer.discretisation)
@@ -253,6 +253,7 @@ class _Newton:
     def _iterate(self) -> None:
         """Correct until a further correction would be rounding."""
         with self._system.additive_increments():
+            self._relax()
             for _ in range(ITERATIONS):
                 try:
                     step, change = self._correction()
@@ -278,6 +279,10 @@ class _Newton:
             return
         start[0].copy(self._x)
         self._system.configure(self._x, start[1])
+        self._settle(step)
+
+    def _settle(self, step: PETSc.Vec) -> None:
+        """Go along a step and on to equilibrium off the modes, with stresses that follow steps linearly."""
         for _ in range(ITERATIONS):
             self._system.extrapolate_stress(step)
             self._system.retract(self._x, step)
@@ -288,12 +293,38 @@ class _Newton:
                 break
         self._system.retract(self._x, step)
 
-    def _off_modes(self) -> PETSc.Vec:
-        """Newton's correction that keeps the load factor and the amplitudes of the modes."""
+    def _relax(self) -> None:
+        """Leave a state that interpolation has strained so that its residual is more than the load.
+
+        Its stresses would make the tangent worthless: the first one has none.
+        """
         self._system.configure(self._x, self._factor)
         self._system.residual(self._residual)
-        (step,), _ = self._bordered.solve([-1.0 * self._residual], np.zeros((1, len(self.modes))))
-        return step
+        self._system.load(self._load)
+        if self._residual.norm() <= abs(self._factor) * self._load.norm():
+            return
+        self._system.forget_stress()
+        self._factorise()
+        response = self._system.weights * self._system.create_vector(self._guess.response)
+        along = sum(response.dot(self.modes[n]) ** 2 for n in self._sought)
+        self._across = self.kind == "bifurcation" or (
+            self.kind is None and along < self._tracer.distance(0.0, self._guess.response) ** 2 / 2)
+        self._settle(self._off_modes())
+        self._across = False
+
+    def _off_modes(self) -> PETSc.Vec:
+        """Newton's correction that keeps the amplitudes of the modes, and the load factor or the place on the path."""
+        self._system.configure(self._x, self._factor)
+        self._system.residual(self._residual)
+        if not self._across:
+            (step,), _ = self._bordered.solve([-1.0 * self._residual], np.zeros((1, len(self.modes))))
+            return step
+        self._system.load(self._load)
+        (step, loaded), _ = self._bordered.solve([-1.0 * self._residual, self._load], np.zeros((2, len(self.modes))))
+        along = self._system.weights * loaded
+        change = -along.dot(step) / along.dot(loaded)
+        self._factor += change
+        return step + change * loaded
 
     def _factorise(self) -> None:
         """Factor the tangent with the stresses that are set."""
@@ -303,9 +334,12 @@ class _Newton:
         self._bordered.border(border, border)
 
     def _is_last(self, change: float) -> bool:
-        """Whether the next correction, the square of this one, is less than the error that is allowed."""
-        exact = self._tracer.control.exact
-        return abs(change) <= exact**0.5 * abs(self._factor) and self._iterations[-1].correction <= exact**0.5 * 0.1
+        """Whether the next correction of the load, which contracts as that of the state did, is less than allowed."""
+        if len(self._iterations) < 2:
+            return False
+        before, last = (iteration.correction for iteration in self._iterations[-2:])
+        exact, ahead = self._tracer.control.exact, min(last / before, 1.0)
+        return ahead * abs(change) <= exact * abs(self._factor) and last <= exact**0.5 * 0.1
 
     def _failure(self, why: str) -> NoCriticalPoint:
         said, sizes = "; ".join(map(str, self._iterations)), [i.correction for i in self._iterations]

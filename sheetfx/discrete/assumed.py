@@ -152,6 +152,10 @@ class AssumedWork:
                                            for s, slope in zip(self._samplings, slopes, strict=True)])
             self._held[chunk] += (moduli @ change[..., None])[..., 0]
 
+    def forget_stress(self) -> None:
+        if self._increments is not None:
+            self._held[:] = 0.0
+
     def add_matrices(self, chunk: slice, matrices: dict):
         """Add element matrices (cells, pairs of components, n, m) by numbers of fields; return held forces."""
         held = self._law(chunk, self._sample(chunk)[0])[0] if self._increments is None else self._held[chunk]

@@ -101,6 +101,9 @@ class Contribution:
     def extrapolate_stress(self) -> None:
         """Take the stresses of the tangent on by the change of the fields in the last Newton step."""
 
+    def forget_stress(self) -> None:
+        """Let the next tangent have no stresses, where those of an interpolated state mean nothing."""
+
     def tangent(self, held: Forces) -> Sequence[np.ndarray]:
         """Values of the tangent in the order of `pattern`, in arrays one behind the other.
 

@@ -146,6 +146,9 @@ class PointwiseWork(Densities):
     def extrapolate_stress(self, chunk: slice) -> None:
         put(self._stress, self._stress_rows[chunk], self.evaluate(self._extrapolated, chunk))
 
+    def forget_stress(self) -> None:
+        self._stress.x.array[:] = 0.0
+
     def add_matrices(self, chunk: slice, matrices: dict):
         """Add element matrices (cells, pairs of components, n, m) by numbers of fields; return held forces."""
         values = self.evaluate(self._stiffness, chunk)

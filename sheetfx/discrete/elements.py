@@ -238,6 +238,10 @@ class ElementWork(Contribution):
             for term in self._terms:
                 term.extrapolate_stress(chunk)
 
+    def forget_stress(self) -> None:
+        for term in self._terms:
+            term.forget_stress()
+
     def tangent(self, held: Forces) -> Sequence[np.ndarray]:
         for coupling in self.couplings:
             coupling.values[:] = 0

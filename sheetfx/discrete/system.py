@@ -281,6 +281,11 @@ class System:
             for contribution in self.contributions:
                 contribution.extrapolate_stress()
 
+    def forget_stress(self) -> None:
+        """Let the next tangent have no stresses."""
+        for contribution in self.contributions:
+            contribution.forget_stress()
+
     def changes(self, step: PETSc.Vec) -> list[np.ndarray]:
         """First-order change of the values of each field by a further step."""
         return [f.change(array) for f, array in self._layout.fields(self._layout.arrays(step))]
