@@ -37,7 +37,12 @@ def root(function: Callable[[float], float], left: float, right: float) -> float
 
 
 def residual(system, x: PETSc.Vec) -> float:
-    """Largest residual of equilibrium that is rounding: SAFETY times its noise at the increments x.
+    """Largest residual of equilibrium that is rounding: SAFETY times its noise at the increments x."""
+    return SAFETY * noise(system, x).norm()
+
+
+def noise(system, x: PETSc.Vec) -> PETSc.Vec:
+    """A sample of the rounding of the residual at the increments x.
 
     Noise is what second differences of the residual show whose true part is far less (More and Wild 2011, eq. 2.2):
     of strains in their formula, and of the last digits of displacements, which places on both sides of x would round
@@ -50,7 +55,8 @@ def residual(system, x: PETSc.Vec) -> float:
         system.configure(moved, system.factor)
         system.residual(out)
         difference.axpy(share, out)
-    return SAFETY * difference.norm() / sqrt(6)
+    difference.scale(1 / sqrt(6))
+    return difference
 
 
 def _nudge(system) -> np.ndarray:

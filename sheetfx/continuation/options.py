@@ -12,9 +12,9 @@ Share = Annotated[float, Range(above=0, most=1)]
 
 @dataclass(frozen=True)
 class Options:
-    """Lengths of steps, accuracies of critical points, and what a step may leave unexplained.
+    """Lengths of steps, accuracies of critical points, and what a step may miss.
 
-    Smaller `turning`, `unexplained`, `off_path` and `off_load` make a path take more states and miss less.
+    A smaller `defect` makes a path take more states and miss less.
 
     Attributes
     ----------
@@ -28,17 +28,10 @@ class Options:
     most_iterations : after which a step is cut; None: 20 with new tangents, 100 with one
     before_critical : first step where none is given, over the way to the first critical point as the tangent tells it
     with_contact : first step where none is given, over the control's default, where something may touch
-    turning : angle in radians between the chord of a piece of path and the tangents at its ends, from which its middle
-        is looked at
-    unexplained : share of a piece's change of load, or of its reactions, that the mean of the tangents at its ends may
-        leave, over what the steeper one gives, likewise
-    off_path : correction off the interpolated path inside of a piece, over its length, likewise (Kierzenka and Shampine
-        2001)
-    off_load : correction of the interpolated load in the middle of a piece, over what the steeper tangent gives,
-        likewise
+    defect : correction of the interpolated path inside of a piece, off the path over its length and in the load over
+        its change, from which the middle of the piece is looked at (Kierzenka and Shampine 2001)
     unbalanced : work of a step with contact that is neither stored nor dissipated, over that of its change of load,
         from which the step is refused
-    crowded : bifurcations in one step, more of which make it too long
     same_load : relative difference of the loads of a multiple bifurcation
     exact : relative error of the load at a bifurcation, and at flutter
     exact_event : relative error of the load at an event
@@ -57,12 +50,8 @@ class Options:
     most_iterations: Count | None = None
     before_critical: Share = 0.38
     with_contact: Share = 1 / 8
-    turning: Positive = 0.4
-    unexplained: Share = 0.25
-    off_path: Positive = 0.006
-    off_load: Positive = 0.065
+    defect: Positive = 0.01
     unbalanced: Positive = 0.1
-    crowded: Count = 4
     same_load: Positive = 2e-6
     exact: Positive = 1e-8
     exact_event: Positive = 1e-10

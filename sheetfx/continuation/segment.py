@@ -9,14 +9,12 @@ from math import inf
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
-from ..rounding import NONE, off_path, root
+from ..rounding import NONE, root
 from .course import Course
 from .state import State
 
 IN_BALANCE = 1e-6  # residual over the load of an interpolated state
-CLOSE = 0.02  # of the distance between two states, by which one in the middle misses a cubic that is good enough
 STATIONARY = 6  # interpolations of the load, after which a stationary one is looked for without them
-STRAY = 0.3  # of the distance between its neighbours, by which a state may miss their interpolation
 WITHIN = 0.5  # of the iterations of a step, those after which a shorter one within it is given up
 CORNERED = 0.6  # the same with contact: the path may bend by a right angle between them
 
@@ -49,8 +47,8 @@ class Segment:
     wavering : whether tangents waver
     flows : whether points that begin or cease to flow alone make them do so
     states : those that are known, by their lengths
-    close : lengths of states that were found where their neighbours' interpolation had them
-    looked : pieces whose eigenvalues have been looked at
+    looked, clear : pieces whose eigenvalues have been looked at, and of which nothing more need be known
+    eigenvalues : nearest to zero, and their rates along the path, by lengths of states
     """
 
     def __init__(self, tracer, before: State, after: State):
@@ -62,8 +60,9 @@ class Segment:
         self.course = Course(tracer, before, after)
         self._spectra: dict[float, tuple[list[float], list]] = {}
         self._missed: set[float] = set()
-        self.close: set[float] = set()
         self.looked: set[tuple[float, float]] = set()
+        self.clear: set[tuple[float, float]] = set()
+        self.eigenvalues: dict[float, list[tuple[float, float]]] = {}
 
     def __getitem__(self, length: float) -> State:
         """State at a length of the step.
@@ -86,15 +85,13 @@ class Segment:
             state = start and self.tracer.attempt(length, start)
             if state is None and not only_guessed:
                 state = self.tracer.attempt(length, part=1.0 if self.wavering else WITHIN)
-            strays = state is not None and self._strays(state, guess, left, right)
-            if strays and self.guarded:
-                raise Jump("a state within the step is off the path")
-            if state is None or strays:
+            if state is None or (self.wavering and self._strays(state, guess, left, right)):
                 self._missed.add(length)
                 raise Missed
             self.states[length] = state
-            if self._off(state, guess) <= CLOSE * _share_of_error(length, left, right) * self.distance(left, right):
-                self.close.add(length)
+            if (left, right) in self.clear and (
+                    self._off(state, guess) <= self.tracer.control.defect * self.distance(left, right)):
+                self.clear |= {(left, length), (length, right)}
         return self.states[length]
 
     def reach(self, length: float, only_guessed: bool = False) -> bool:
@@ -186,22 +183,15 @@ class Segment:
         rates = [component(self.states[s].tangent[1]) for s in (left, right)]
         return component(self.chord(left, right)[1]), self.distance(left, right) * sum(rates) / 2
 
-    def _strays(self, state: State, guess, left: float, right: float) -> bool:
-        """Whether a state is further from the interpolation between its neighbours than they explain, and rounding.
+    def _strays(self, state: State, guess: tuple[float, np.ndarray], left: float, right: float) -> bool:
+        """Whether a state is further from the chord between its neighbours than a corner between them asks.
 
         Contact elsewhere changes the load more than the displacements.
         """
-        distance, off = self.distance(left, right), state.load_increment - guess[0]
-        if self.wavering and not self.flows:
-            rates = [abs(self.states[s].load_rate) for s in (left, right)]
-            if abs(off) > CORNERED * distance * max(rates):
-                return True
-        elif not (self.guarded or self.flows):
-            return False
-        off = self._off(state, guess)
-        if self.wavering:
-            return off > CORNERED * distance
-        return off > STRAY * distance and off > off_path(self.tracer, state)
+        most, rates = CORNERED * self.distance(left, right), [abs(self.states[s].load_rate) for s in (left, right)]
+        if not self.flows and abs(state.load_increment - guess[0]) > most * max(rates):
+            return True
+        return self._off(state, guess) > most
 
     def _off(self, state: State, guess: tuple[float, np.ndarray]) -> float:
         """Distance of a state from where it was expected."""
@@ -283,9 +273,3 @@ class Segment:
         rate = self.distance(0.0, self.after.length) / self.after.length * length
         bend = abs(self.after.load_rate - self.before.load_rate) / self.distance(0.0, self.after.length)
         return abs(state.load_rate * rate) + bend * rate**2
-
-
-def _share_of_error(length: float, left: float, right: float) -> float:
-    """Error of a cubic by values and slopes at its ends, over that in the middle, to leading order."""
-    s = (length - left) / (right - left)
-    return 16 * (s * (1 - s)) ** 2

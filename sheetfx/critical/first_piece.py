@@ -15,14 +15,14 @@ from dataclasses import replace
 import numpy as np
 from scipy.linalg import null_space
 
-from ..continuation.explained import explained
+from ..continuation.defect import interpolated
 from ..continuation.segment import Segment
 from ..continuation.state import CriticalPoint, State
 from ..rounding import NONE
 from .reduction import NoSolution, Reduction
 
 RUNGS = (1 / 4, 1.0)  # amplitudes over that of the start, where the branch is looked at
-SHORTEST = 1 / 64  # of the amplitude, piece that must be explained
+SHORTEST = 1 / 64  # of the amplitude, piece whose defect must be small
 
 
 class FirstPiece:
@@ -79,7 +79,7 @@ class FirstPiece:
         except NoSolution:
             return "the branch cannot be followed from the start back to the bifurcation"
         return (self._disagreement(list(rungs.values()), family * (len(direction) - 1)) or self._mistaken(start)
-                or self._unexplained(direction, amplitude, family, rungs))
+                or self._rough(direction, amplitude, family, rungs))
 
     def _turned(self, direction: np.ndarray, amplitude: float, family: bool) -> State:
         """The state at another amplitude of a branch, where that of several modes may have turned."""
@@ -126,7 +126,7 @@ class FirstPiece:
         change = state.factor - self._bifurcation.factor
         return change if abs(change) > NONE * self._reduction.size else 0.0
 
-    def _unexplained(self, direction: np.ndarray, amplitude: float, family: bool, rungs: dict[float, State]) -> str:
+    def _rough(self, direction: np.ndarray, amplitude: float, family: bool, rungs: dict[float, State]) -> str:
         """Why the pieces between states are not known to be smooth; their middles are looked at where need be."""
         if not self._reduction.system.smooth or not any(map(self._rise, rungs.values())):
             return ""
@@ -135,10 +135,10 @@ class FirstPiece:
         pieces = segment.pairs()
         while pieces:
             left, right = pieces.pop()
-            if explained(segment, left, right):
+            if interpolated(segment, left, right):
                 continue
             if right - left < SHORTEST:
-                return "the tangents of the branch do not explain its load on the way to the start"
+                return "states of the branch do not lie on the curve that their tangents make on the way to the start"
             middle = (left + right) / 2
             try:
                 segment.states[middle] = self._turned(direction, middle * amplitude, family)

@@ -61,7 +61,7 @@ def _of_points(system) -> list[str]:
     counted = ("by the inertia of the tangent" if system.conservative else
                "by the real eigenvalues that pass zero between the tangents of neighbouring states")
     return ["limit points: by the rate of the load",
-            f"bifurcations: {counted}, also within steps that the tangents at their ends do not explain"]
+            f"bifurcations: {counted}, also within steps that the curve through their ends misses"]
 
 
 def _of_bifurcations_with_contact(system) -> list[str]:

@@ -27,14 +27,19 @@ def hides(segment: Segment, left: float, right: float) -> bool:
     if one.unstable_modes is None or other.unstable_modes is None or not segment.tracer.system.conservative:
         return False
     way, known = segment.distance(left, right), abs(one.unstable_modes - other.unstable_modes)
-    return all(_heading(segment.tracer, state, ahead) > known for state, ahead in ((other, -way), (one, way)))
+    return all(sum(value * (value + rate * ahead) < 0 for value, rate in _eigenvalues(segment, length)) > known
+               for length, ahead in ((right, -way), (left, way)))
 
 
-def _heading(tracer: Tracer, state: State, way: float) -> int:
-    """Number of eigenvalues that pass zero within a way along the path, at the rates that they have at a state.
+def _eigenvalues(segment: Segment, length: float) -> list[tuple[float, float]]:
+    """Eigenvalues nearest to zero at a state, and their rates along the path."""
+    if length not in segment.eigenvalues:
+        segment.eigenvalues[length] = _with_rates(segment.tracer, segment.states[length])
+    return segment.eigenvalues[length]
 
-    The infinite ones of multipliers, which have no weight, are rounding beside the nearest to zero.
-    """
+
+def _with_rates(tracer: Tracer, state: State) -> list[tuple[float, float]]:
+    """The same; the infinite ones of multipliers, which have no weight, are rounding beside the nearest to zero."""
     tracer.factorise_at(state)
     values, modes = tracer.spectrum(min(MODES, tracer.system.size), ABOUT)
     nearest = min(map(abs, values))
@@ -43,11 +48,11 @@ def _heading(tracer: Tracer, state: State, way: float) -> int:
     with system.additive_increments():
         system.configure(system.create_vector(AHEAD * motion), state.factor + AHEAD * rate)
         system.extrapolate_stress()
-        there, found = system.tangent(), 0
+        there, found = system.tangent(), []
         for value, mode in zip(values, modes, strict=True):
             if SAME * abs(value) > nearest:
                 continue
             there.mult(mode, product)
-            found += value * (value + (product.dot(mode) - value) * way / AHEAD) < 0
+            found.append((value, (product.dot(mode) - value) / AHEAD))
     tracer.back_to(state)
     return found

@@ -8,8 +8,7 @@ from dataclasses import replace
 import numpy as np
 from petsc4py import PETSc
 
-from ..continuation.defect import interpolates
-from ..continuation.explained import cornered, explained
+from ..continuation.defect import cornered, interpolated
 from ..continuation.lapse import remembering
 from ..continuation.segment import Jump, Missed, Segment
 from ..continuation.state import CriticalPoint, State
@@ -22,8 +21,7 @@ from .stationary import returning, stationary_loads, surround, turns
 from .turning import Limit, turning_loads
 
 TOGETHER = 1e-3  # of a step, distance of the crossings of one multiple point
-CLUSTER = 0.01  # relative difference of the loads of a step that may hold any number
-SHORTEST = 1 / 64  # of a step, piece that must be explained
+SHORTEST = 1 / 64  # of a step, piece whose defect must be small
 AGREE = 0.01  # of the load that a step adds, difference between two interpolations of a bifurcation's load
 
 # from the tracer, which is at the state of a bifurcation, null vectors, the point, and the states before and after
@@ -35,9 +33,8 @@ def locate(tracer, earlier: State | None, before: State, after: State, named: Na
     """Critical points that the step from `before` to `after` brings to light; the tracer ends at `after`.
 
     A change of sign of the load rate is a limit point, which changes the number of unstable directions
-    by one; any other change in that number means bifurcations. A step with more than a few of them is too
-    long, unless their loads lie close together. A piece of path whose load does not follow from the tangents
-    at its ends, or that turns, is also looked at in its middle.
+    by one; any other change in that number means bifurcations. A piece of path with a large defect is also looked
+    at in its middle.
 
     As a contact slides over contact points the load rate wavers about that of the smooth path, while
     the load itself hardly does. With contact a limit point is therefore a step in which the load
@@ -59,8 +56,6 @@ def locate(tracer, earlier: State | None, before: State, after: State, named: Na
     """
     segment = Segment(tracer, before, after)
     returns: list[float] = []
-    if segment.guarded and _crowded(before, after, tracer.control.crowded):
-        raise Jump("too many bifurcations lie in one step")
     if segment.flows and tracer.control.guarded:
         _check(segment)
     if any(contribution.remembers for contribution in tracer.system.contributions):
@@ -140,9 +135,9 @@ def state_at(path, before: State, after: State, point: CriticalPoint) -> State:
 
 
 def _check(segment: Segment) -> bool:
-    """Look into the middle of pieces that turn, or that the tangents at their ends do not explain or interpolate.
+    """Look into the middle of pieces with a large defect.
 
-    Of shorter pieces than must be explained rounding may decide: they are left as a search has made them.
+    Of the shortest pieces rounding may decide: they are left as a search has made them.
 
     Returns
     -------
@@ -152,26 +147,26 @@ def _check(segment: Segment) -> bool:
     pieces = [(left, right) for left, right in segment.pairs()[::-1] if right - left >= shortest]
     while pieces:
         left, right = pieces.pop()
+        middle, is_long = (left + right) / 2, right - left >= shortest
+        if is_long and not segment.flows and hides(segment, left, right) and segment.reach(middle):
+            pieces += [(middle, right), (left, middle)]
+            continue
         if not _is_clear(segment, left, right):
             sound = segment.states[left] if left else None
-            if right - left < shortest:
-                raise Jump("tangents within the step do not explain its load", sound)
-            middle = (left + right) / 2
+            if not is_long:
+                raise Jump("states within the step do not lie on the curve that their tangents make", sound)
             if not segment.reach(middle, only_guessed=sound is not None):
                 raise Jump("the middle of the step does not converge", sound)
             pieces += [(middle, right), (left, middle)]
-        elif right - left >= shortest and not segment.flows and hides(segment, left, right):
-            middle = (left + right) / 2
-            if segment.reach(middle):
-                pieces += [(middle, right), (left, middle)]
     return len(segment.states) > known
 
 
 def _is_clear(segment: Segment, left: float, right: float) -> bool:
-    """Whether tangents tell what lies between two states; where points flow they may have a corner."""
-    if segment.flows:
-        return explained(segment, left, right) or cornered(segment, left, right)
-    return explained(segment, left, right) and interpolates(segment, left, right)
+    """Whether tangents tell what lies between two states; where points flow there may be a corner."""
+    if (left, right) not in segment.clear and (
+            interpolated(segment, left, right) or (segment.flows and cornered(segment, left, right))):
+        segment.clear.add((left, right))
+    return (left, right) in segment.clear
 
 
 def _limit(limit: Limit) -> tuple[CriticalPoint, State]:
@@ -223,12 +218,6 @@ def _hidden(one: State, other: State, limit: bool) -> int:
         return 0
     change = abs(one.unstable_modes - other.unstable_modes)
     return abs(change - 1) if limit else change
-
-
-def _crowded(before: State, after: State, most: int) -> bool:
-    """Whether more than so many bifurcations lie between two states that these should be nearer to each other."""
-    apart = abs(after.factor - before.factor) > CLUSTER * max(abs(after.factor), abs(before.factor))
-    return apart and _hidden(before, after, before.load_rate * after.load_rate < 0) > most
 
 
 def _crossings(segment: Segment, left: float, right: float, near: float, limit: bool) -> list[Crossing]:

@@ -30,8 +30,7 @@ SIGNALS = "Jump", "Missed", "Hidden", "Uncounted", "Unsettled"
 # What each predicate, retry or homotopy gives where it is switched off.
 SWITCHES = {
     "continuation/trail.py:Trail.holds": False,
-    "continuation/explained.py:explained": True,
-    "continuation/defect.py:interpolates": True,
+    "continuation/defect.py:interpolated": True,
     "continuation/work.py:work_matches": True,
     "events/leaping.py:require_convergence": None,
     "events/heading.py:hides": False,

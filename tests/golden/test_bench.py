@@ -13,7 +13,7 @@ import rows
 import structures
 
 from sheetfx import ArcLength, DisplacementControl
-from sheetfx.continuation import defect, explained
+from sheetfx.continuation import defect
 
 ROWS = rows.rows()
 
@@ -30,16 +30,16 @@ def test_rows_are_told_apart():
 @pytest.mark.parametrize("factor", [0.5, 2.0])
 def test_constant_is_moved_wherever_it_is_and_put_back(factor):
     def now():
-        return vars(explained)["MINOR"]
+        return vars(defect)["MINOR"]
 
     usual = now()
-    with moved.changed(row("MINOR", "continuation/explained.py"), factor) as possible:
+    with moved.changed(row("MINOR", "continuation/defect.py"), factor) as possible:
         assert possible and now() == factor * usual
     assert now() == usual
 
 
 def test_default_of_an_option_is_moved():
-    for name, usual in (("largest", 8.0), ("turning", 0.4)):
+    for name, usual in (("largest", 8.0), ("turn", 0.8)):
         with moved.changed(row(f"Options.{name}", "continuation/options.py"), 2.0) as possible:
             assert possible and getattr(ArcLength(), name) == getattr(DisplacementControl(), name) == 2 * usual
         assert getattr(ArcLength(), name) == usual
@@ -52,10 +52,10 @@ def test_every_place_that_raises_can_be_switched_off():
 
 
 def test_switched_guard_and_its_code():
-    before = defect.interpolates
-    with moved.changed(row("interpolates", "continuation/defect.py")):
-        assert defect.interpolates(None, 0.0, 1.0) is True
-    assert defect.interpolates is before
+    before = defect.interpolated
+    with moved.changed(row("interpolated", "continuation/defect.py")):
+        assert defect.interpolated(None, 0.0, 1.0) is True
+    assert defect.interpolated is before
 
 
 def test_every_constant_and_guard_has_its_row():
