@@ -12,20 +12,19 @@ error counts in the second order only, and slender structures lose no digits.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from petsc4py import PETSc
 
 from ..continuation.state import CriticalPoint, State
-from ..rounding import TINIEST, residual
+from ..rounding import TINIEST, UNIT, residual
 from .modes import scaled
 
 STEP = 1e-4  # of differences of the Hessian, in the scaled norm of increments
-LONGEST, HALVINGS = 0.1, 40  # of differences of the gradient, which end before where rounding takes over
-GROWN = 100  # times the least change from one difference to the next, a change that rounding makes
-AGREED = 1e-7  # relative change of the quartic coefficient, from which it is good enough
+LONGEST = 0.1  # of differences of the gradient
+AGREED = 1e-7  # relative change of a coefficient by shorter differences, from which it is good enough
 RESOLVED = 1e-6  # amplitude, in the scaled norm, for a load changed by one per cent; less beside a limit point
 NEGLIGIBLE = 1e-2  # share of the slope in a load changed by one per cent, of a symmetric bifurcation
 
@@ -177,47 +176,48 @@ class _Complement:
 def _cubic(energy: Energy, mode: PETSc.Vec) -> float:
     """Coefficient A of s^3 / 6 in the energy along s mode.
 
-    The even part of its derivative is r + A s^2 / 2 + d s^4, where r is what the state lacks of balance. Three
-    neighbours of a sequence of halved s give A; the one counts that differs least from the one before. Differences of
+    The even part of its derivative is r + A s^2 / 2 + d s^4, where r is what the state lacks of balance. Differences of
     the Hessian, which are taken over a shorter way, would make a symmetric bifurcation asymmetric by the rounding of
     stiff parts.
     """
-    even: list[float] = []
-    found: list[float] = []
-    changes: list[float] = []
-    for n in range(HALVINGS):
-        length = LONGEST / 2**n
-        even.append((energy.gradient(length * mode) + energy.gradient(-length * mode)).dot(mode) / 2)
-        if n >= 2:
-            found.append((17 * even[-2] - even[-3] - 16 * even[-1]) / (18 * length**2))
-        if n >= 3:
-            changes.append(abs(found[-1] - found[-2]))
-            if changes[-1] > GROWN * min(changes):
-                break
-    return found[1 + int(np.argmin(changes))]
+    def even(length: float) -> float:
+        return (energy.gradient(length * mode) + energy.gradient(-length * mode)).dot(mode) / 2
+
+    return 2 * _coefficient(even, (0, 2, 4))[0]
 
 
 def _quartic(energy: Energy, mode: PETSc.Vec, bend: PETSc.Vec) -> tuple[float, float]:
     """Coefficient of s^4 in the energy along s mode + s^2 bend, and its error.
 
-    The odd part of its derivative is c s + 4 quartic s^3 + d s^5; three neighbours of a sequence of halved s give the
-    quartic. Long ones suffer from higher terms and short ones from rounding: the value counts that differs least from
-    those before and behind it. Where a branch keeps its load the error is as large as the value.
+    The odd part of its derivative is c s + 4 quartic s^3 + d s^5. Where a branch keeps its load the error is as large
+    as the value.
     """
-    lengths = [LONGEST / 2**n for n in range(HALVINGS)]
-    odd, found, errors = [], [], []
-    for n, length in enumerate(lengths):
-        odd.append((_slope(energy, mode, bend, length) - _slope(energy, mode, bend, -length)) / 2)
-        if n >= 2:
-            s = np.array(lengths[n - 2: n + 1])
-            found.append(np.linalg.solve(np.column_stack((s, s**3, s**5)) / s[0] ** np.array([1, 3, 5]),
-                                         odd[-3:])[1] / s[0] ** 3 / 4)
-        if n >= 4:
-            errors.append(max(abs(found[-2] - other) for other in (found[-3], found[-1])))
-            if errors[-1] < AGREED * abs(found[-2]) or errors[-1] > GROWN * min(errors):
-                break
-    best = int(np.argmin(errors))
-    return float(found[1 + best]), float(errors[best])
+    def odd(length: float) -> float:
+        return (_slope(energy, mode, bend, length) - _slope(energy, mode, bend, -length)) / 2
+
+    found, error = _coefficient(odd, (1, 3, 5))
+    return found / 4, error / 4
+
+
+def _coefficient(function: Callable[[float], float], powers: tuple[int, int, int]) -> tuple[float, float]:
+    """Coefficient of the middle one of three powers of an amplitude in a function, and its error.
+
+    Three neighbours of a sequence of quartered amplitudes give the coefficient. Large ones suffer from higher terms,
+    small ones from rounding, and both change the coefficient at least fourfold from each to the next. The value counts
+    that differs least from those before and behind it, relative to itself.
+    """
+    lengths, values, found = [LONGEST], [function(LONGEST)], []
+    best, error = 0.0, np.inf
+    while lengths[-1] > LONGEST * UNIT**0.75 and error > AGREED:
+        lengths.append(lengths[-1] / 4)
+        values.append(function(lengths[-1]))
+        if len(values) >= 3:
+            s, scale = np.array(lengths[-3:]), lengths[-3]
+            found.append(np.linalg.solve((s[:, None] / scale) ** np.array(powers), values[-3:])[1] / scale ** powers[1])
+        if len(found) >= 3 and found[-2]:
+            off = max(abs(found[-2] - other) for other in (found[-3], found[-1]))
+            error, best = min((error, best), (off / abs(found[-2]), found[-2]))
+    return float(best), float(error * abs(best)) if best else 0.0
 
 
 def _slope(energy: Energy, mode: PETSc.Vec, bend: PETSc.Vec, length: float) -> float:
