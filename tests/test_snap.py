@@ -10,6 +10,7 @@ import pytest
 from helpers import cantilever, energy_and_residual, follow, hinged_column, on_two_processes, straight
 from scipy.optimize import brentq
 
+import sheetfx as fx
 from sheetfx.continuation.control import ArcLength, DisplacementControl, LoadControl
 from sheetfx.continuation.state import State
 from sheetfx.critical.branches import branches
@@ -128,15 +129,31 @@ def test_prescribed_motion_holds_the_displacement(frame):
 def test_falls_of_a_test(frame, tmp_path):
     """One where the load is lost, one where the displacement is; each is written, and drawn with the path."""
     (by_load,), (by_displacement,) = (snaps(frame.path, frame.states, hold) for hold in ("load", "displacement"))
-    assert by_load.before is beyond_limit(frame)
-    turning = by_displacement.before.step
-    assert by_displacement.before.deflection > frame.states[turning + 1].deflection
-    assert by_displacement.before.deflection > frame.states[turning - 1].deflection
+    assert by_load.before.load == pytest.approx(frame.critical_points[0].load, rel=1e-10)
+    assert by_load.after.load == pytest.approx(by_load.before.load, rel=1e-12)
+    largest = max(state.deflection for state in frame.states if state.step < 30 and state.load > 0)
+    assert largest < by_displacement.before.deflection < 1.01 * largest
     falls_curve(frame, tmp_path)
     report = json.loads((tmp_path / "fall1" / "snap.json").read_text())
     assert report["energy_released"] == by_load.energy_released
     assert State.load_from(tmp_path / "fall1" / "after.0.npz").deflection == by_load.after.deflection
     assert (tmp_path / "falls.png").stat().st_size > 10000
+
+
+@pytest.mark.parametrize(("scene", "hold"), [
+    (lambda: roof.case(cells=2, to=26.0), "load"), (lambda: lee_frame.case(elements=10, to=85.0), "displacement"),
+    (lambda: von_mises_truss.case(0.3), "load")], ids=["roof", "Lee frame", "flat truss"])
+def test_falls_do_not_hang_on_the_lengths_of_steps(scene, hold):
+    """They begin where what is held has its extreme, not at the next state."""
+    found = []
+    for largest in (2.0, 8.0):
+        case = scene()
+        record = fx.trace(replace(case, control=replace(case.control, largest=largest)))
+        found.append([(fall.before.load, fall.after.deflection, fall.energy_released)
+                      for fall in snaps(record.path, record.states, hold)])
+    assert found[0]
+    for one, other in zip(*found, strict=True):
+        assert one == pytest.approx(other, rel=1e-7)
 
 
 @pytest.mark.parametrize("side", [-1, 1])

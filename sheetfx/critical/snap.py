@@ -11,10 +11,14 @@ from pathlib import Path as Folder
 from ..continuation.inertia import can_stick
 from ..continuation.state import State
 from ..continuation.tracer import tracer_of
-from .descent import Fall, FallStep, unstable
+from ..events.event import Event, occurrences
+from .descent import Fall, FallStep, SnapFailure, unstable
 from .viscous import ViscousFall
 
 HOLDS = ("load", "displacement")
+# of the load, where its rate passes zero; of the displacement on which it works, where the compliance does
+EXTREMES = {"load": Event("extreme", lambda state: state.load_rate),
+            "displacement": Event("extreme", lambda state: state.reference[1] / state.current_stiffness)}
 
 
 @dataclass(frozen=True)
@@ -100,7 +104,11 @@ def snap(path, state: State, hold: str = "load", side: int = 1,
 
 
 def snaps(path, states: Sequence[State], hold: str = "load") -> list[Snap]:
-    """Falls of a test along a path: one from the first state of each unstable piece.
+    """Falls of a test along a path: one where each unstable piece begins.
+
+    There what is held has its extreme, and this state is found first. Where a piece begins with a bifurcation or with
+    contact, or where very slender parts do not fall from the extreme itself, the next state of the path counts, and the
+    fall hangs on the length of steps.
 
     Parameters
     ----------
@@ -108,8 +116,30 @@ def snaps(path, states: Sequence[State], hold: str = "load") -> list[Snap]:
     states : of the path, in order
     hold : as of `snap`
     """
-    return [snap(path, after, hold) for before, after in pairwise(states)
+    return [_first_fall(path, before, after, hold) for before, after in pairwise(states)
             if unstable(after, hold) and not unstable(before, hold)]
+
+
+def _first_fall(path, before: State, after: State, hold: str) -> Snap:
+    """The fall from the extreme of what is held between two states, else from the second one."""
+    extreme = _extreme(tracer_of(path), before, after, hold)
+    try:
+        return snap(path, extreme or after, hold)
+    except SnapFailure:
+        if extreme is None:
+            raise
+        return snap(path, after, hold)
+
+
+def _extreme(tracer, before: State, after: State, hold: str) -> State | None:
+    """The state between two others at which what is held has its extreme; None if they know of none."""
+    first = next((point for point in after.critical if point.step == after.step), None)
+    if not tracer.system.smooth or (first and first.kind == "bifurcation"):
+        return None
+    present = tracer.state
+    found = occurrences(tracer, before, after, [EXTREMES[hold]], whole=True)
+    tracer.back_to(present)
+    return found[0].state if found and not found[0].point.spread else None
 
 
 def _check(tracer, state: State, hold: str, side: int) -> None:
