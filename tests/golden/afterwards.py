@@ -17,14 +17,15 @@ FALLS = 2  # of a path, at most
 
 
 def bifurcations(record: Record) -> dict[str, float]:
-    """Koiter's coefficients and the starts of all branches."""
+    """Koiter's coefficients, and of all branches whether their loads rise and how many unstable modes they have."""
     found = {}
     for n, point in enumerate(p for p in record.critical_points if p.kind == "bifurcation"):
         found |= {f"{key} {n}": value for key, value in (("a", point.slope), ("b", point.curvature))
                   if value is not None}
         starts = record.branches(point)
         found[f"branches {n}"] = len(starts)
-        found |= {f"branch {n} {k}": load for k, load in enumerate(sorted(branch.start.load for branch in starts))}
+        kinds = sorted((np.sign(b.start.load - point.load), b.start.unstable_modes) for b in starts)
+        found |= {f"branch {n} {k}": rises * (1 + modes) for k, (rises, modes) in enumerate(kinds)}
     return found
 
 

@@ -157,16 +157,19 @@ def _limited(seconds: float):
 def difference(golden: Outcome, found: Outcome, accuracy: float = 1e-6) -> str:
     """How an outcome differs from the golden one; "" where it does not.
 
-    Where steps are counted only the points that both paths reach are compared; nearly all must be reached.
+    Where steps are counted only the points that both paths reach are compared. Nearly all must be reached, unless the
+    other path alone ends by its number of steps, as with shorter ones.
 
     Parameters
     ----------
     accuracy : of loads and numbers, relative to the largest
     """
-    if found.way != golden.way and not (golden.counted and "reached" in found.ended):
+    cut = found.counted and not golden.counted
+    if found.way != golden.way and not cut and not (golden.counted and "reached" in found.ended):
         return f"ends: {found.ended}"
     count, reached = len(golden.points), len(found.points)
-    if count != reached and not (golden.counted and (reached >= KEPT * count or not found.counted)):
+    allowed = reached < count if cut else golden.counted and (reached >= KEPT * count or not found.counted)
+    if count != reached and not allowed:
         return f"{reached} points for {count}"
     largest = max([abs(p.load) for p in golden.points] + [abs(golden.load)]) or 1.0
     for mine, other in zip(golden.points, found.points, strict=False):
@@ -174,7 +177,7 @@ def difference(golden: Outcome, found: Outcome, accuracy: float = 1e-6) -> str:
             return f"{other.kind} {other.name} {other.multiplicity} for {mine.kind} {mine.name} {mine.multiplicity}"
         if abs(mine.load - other.load) > accuracy * largest:
             return f"load {other.load:.9g} for {mine.load:.9g}"
-    if "reached" in golden.ended and abs(golden.load - found.load) > accuracy * largest:
+    if "reached" in golden.ended and not cut and abs(golden.load - found.load) > accuracy * largest:
         return f"last load {found.load:.9g} for {golden.load:.9g}"
     if golden.numbers.keys() != found.numbers.keys():
         return f"{len(found.numbers)} numbers for {len(golden.numbers)}"
