@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import cast
 
 import numpy as np
 
+from ..discrete.discretisation import Discretisation
 from ..rounding import SAME
 from .segment import Jump, Missed, Segment
 from .state import State
@@ -50,10 +52,11 @@ class Accounts:
     """
 
     def __init__(self, tracer: Tracer, states: Sequence[State]):
-        self._tracer, self._loads = tracer, {}
+        self._tracer, self._structure = tracer, cast(Discretisation, tracer.discretisation)
+        self._loads: dict[int, np.ndarray] = {}
         self._within: list[Segment | None] = [None] * (len(states) - 1)
-        system, discretisation = tracer.system, tracer.discretisation
-        self._others = [c for c in system.contributions[len(discretisation.scene.parts):] if c.stage is None]
+        system = tracer.system
+        self._others = [c for c in system.contributions[len(self._structure.scene.parts):] if c.stage is None]
         self._turning = system.free_rows(lambda field: field.curved)
         self._steps = [[self._account(state)] for state in states]
 
@@ -92,8 +95,8 @@ class Accounts:
         return segment
 
     def _account(self, state: State) -> Account:
-        tracer, system, held = self._tracer, self._tracer.system, self._tracer.system.multiplier_rows
-        load, discretisation = system.create_vector(), tracer.discretisation
+        system, held = self._tracer.system, self._tracer.system.multiplier_rows
+        load, structure = system.create_vector(), self._structure
         system.restore(state.fields)
         place = system.step_by([np.zeros((len(f.table), f.width)) if f.curved else f.table
                                 for f in system.unknowns.fields]).array
@@ -105,9 +108,9 @@ class Accounts:
                 load.array[self._turning].any())
             done.append(_product(system, load.array, place, held))
         product, rate = (_product(system, load.array, by) for by in (place, state.response))
-        parts = zip(discretisation.scene.parts, discretisation.works_of_parts, strict=True)
-        stored = [discretisation.strain_energy(part) if work.tells_energy else np.nan for part, work in parts]
-        return Account(state, stored, sum(c.energy() or 0.0 for c in self._others), discretisation.dissipated(), done,
+        parts = zip(structure.scene.parts, structure.works_of_parts, strict=True)
+        stored = [structure.strain_energy(part) if work.tells_energy else np.nan for part, work in parts]
+        return Account(state, stored, sum(c.energy() or 0.0 for c in self._others), structure.dissipated(), done,
                        product, rate, dead, dead or _proportional(system, state))
 
     def _followed(self) -> list[Account]:

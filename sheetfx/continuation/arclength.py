@@ -16,6 +16,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from ..compat import NOT_A_NUMBER
+from ..discrete.system import System
 from ..rounding import SAFETY, residual
 from .control import LoadResponse, StepRule
 from .elimination import Elimination
@@ -78,9 +79,10 @@ class PathStep:
     patient : whether it goes on where iterations lead nowhere for long, as where each peels off some points of contact
     """
 
+    system: System
+    control: StepRule
+
     def __init__(self):
-        self.system = None
-        self.control: StepRule | None = None
         self.history: list[float] = []
         self._corrections: list[float] = []
         self.start = self.load_increment = self.rounding = self.viscosity = self._noise = 0.0
@@ -88,7 +90,7 @@ class PathStep:
         self.unfinished: np.ndarray | None = None
         self.elimination: Elimination | None = None
 
-    def attach(self, snes: PETSc.SNES, system) -> None:
+    def attach(self, snes: PETSc.SNES, system: System) -> None:
         """Let the SNES solve this system; called once."""
         self.system = system
         self._residual, self._load = system.create_vector(), system.create_vector()
@@ -183,7 +185,7 @@ class PathStep:
         if self._guess is not None:
             self._correct(snes, x)
             return
-        with self.system.held(found=self._eliminates) as holding:
+        with self.system.held(found=self._eliminating is not None) as holding:
             if holding:
                 snes.computeFunction(x, self._residual)
             self._correct(snes, x)
@@ -239,24 +241,24 @@ class PathStep:
         return SPARE * now**2 <= self._tolerance * before
 
     @property
-    def _eliminates(self) -> bool:
-        """Whether contact forces are found from a step: once they are nearly exact, where plain steps are in vain."""
+    def _eliminating(self) -> Elimination | None:
+        """What finds contact forces from a step, until they are nearly exact, and where plain steps are in vain."""
         if self.elimination is None or not self.history:
-            return self.elimination is not None
+            return self.elimination
         in_vain = len(self.history) > 2 and 2 * self.history[-1] > self.history[-3]
-        return self.history[-1] > self.elimination.exact or in_vain
+        return self.elimination if self.history[-1] > self.elimination.exact or in_vain else None
 
     def _hold_contacts(self, x, tangent: LoadResponse, along) -> None:
         """Change a step, with `load_increment` at its end, so that contacts hold after it; the control's is `along`.
 
         They do so more exactly than equilibrium at its start.
         """
-        if self._eliminates:
+        if elimination := self._eliminating:
             self.system.load(self._load)
             size = max(abs(self.factor_now) * self._load.norm(), self.system.reaction)
-            exact = min(self.elimination.exact, BETTER * (self.history[-1] if self.history else inf))
+            exact = min(elimination.exact, BETTER * (self.history[-1] if self.history else inf))
             gradient = self.control.gradient(tangent, along, self.load_increment)
-            self.load_increment += self.elimination.correct(x, self.factor_now, self._step, tangent.solution, gradient,
+            self.load_increment += elimination.correct(x, self.factor_now, self._step, tangent.solution, gradient,
                                                             size, exact)
 
     def _at_rounding(self, x) -> bool:

@@ -15,11 +15,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 from scipy.interpolate import KroghInterpolator
 
 from ..checks import Positive, require
+from ..discrete.discretisation import Discretisation
 from .accounts import Account, Accounts
 from .state import State
 from .tracer import Tracer
@@ -108,15 +110,17 @@ def balance(tracer: Tracer, states: Sequence[State], accuracy: float | None = No
         states of the path tell
     """
     require("balance", accuracy=(accuracy, Positive | None))
-    system, works, present = tracer.system, tracer.discretisation.works_of_parts, tracer.state
+    system, present = tracer.system, tracer.state
+    works = cast(Discretisation, tracer.discretisation).works_of_parts
     untold = {f"{c.called or type(c).__name__} does not tell its energy" for c in system.contributions
               if c.stage is None and c not in works and c.energy() is None}
     if not all(work.tells_energy for work in works):
         untold.add("a law with history does not tell what it stores")
     books = Accounts(tracer, states)
     accounts = books.balanced()
-    for _ in range(ROUNDS if accuracy and not untold else 0):
-        most = accuracy * (np.ptp([sum(a.parts) + a.joints + a.dissipated for a in accounts]) or 1.0) / len(accounts)
+    asked = 0.0 if untold else accuracy or 0.0
+    for _ in range(ROUNDS if asked else 0):
+        most = asked * (np.ptp([sum(a.parts) + a.joints + a.dissipated for a in accounts]) or 1.0) / len(accounts)
         if not books.halve([i for i in range(len(accounts) - 1) if _step(accounts, i)[1] > most]):
             break
         accounts = books.balanced()

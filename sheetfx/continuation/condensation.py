@@ -14,6 +14,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import block_diag, csc_matrix, csr_matrix, vstack
 
+from ..discrete.condensed_pairs import CondensedPairs
 from .elimination import Elimination
 
 NOTHING = 0.1  # of the error that is allowed, forces that are none
@@ -32,7 +33,7 @@ class Condensation(Elimination):
 
     def _linearise(self) -> None:
         """Take forces and stiffness as they are, with what is held for this iteration, and the laws without it."""
-        pairs = [c for c in self._system.contributions if c.condenses]
+        pairs = [c for c in self._system.contributions if isinstance(c, CondensedPairs)]
         self._laws = [c.law_of_changes() for c in pairs]
         motions = [c.motions() for c in pairs]
         self._motions, self._ends = vstack(motions, format="csr"), np.cumsum([m.shape[0] for m in motions])[:-1]

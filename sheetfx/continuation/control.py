@@ -76,6 +76,10 @@ class StepRule(Options):
         """Derivatives of the control's equation by the unknowns (None: zero) and by the load factor, up to a factor."""
         raise NotImplementedError
 
+    def correct(self, length: float, tangent, increment, load_increment: float, residual_part) -> tuple[float, float]:
+        """Change of the load increment in an iteration, and the part of the residual's correction that goes with it."""
+        raise NotImplementedError
+
     def clip(self, length: float, factor: float) -> float:
         """Shorten a step that would pass the control's end."""
         return length

@@ -10,8 +10,9 @@ from petsc4py import PETSc
 
 from .. import rounding
 from ..discrete.functional import Functional
+from ..discrete.system import System
 from .control import StepRule
-from .problem import Equations, Problem
+from .problem import Problem
 from .state import State
 
 
@@ -25,7 +26,7 @@ class Measuring:
     """
 
     discretisation: Problem
-    system: Equations
+    system: System
     control: StepRule
     _monitor: Functional
 

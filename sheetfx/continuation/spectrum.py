@@ -5,17 +5,27 @@ The SLEPc solver takes the prefix `sheetfx_spectrum_`.
 
 from __future__ import annotations
 
+from typing import Any, Protocol
+
 from petsc4py import PETSc
 from slepc4py import SLEPc
 
 from ..rounding import is_real
 from .callbacks import interruptible
-from .linear import DirectSolver
 
 PREFIX = "sheetfx_spectrum_"
 
 
-def nearest_to_zero(solver: DirectSolver, mass: PETSc.Mat, count: int,
+class Factored(Protocol):
+    """A tangent with its factor, such as a `linear.DirectSolver`."""
+
+    matrix: PETSc.Mat
+    symmetric: bool
+
+    def solve(self, right: PETSc.Vec, solution: PETSc.Vec) -> Any: ...
+
+
+def nearest_to_zero(solver: Factored, mass: PETSc.Mat, count: int,
                     tolerance: float = 1e-12) -> tuple[list[float], list[PETSc.Vec]]:
     """Eigenvalues of K mode = value M mode nearest to zero, in ascending order, and modes with mode M mode = 1.
 
@@ -44,7 +54,7 @@ def nearest_to_zero(solver: DirectSolver, mass: PETSc.Mat, count: int,
     return [value for value, _ in found], [mode for _, mode in found]
 
 
-def nearest_pairs(solver: DirectSolver, mass: PETSc.Mat, count: int,
+def nearest_pairs(solver: Factored, mass: PETSc.Mat, count: int,
                   tolerance: float = 1e-12) -> list[tuple[complex, PETSc.Vec, PETSc.Vec]]:
     """Complex eigenvalues of K mode = value M mode nearest to zero, and the real and imaginary parts of modes.
 
@@ -60,7 +70,7 @@ def nearest_pairs(solver: DirectSolver, mass: PETSc.Mat, count: int,
     return found[:count]
 
 
-def _solved(solver: DirectSolver, mass: PETSc.Mat, count: int, tolerance: float) -> SLEPc.EPS:
+def _solved(solver: Factored, mass: PETSc.Mat, count: int, tolerance: float) -> SLEPc.EPS:
     """Solved eigenproblem for the values nearest to zero."""
     eps, kinds = about_zero(solver, mass, PREFIX), SLEPc.EPS.ProblemType
     eps.setProblemType(kinds.GHEP if solver.symmetric else kinds.GNHEP)
@@ -72,7 +82,7 @@ def _solved(solver: DirectSolver, mass: PETSc.Mat, count: int, tolerance: float)
     return eps
 
 
-def lowest(solver: DirectSolver, mass: PETSc.Mat, count: int, negative: int) -> tuple[list[float], list[PETSc.Vec]]:
+def lowest(solver: Factored, mass: PETSc.Mat, count: int, negative: int) -> tuple[list[float], list[PETSc.Vec]]:
     """Algebraically lowest eigenvalues of K mode = value M mode, in ascending order, and modes with mode M mode = 1.
 
     Parameters
@@ -104,7 +114,7 @@ def _normed(mode: PETSc.Vec, mass: PETSc.Mat) -> PETSc.Vec:
     return mode
 
 
-def about_zero(solver: DirectSolver, right: PETSc.Mat, prefix: str) -> SLEPc.EPS:
+def about_zero(solver: Factored, right: PETSc.Mat, prefix: str) -> SLEPc.EPS:
     """Eigensolver of K mode = value (right) mode for values about zero, with the factor of K that is there."""
     eps = SLEPc.EPS().create(right.comm)
     eps.setOptionsPrefix(prefix)
@@ -117,7 +127,7 @@ def about_zero(solver: DirectSolver, right: PETSc.Mat, prefix: str) -> SLEPc.EPS
     return eps
 
 
-def solve_by(solver: DirectSolver, ksp: PETSc.KSP) -> None:
+def solve_by(solver: Factored, ksp: PETSc.KSP) -> None:
     """Have a KSP solve with the factor that a direct solver has."""
     ksp.setType(PETSc.KSP.Type.PREONLY)
     ksp.getPC().setType(PETSc.PC.Type.PYTHON)
@@ -127,7 +137,7 @@ def solve_by(solver: DirectSolver, ksp: PETSc.KSP) -> None:
 class _Factored:
     """A preconditioner that is the factor of a direct solver."""
 
-    def __init__(self, solver: DirectSolver):
+    def __init__(self, solver: Factored):
         self._solver = solver
 
     def apply(self, pc, right, solution):

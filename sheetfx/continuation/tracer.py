@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import inf, sqrt
+from typing import cast
 
 import numpy as np
 from petsc4py import PETSc
@@ -284,8 +285,8 @@ class Tracer(Measuring):
             load_rate=sign / sqrt(tangent.norm2 + weight),
             iterations=iterations, hardest=self._most, factorisations=self.total_factorisations - factorisations,
             length=length, next_length=length, load_increment=load_increment,
-            current_stiffness=tangent.current_stiffness, displacement_extremes=extremes, reference=self._reference,
-            contact_points=touching, penetration=penetration,
+            current_stiffness=tangent.current_stiffness, displacement_extremes=extremes,
+            reference=cast(tuple[float, float], self._reference), contact_points=touching, penetration=penetration,
             apart=apart and (start is not None or not system.history.moved),
             increment=increment, response=self._response.array.copy(), fields=system.snapshot(),
             scene=getattr(self.discretisation, "scene", None))
@@ -319,9 +320,9 @@ class Tracer(Measuring):
         The current stiffness parameter then changes sign through infinity, not through zero as at an extreme of the
         load: its value for the chord of the step lies beyond those at both ends.
         """
-        ends = start.current_stiffness, self.tangent.current_stiffness
+        ends, work_of_first = (start.current_stiffness, self.tangent.current_stiffness), start.reference[1]
         work = self._load.dot(self.x)
-        chord = self.stepper.load_increment * self._reference[1] / work if work else inf
+        chord = self.stepper.load_increment * work_of_first / work if work else inf
         return ends[0] * ends[1] < 0 and not min(ends) < chord < max(ends)
 
 

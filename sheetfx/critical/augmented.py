@@ -23,7 +23,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Annotated
+from typing import Annotated, cast
 
 import numpy as np
 from petsc4py import PETSc
@@ -445,8 +445,8 @@ class _Newton:
         tracer = self._tracer
         weighted = _combined([self._system.weights * mode for mode in self.modes], self._forces)
         unfolding = weighted.norm() / (abs(self._factor) * tracer.load_vector().norm())
-        point = CriticalPoint(self.kind, state.load, state.deflection, state.step, name="", multiplicity=len(nulls),
-                              spread=self._spread(state))
+        point = CriticalPoint(cast(str, self.kind), state.load, state.deflection, state.step, name="",
+                              multiplicity=len(nulls), spread=self._spread(state))
         if self.kind == "bifurcation":
             point = postbuckling(tracer, state, nulls, point, [guess, guess])
         modes = tuple(scaled(tracer.discretisation, mode) for mode in nulls)

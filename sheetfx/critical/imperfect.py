@@ -6,7 +6,7 @@ import copy
 from collections.abc import Iterator, Sequence
 from dataclasses import fields, is_dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from mpi4py import MPI
@@ -18,7 +18,7 @@ from ..discrete.discretisation import Discretisation
 from ..discrete.fields import SAME_PLACE
 from ..mesh import imperfection
 from ..mesh.imperfection import Shape, at_places, geometry_nodes_at, given_shapes, moved_together
-from ..mesh.lines import Stretch, lines_of
+from ..mesh.lines import Stretch, Vector, lines_of
 from ..mesh.mixed import MixedMesh
 from ..mesh.projection import Cells
 from ..mesh.reader import NamedMesh
@@ -112,8 +112,10 @@ class _Moved:
 
     def _stretch(self, mesh: NamedMesh, stretch: Stretch) -> Stretch:
         """A stretch that goes along with the mesh it is on."""
-        start, end = (at if at is None or isinstance(at, str) else self._place(mesh, at)
-                      for at in (stretch.start, stretch.end))
+        def moved(at: str | Vector) -> str | Vector:
+            return at if isinstance(at, str) else self._place(mesh, at)
+
+        start, end = moved(stretch.start), None if stretch.end is None else moved(stretch.end)
         length = stretch.length
         if length and isinstance(stretch.along, str):
             before, after = (sum(p.length() for line in lines_of(m, stretch.along) for p in line)
@@ -121,12 +123,12 @@ class _Moved:
             length *= after / before
         return replace(stretch, start=start, end=end, length=length)
 
-    def _place(self, mesh: NamedMesh, at: Sequence[float]) -> tuple[float, ...]:
+    def _place(self, mesh: NamedMesh, at: Sequence[float]) -> Vector:
         """Where a place on or beside a mesh is once that has moved."""
         cells, x = Cells(mesh, mesh.group(None)), np.array([at], dtype=float)
         which, reference, _ = cells.closest(x)
         way = Cells(self._new[id(mesh)], cells.cells).places(which, reference) - cells.places(which, reference)
-        return tuple((x + way)[0].tolist())
+        return cast(Vector, tuple((x + way)[0].tolist()))
 
 
 def _common(scene: Scene) -> Iterator[tuple[int, int, np.ndarray]]:

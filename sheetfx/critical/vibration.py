@@ -13,6 +13,7 @@ from cmath import sqrt
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import pi
+from typing import cast
 
 import numpy as np
 from petsc4py import PETSc
@@ -24,6 +25,7 @@ from ..continuation.spectrum import lowest, nearest_pairs
 from ..continuation.state import State
 from ..discrete.discretisation import Discretisation
 from ..mesh.numbers import as_constants
+from ..model.cross_section import Elastic
 from ..model.shell import Shell
 from ..rounding import is_real
 from .modes import scaled
@@ -125,12 +127,12 @@ def inertia(discretisation: Discretisation, part):
 def _shell_inertia(discretisation: Discretisation, shell: Shell):
     k, unknowns, domain = discretisation.kinematics(shell.mesh), discretisation.unknowns, shell.mesh.domain
     mass, rotary = shell.sections.numbers(lambda section: section.inertia(shell.material))
-    arm = as_constants(domain, shell.offset + shell.section.mass_centre(shell.material))
+    arm = as_constants(domain, shell.offset + shell.section.mass_centre(cast(Elastic, shell.material)))
     frame, area = shell.mid_surface()
     normal = k.total_rotation.rotate(frame.director)
     changes, spins = _changes(unknowns, k.u), _changes(unknowns, k.spin)
     work = forms.inertia.translation(mass, *_carried(changes, spins, arm * normal))
-    work += forms.inertia.director(rotary, *spins, normal)
+    work += forms.inertia.director(rotary, spins[0], spins[1], normal)
     return area * work * shell.measure()
 
 
@@ -147,7 +149,7 @@ def _bar_inertia(discretisation: Discretisation, part):
         arm = sum(c * k.total_rotation.rotate(axis) for c, axis in zip(offset, frame.axes[1:], strict=True))
         changes = _carried(changes, spins, arm)
     work = forms.inertia.translation(mass, *changes)
-    work += forms.inertia.section(rotary, *spins, k.total_rotation, frame)
+    work += forms.inertia.section(rotary, spins[0], spins[1], k.total_rotation, frame)
     return length * work * integral
 
 

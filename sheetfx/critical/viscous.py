@@ -108,7 +108,8 @@ class ViscousFall(Fall):
 
         Those may be far from zero behind many others, as friction lets modes grow at once: the shift looks there.
         """
-        weights, shift, best, count = self.system.weights, 0.0, None, max(growing + 1, 2)
+        weights, shift, count = self.system.weights, 0.0, max(growing + 1, 2)
+        best: tuple[list[float], list[PETSc.Vec]] | None = None
         mass, unshifted = diagonal(weights), self._held.matrix.getDiagonal()
         for _ in range(LOOKS):
             self._held.matrix.setDiagonal(unshifted + shift * weights)
@@ -125,6 +126,7 @@ class ViscousFall(Fall):
             if sum(value < 0 for value in values) >= growing:
                 break
             shift = farthest + shift
+        assert best is not None, LOOKS
         return best
 
     def _move_on(self, pushed: float) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import basix.ufl
 import numpy as np
@@ -26,8 +27,8 @@ class Kinematics:
 
     u: fem.Function
     spin: fem.Function | None
-    rotation: object
-    total_rotation: object
+    rotation: Any
+    total_rotation: Any
     block: Block
 
     def sub_space(self, component: str):
