@@ -25,7 +25,7 @@ from .continuation.problem import Problem
 from .continuation.segment import Jump, Missed
 from .continuation.state import CriticalPoint, State
 from .continuation.tracer import Tracer
-from .continuation.trail import Trail
+from .continuation.visited import VisitedStates
 from .critical.flutter import Flutter
 from .critical.koiter import postbuckling
 from .critical.rest import unstable_at_rest
@@ -96,7 +96,8 @@ class Path:
         self.critical_states: dict[CriticalPoint, State] = {}
         self._listeners: list[Callable[[State], None]] = []
         self._earlier = self.start[-2] if len(start) > 1 else None
-        self._trail = None if self.tracer.system.smooth else Trail(self.tracer, self.start or [self.tracer.state])
+        begun = self.start or [self.tracer.state]
+        self._visited = None if self.tracer.system.smooth else VisitedStates(self.tracer, begun)
         if not start and self.tracer.state.unstable_modes:
             warn(unstable_at_rest(self.tracer))
         if start:
@@ -194,8 +195,8 @@ class Path:
         after = replace(after, next_length=min(largest, length * growth), critical=points,
                         load_sense=load_sense(self.tracer, before, after))
         self.tracer.state, self._earlier, self._hidden = after, before, max(0.0, self._hidden - after.length)
-        if self._trail:
-            self._trail.append(after)
+        if self._visited:
+            self._visited.append(after)
         return after
 
     def _try(self, before: State, length: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:
@@ -228,7 +229,7 @@ class Path:
     def _around_corner(self, before: State, wanted: float,
                        failed: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:
         """A step around a corner of the path, before which loads say nothing of those behind it."""
-        after = around_corner(self.tracer, before, wanted, failed, self._trail, self._earlier)
+        after = around_corner(self.tracer, before, wanted, failed, self._visited, self._earlier)
         return None if after is None else self._searched(before, after, None, pi, whole=True)
 
     def _up_to_bifurcation(self, before: State,
@@ -254,7 +255,7 @@ class Path:
         """
         try:
             turn = self.tracer.turn(before, after)
-            if self._trail and self._guards_corners and self._trail.holds(after):
+            if self._visited and self._guards_corners and self._visited.holds(after):
                 self._refusal = "it leads back onto the path that has led here"
             elif turn <= largest_turn:
                 points = locate(self.tracer, earlier, before, after, postbuckling, self._others)

@@ -9,7 +9,7 @@ from sheetfx.case import trace
 from sheetfx.continuation.control import LoadControl
 from sheetfx.continuation.enforcement import Enforcement
 from sheetfx.continuation.segment import Segment
-from sheetfx.continuation.trail import Trail
+from sheetfx.continuation.visited import VisitedStates
 from sheetfx.continuation.work import work_matches
 from sheetfx.discrete.zones import Zones, samples
 from sheetfx.path import PathFailure
@@ -75,9 +75,9 @@ def test_steps_back_onto_the_path_are_told():
     """A state between two others of the path lies on it, unless it touches or stands elsewhere, or is less stable."""
     record = trace(arch_case(**COARSE, to=20.0))
     states, tracer = record.states, record.path.tracer
-    assert not any(Trail(tracer, states[:n]).holds(states[n]) for n in range(1, len(states)))
+    assert not any(VisitedStates(tracer, states[:n]).holds(states[n]) for n in range(1, len(states)))
     one, other = states[2:4]
-    trail, back = Trail(tracer, states[:5]), -states[4].increment - other.increment / 2
+    trail, back = VisitedStates(tracer, states[:5]), -states[4].increment - other.increment / 2
     between = replace(one, load=(one.load + other.load) / 2, deflection=(one.deflection + other.deflection) / 2,
                       increment=back)
     assert trail.holds(between)

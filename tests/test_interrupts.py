@@ -21,7 +21,7 @@ from mpi4py import MPI
 import sheetfx as fx
 from sheetfx.archive.folder import Archive, Interrupted
 from sheetfx.case import run
-from sheetfx.continuation.arclength import PathStep
+from sheetfx.continuation.corrector import BorderedNewton
 from sheetfx.scenes import load_case
 
 LINE = re.compile(r"sheetfx: interrupted; (.+ (?:is|are) kept in .+|nothing new is kept, and the folder is as it was); "
@@ -59,7 +59,7 @@ def states(folder) -> np.ndarray:
 
 MOMENTS = [  # and the states that are kept then; -1: all, None: those of earlier
     (NOW, None), (at_call("sheetfx.path:Path.__init__", 1), 0),
-    (at_call("sheetfx.continuation.arclength:PathStep._evaluate", 20), 3),
+    (at_call("sheetfx.continuation.corrector:BorderedNewton._evaluate", 20), 3),
     (at_call("sheetfx.archive.folder:Archive.drawing", 1), -1),
 ]
 
@@ -85,7 +85,7 @@ def test_interrupt_in_a_script(tmp_path, monkeypatch):
     def interrupt(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(PathStep, "_evaluate", interrupt)
+    monkeypatch.setattr(BorderedNewton, "_evaluate", interrupt)
     with pytest.raises(KeyboardInterrupt):
         fx.trace(load_case("von-mises-truss")())
     with pytest.raises(Interrupted, match="interrupted; 1 state is kept in .*; go on with --resume"):

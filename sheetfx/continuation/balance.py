@@ -22,7 +22,7 @@ from scipy.interpolate import KroghInterpolator
 
 from ..checks import Positive, require
 from ..discrete.discretisation import Discretisation
-from .accounts import Account, Accounts
+from .energy_ledger import Account, EnergyLedger
 from .state import State
 from .tracer import Tracer
 
@@ -116,7 +116,7 @@ def balance(tracer: Tracer, states: Sequence[State], accuracy: float | None = No
               if c.stage is None and c not in works and c.energy() is None}
     if not all(work.tells_energy for work in works):
         untold.add("a law with history does not tell what it stores")
-    books = Accounts(tracer, states)
+    books = EnergyLedger(tracer, states)
     accounts = books.balanced()
     asked = 0.0 if untold else accuracy or 0.0
     for _ in range(ROUNDS if asked else 0):

@@ -18,7 +18,7 @@ from petsc4py import PETSc
 from .inertia import can_stick, sticking
 from .linear import SingularTangent
 from .state import CriticalPoint, State
-from .trail import Trail
+from .visited import VisitedStates
 
 SHORTER, FEWEST = 1 / 4, 3  # ratio of the lengths of steps that are tried, and how many at least
 LEAST = 1 / 8  # of the usual first step, the longest one at least: beside a corner steps have become short
@@ -28,7 +28,7 @@ SHORT_OF = 0.98  # of the way to a change of contact, for the state ahead of it
 BACK = 0.95  # cosine of the angle with the step before, from which a step goes back where it came from
 
 
-def around_corner(tracer, before: State, wanted: float, failed: float, trail: Trail | None = None,
+def around_corner(tracer, before: State, wanted: float, failed: float, trail: VisitedStates | None = None,
                   earlier: State | None = None) -> State | None:
     """A step from a state that lies at a corner of the path; None, and back at the state, if none is found.
 

@@ -59,7 +59,7 @@ def _forgotten(segment: Segment) -> tuple[float, float]:
     laws = [c for c in system.contributions if c.remembers]
     for left, right in segment.pairs():
         for length in ((left + right) / 2, right):
-            load, x = segment.course.at(length, segment.states)
+            load, x = segment.dense.at(length, segment.states)
             system.configure(system.create_vector(x), before.factor + load)
             for law in laws if length < after.length else ():
                 law.pass_by(begins=not left and length < right)

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from ..rounding import NONE, root
-from .course import Course
+from .dense_output import DenseOutput
 from .state import State
 
 IN_BALANCE = 1e-6  # residual over the load of an interpolated state
@@ -44,7 +44,7 @@ class Segment:
 
     Attributes
     ----------
-    wavering : whether tangents waver
+    nonsmooth : whether tangents waver
     flows : whether points that begin or cease to flow alone make them do so
     states : those that are known, by their lengths
     looked, clear : pieces whose eigenvalues have been looked at, and of which nothing more need be known
@@ -53,11 +53,11 @@ class Segment:
 
     def __init__(self, tracer, before: State, after: State):
         self.tracer, self.before, self.after = tracer, before, after
-        self.wavering = not (tracer.system.smooth or (before.apart and after.apart))
-        self.guarded = tracer.control.guarded and not self.wavering
-        self.flows = self.wavering and not tracer.system.rough
+        self.nonsmooth = not (tracer.system.smooth or (before.apart and after.apart))
+        self.guarded = tracer.control.guarded and not self.nonsmooth
+        self.flows = self.nonsmooth and not tracer.system.rough
         self.states = {0.0: before, after.length: after}
-        self.course = Course(tracer, before, after)
+        self.dense = DenseOutput(tracer, before, after)
         self._spectra: dict[float, tuple[list[float], list]] = {}
         self._missed: set[float] = set()
         self.looked: set[tuple[float, float]] = set()
@@ -79,13 +79,13 @@ class Segment:
         if length not in self.states:
             left, right = self.neighbours(length)
             guess = self.interpolated(left, right, length)
-            guesses = not self.wavering or (self.flows and only_guessed)
-            start = self.course.at(length, self.states) if guesses else None
+            guesses = not self.nonsmooth or (self.flows and only_guessed)
+            start = self.dense.at(length, self.states) if guesses else None
             self.tracer.back_to(self.before)
             state = start and self.tracer.attempt(length, start)
             if state is None and not only_guessed:
-                state = self.tracer.attempt(length, part=1.0 if self.wavering else WITHIN)
-            if state is None or (self.wavering and self._strays(state, guess, left, right)):
+                state = self.tracer.attempt(length, part=1.0 if self.nonsmooth else WITHIN)
+            if state is None or (self.nonsmooth and self._strays(state, guess, left, right)):
                 self._missed.add(length)
                 raise Missed
             self.states[length] = state
@@ -112,9 +112,9 @@ class Segment:
         ------
         Jump, Missed
         """
-        if self.wavering or length in self.states:
+        if self.nonsmooth or length in self.states:
             return self[length]
-        load, x = self.course.at(length, self.states)
+        load, x = self.dense.at(length, self.states)
         self.tracer.back_to(self.before)
         state = self.tracer.adopt(x, load, IN_BALANCE)
         if state is None:
@@ -127,7 +127,7 @@ class Segment:
 
         The tracer ends where the step starts.
         """
-        factor, x = self.course.at(length, self.states)
+        factor, x = self.dense.at(length, self.states)
         tracer, system, increment = self.tracer, self.tracer.system, self.tracer.system.create_vector(x)
         system.configure(increment, self.before.factor + factor)
         load, deflection = tracer.discretisation.total_load(), self.before.deflection + tracer.monitored(increment)
@@ -153,7 +153,7 @@ class Segment:
 
         Where tangents waver, on the chord.
         """
-        if self.wavering:
+        if self.nonsmooth:
             (load, x), part = self.chord(left, right), (length - left) / (right - left)
             start_load, start_x = self._increments(left)
             return start_load + part * load, start_x + part * x
@@ -251,7 +251,7 @@ class Segment:
         for _ in range(STATIONARY):
             inside = [s for s in sorted(self.states) if left <= s <= right]
             left, right = next(pair for pair in pairwise(inside) if rate(pair[0]) * rate(pair[1]) <= 0)
-            length = self.course.turning(left, right, self.states)
+            length = self.dense.turning(left, right, self.states)
             if length is None:
                 break
             nearest = min((left, right), key=lambda s: abs(s - length))

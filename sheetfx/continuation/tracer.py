@@ -10,9 +10,9 @@ import numpy as np
 from petsc4py import PETSc
 
 from ..discrete.free_motions import usual_stiffness
-from .arclength import FLOWS_TO_AND_FRO, TO_AND_FRO, create, fewer_iterations
 from .callbacks import interruptible
 from .control import LoadResponse, StepRule
+from .corrector import FLOWS_TO_AND_FRO, TO_AND_FRO, create, fewer_iterations
 from .enforcement import Enforcement
 from .inertia import Uncounted, UnstableModes, first_critical
 from .linear import SingularTangent
@@ -263,7 +263,7 @@ class Tracer(Measuring):
     def _converged(self, start: State | None, iterations=0, length=0.0, factorisations=0, factored=False) -> State:
         """Describe the current configuration with its tangent, which may be factored already, then commit it."""
         system, tangent = self.system, self.tangent
-        softened = system.history.settle()
+        softened = system.history.update_history()
         self._respond(factored and not softened)
         weight = self._load_weight()
         load_increment = self.stepper.load_increment if start else 0.0

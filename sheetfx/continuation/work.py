@@ -51,7 +51,7 @@ def _energy(segment: Segment, increment_before: np.ndarray) -> tuple[float, floa
     places = [c.place() for c in rough]
 
     def taken():
-        return sum(c.taken(place) for c, place in zip(rough, places, strict=True))
+        return sum(c.stored_and_dissipated(place) for c, place in zip(rough, places, strict=True))
 
     stored = -taken()
     load = tracer.load_vector().array

@@ -37,7 +37,7 @@ from ..continuation.state import CriticalPoint, State
 from ..continuation.tracer import Tracer, tracer_of
 from ..discrete.discretisation import Discretisation
 from ..discrete.free_motions import usual_stiffness
-from ..events.border import orthonormal
+from ..events.determinant import orthonormal
 from ..model.scene import Scene
 from .koiter import Energy, postbuckling
 from .modes import scaled

@@ -19,7 +19,7 @@ class CondensedPairs(PairWork):
     condenses = True
     _pressed: np.ndarray | None = None  # pairs that were pressed where forces were found last
 
-    def cling(self) -> bool:
+    def freeze_open_contacts(self) -> bool:
         if self._pressed is None or not self._pressed.any() or not self.sticks:
             return False
         if (self.place()[self._pressed] <= 0).any():

@@ -114,7 +114,7 @@ class Contribution:
         """
         return ()
 
-    def settle(self) -> bool:
+    def update_history(self) -> bool:
         """Let laws with history move on to the present state, so that its tangent is that of loading on from it.
 
         `commit` confirms it, `rewind` takes it back. Return whether the tangent has changed.
@@ -168,14 +168,14 @@ class Contribution:
     def regularise(self, times: float) -> None:
         """Make the regularisation a multiple of what it is in accepted states; see `approaches`."""
 
-    def hold(self) -> bool:
+    def freeze_reversed_slip(self) -> bool:
         """Answer for one Newton iteration as if what it would overshoot held on; whether anything is held.
 
         It is called at each iterate, so that a contribution can compare it with the one before.
         """
         return False
 
-    def cling(self) -> bool:
+    def freeze_open_contacts(self) -> bool:
         """Answer as if what was pressed stayed closed, where all of it is open at an iterate; whether anything is held.
 
         A step that is straight opens it, and without it the structure springs back through what it touched. It is asked
@@ -187,7 +187,7 @@ class Contribution:
         """Answer as if all that touches stuck where it is now, with the forces of now, until `release`."""
 
     def release(self) -> None:
-        """Answer again as it is, after `hold`, `cling` or `stick`."""
+        """Answer again as it is, after `freeze_reversed_slip`, `freeze_open_contacts` or `stick`."""
 
     def augment(self) -> bool:
         """Whether a converged solution satisfies the contribution; if not, change what the next solution starts from.
@@ -201,10 +201,10 @@ class Contribution:
         return None
 
     def place(self) -> np.ndarray | None:
-        """What `taken` has to know of the state that a step starts from, when the system is there."""
+        """What `stored_and_dissipated` has to know of the state that a step starts from, when the system is there."""
         return None
 
-    def taken(self, start: np.ndarray | None) -> float | None:
+    def stored_and_dissipated(self, start: np.ndarray | None) -> float | None:
         """Energy that it stores now, and what friction has taken since the last accepted state, on all processes.
 
         None: it does not tell.

@@ -174,7 +174,7 @@ class ElementWork(Contribution):
         ((term, memory),) = self._memories
         return memory.history, term.measure
 
-    def settle(self) -> bool:
+    def update_history(self) -> bool:
         accepted = self.snapshot()
         self.commit()
         self._accepted = accepted

@@ -38,14 +38,14 @@ class History:
             contribution.commit()
         self.rebase()
 
-    def settle(self) -> bool:
+    def update_history(self) -> bool:
         """Let laws move on to the present state; return whether tangents have changed.
 
         Within a step their moduli are those of a return from its start, which is shorter than the way that strains have
         gone, and like those of deformation theory softer across it. Those of the comparison solid (Hill 1958) are the
         ones about the state itself.
         """
-        changed = [contribution.settle() for contribution in self._contributions]
+        changed = [contribution.update_history() for contribution in self._contributions]
         return any(changed)
 
     def rewind(self) -> None:

@@ -188,7 +188,7 @@ class PairWork(PointWork):
                 history[:, 1 + n:] += strains[:, 1:1 + n]
         return history
 
-    def settle(self, pressures: bool = False) -> bool:
+    def update_history(self, pressures: bool = False) -> bool:
         history, slipping = self._updated(pressures, slips=True), self.evaluate().status == SLIP
         history[slipping, 1:1 + self._slips] *= 1 + BEYOND
         self._put_history(history)
@@ -196,7 +196,7 @@ class PairWork(PointWork):
 
     def commit(self) -> None:
         self._slipping = None
-        self.settle(self.pairs.augmented)
+        self.update_history(self.pairs.augmented)
         self._growth.commit()
         self.regularise(1.0)
         if self.pairs.augmented:
@@ -240,7 +240,7 @@ class PairWork(PointWork):
         self._table[:, :2] *= self._growth.factor / times
         self._law.give(self._data_of_history + 1, self._table)
 
-    def hold(self) -> bool:
+    def freeze_reversed_slip(self) -> bool:
         """Let pairs stick for one iteration that slip the other way than at the iterate before.
 
         A pair that slips has no stiffness along its slip: where it sticks in the solution, Newton's iteration hops over
@@ -282,7 +282,7 @@ class PairWork(PointWork):
         return False
 
     def energy(self) -> float | None:
-        return None if self._slips else self.taken(None)
+        return None if self._slips else self.stored_and_dissipated(None)
 
     def place(self) -> np.ndarray:
         """Gaps now."""
@@ -291,7 +291,7 @@ class PairWork(PointWork):
     def gaps(self) -> np.ndarray:
         return np.empty(0) if self.pairs.augmented else np.where(self._here, self.place(), np.nan)
 
-    def taken(self, start: np.ndarray | None) -> float | None:
+    def stored_and_dissipated(self, start: np.ndarray | None) -> float | None:
         """Energy of pressures, and what friction has taken since the last accepted state, whose gaps `start` is."""
         if self.pairs.augmented or self.contact.law is not forms.contact.mohr_coulomb:
             return None

@@ -76,7 +76,7 @@ class System:
     def work_known(self) -> bool:
         """Whether there are contributions that are not smooth, laws with history aside, and all tell their work."""
         return bool(self.rough) and all(c.conservative or c in self.rough for c in self.contributions) and all(
-            c.taken(c.place()) is not None for c in self.rough)
+            c.stored_and_dissipated(c.place()) is not None for c in self.rough)
 
     def free_rows(self, wanted: Callable[[AdditiveField], bool]) -> np.ndarray:
         """Rows of the free increments of some fields in this process's part of a vector."""
@@ -134,7 +134,8 @@ class System:
     @contextmanager
     def held(self, found: bool) -> Iterator[bool]:
         """Let contributions hold what an iteration would overshoot, or open if forces are found; whether any does."""
-        holding = [] if self.smooth else [c for c in self.contributions if (c.cling() if found else c.hold())]
+        holding = [] if self.smooth else [c for c in self.contributions if (
+            c.freeze_open_contacts() if found else c.freeze_reversed_slip())]
         try:
             yield not self.smooth and self.comm.allreduce(len(holding)) > 0
         finally:

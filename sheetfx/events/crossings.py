@@ -1,9 +1,9 @@
 """Where eigenvalues of the tangent pass zero on a piece of path, told apart however close they are.
 
-They are roots of the determinant of a small matrix, `border.Border`. It is interpolated between states that keep a
-distance from the crossing, since at a critical point rounding decides where a state lies. With an unsymmetric tangent
-nothing changes. Where something begins or ceases to touch or to slip eigenvalues jump, and may pass zero with that: the
-number of solutions changes there too, as an odd change of the number of unstable modes shows.
+They are roots of the determinant of a small matrix, `determinant.Determinant`. It is interpolated between states that
+keep a distance from the crossing, since at a critical point rounding decides where a state lies. With an unsymmetric
+tangent nothing changes. Where something begins or ceases to touch or to slip eigenvalues jump, and may pass zero with
+that: the number of solutions changes there too, as an odd change of the number of unstable modes shows.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from scipy.interpolate import KroghInterpolator
 
 from .. import rounding
 from ..continuation.segment import Jump, Segment
-from .border import Border
+from .determinant import Determinant
 from .leaping import leads_around_corner, require_convergence
 
 REACHES = (0.1, 0.03, 0.01, 0.003)  # of a piece of path, distances from crossings of the states that are looked at
@@ -50,14 +50,14 @@ def unresolved(segment: Segment, left: float, right: float, count: int) -> list[
     """Crossings that are known to lie between two lengths, and no more; those of a step around a corner: its start."""
     one, other = segment[left], segment[right]
     low, high = sorted((one.load, other.load))
-    corner = segment.wavering and _jumps(segment, Border(segment, left, right, count), left, right)
+    corner = segment.nonsmooth and _jumps(segment, Determinant(segment, left, right, count), left, right)
     load, deflection = (one.load + other.load) / 2, (one.deflection + other.deflection) / 2
     if one is segment.before and leads_around_corner(segment):
         load, deflection = one.load, one.deflection
     return [Crossing(left, load, deflection, (low, high), corner)] * count
 
 
-def _jumps(segment: Segment, border: Border, left: float, right: float) -> bool:
+def _jumps(segment: Segment, border: Determinant, left: float, right: float) -> bool:
     """Whether eigenvalues change far more between two neighbouring states than over as much of the step elsewhere.
 
     So they do in a step that leads around a corner of the path, which cannot be divided.
@@ -76,7 +76,7 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
     Jump
         If the path does not lead through one of them, or they are not found.
     """
-    border, lengths, exact = Border(segment, left, right, count), [left, right], segment.tracer.control.exact
+    border, lengths, exact = Determinant(segment, left, right, count), [left, right], segment.tracer.control.exact
     if len(border.numbers) != count:
         return _halves(segment, left, right)
     roots, samples, between, close = border.roots(lengths), lengths, np.inf, CLOSEST * segment.after.length
@@ -100,17 +100,17 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
             return _pieces(segment, left, right)
         between, drift = (_load_change(segment, samples[0], _moved(finer, other, close)) for other in (coarser, roots))
         roots, error = finer, between if between <= exact else max(between, drift)
-        worse = segment.wavering and best[0] <= min(ROUGH, error)
+        worse = segment.nonsmooth and best[0] <= min(ROUGH, error)
         best = min(best, (error, roots, samples), key=itemgetter(0))
         if error <= exact or worse:
             break
     error, roots, samples = best
-    if not error <= ROUGH or (segment.wavering and not _counted(segment, lengths, roots)):
+    if not error <= ROUGH or (segment.nonsmooth and not _counted(segment, lengths, roots)):
         return _halves(segment, left, right)
     if segment.guarded:
         _compare_sides(segment, roots, samples, border)
     found = _at_loads(segment, _together(border, roots, lengths, close), samples, border)
-    if segment.wavering and error > exact:
+    if segment.nonsmooth and error > exact:
         return [replace(c, corner=_jumps(segment, border, *segment.neighbours(c.length))) for c in found]
     return found
 
@@ -124,7 +124,7 @@ def _moved(roots: np.ndarray, others: np.ndarray, close: float) -> float:
     return max(abs(float(group.mean())) for group in groups)
 
 
-def _together(border: Border, roots: np.ndarray, lengths: Sequence[float], close: float) -> np.ndarray:
+def _together(border: Determinant, roots: np.ndarray, lengths: Sequence[float], close: float) -> np.ndarray:
     """Crossings that are close to each other as far apart as states that are further off have them, if that is less.
 
     Rounding splits eigenvalues that are alike by as much as it moves states along the mode, in inverse proportion to
@@ -139,7 +139,7 @@ def _together(border: Border, roots: np.ndarray, lengths: Sequence[float], close
     return middle + found - found.mean() if nearer else roots
 
 
-def _at_loads(segment: Segment, roots: np.ndarray, samples: Sequence[float], border: Border) -> list[Crossing]:
+def _at_loads(segment: Segment, roots: np.ndarray, samples: Sequence[float], border: Determinant) -> list[Crossing]:
     """Crossings at lengths, with their loads.
 
     Rounding moves states along the mode, the more the nearer they are, which changes the length of the path up to them
@@ -197,7 +197,7 @@ def _pieces(segment: Segment, left: float, right: float) -> list[Crossing]:
     """
     lengths = [s for s in sorted(segment.states) if left <= s <= right]
     counts = [segment[s].unstable_modes or 0 for s in lengths]
-    closest = CORNERED if segment.wavering else CLOSEST
+    closest = CORNERED if segment.nonsmooth else CLOSEST
     if len(lengths) < 3 or right - left < closest * segment.after.length:
         if segment.guarded:
             raise Jump("eigenvalues pass zero in the step, but not smoothly")
@@ -216,7 +216,7 @@ def _nearest(lengths: Sequence[float], roots: np.ndarray) -> list[float]:
     return sorted(lengths, key=lambda s: abs(s - roots.mean()))[:SAMPLES]
 
 
-def _sampled(border: Border, segment: Segment, lengths: Sequence[float], roots: np.ndarray, reach: float,
+def _sampled(border: Determinant, segment: Segment, lengths: Sequence[float], roots: np.ndarray, reach: float,
              sides: Sequence[int]) -> list[float]:
     """Lengths of states with one more before (-1) or behind (1) the crossings, as far as they converge."""
     found = set(lengths)
@@ -230,7 +230,7 @@ def _sampled(border: Border, segment: Segment, lengths: Sequence[float], roots: 
     return sorted(s for s in found if min(lengths) <= s <= max(lengths))
 
 
-def _compare_sides(segment: Segment, roots: np.ndarray, samples: Sequence[float], border: Border) -> None:
+def _compare_sides(segment: Segment, roots: np.ndarray, samples: Sequence[float], border: Determinant) -> None:
     """Refuse states on both sides of a bifurcation that the path does not lead through.
 
     Near the bifurcation of a slightly imperfect structure the path bends away along the mode; a step that goes

@@ -12,7 +12,7 @@ from ..continuation.segment import Segment
 from ..continuation.state import State
 from ..continuation.tracer import Tracer
 from ..rounding import SAME
-from .border import ABOUT
+from .determinant import ABOUT
 
 MODES = 4  # nearest to zero, whose eigenvalues are followed
 AHEAD = 1e-4  # distance along the path, at which the change of the tangent is looked at

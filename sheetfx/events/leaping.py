@@ -21,6 +21,6 @@ def require_convergence(segment: Segment, sound: float) -> None:
     ------
     Jump
     """
-    if segment.wavering and segment.tracer.control.guarded and not leads_around_corner(segment):
+    if segment.nonsmooth and segment.tracer.control.guarded and not leads_around_corner(segment):
         state = segment[sound] if sound else None
         raise Jump("states within the step, beside a critical point, do not converge", state)

@@ -60,10 +60,10 @@ def locate(tracer, earlier: State | None, before: State, after: State, named: Na
         _check(segment)
     if any(contribution.remembers for contribution in tracer.system.contributions):
         after = segment.states[after.length] = segment.after = remembering(segment)
-    if segment.wavering:
+    if segment.nonsmooth:
         if tracer.control.guarded and not work_matches(segment, earlier):
             raise Jump("the work done along the step is not what is stored and dissipated")
-        limits = [limit for limit in turning_loads(segment, earlier) if limit.segment.wavering]
+        limits = [limit for limit in turning_loads(segment, earlier) if limit.segment.nonsmooth]
     else:
         if segment.guarded:
             _check(segment)
@@ -180,7 +180,7 @@ def _turned_before(segment: Segment, earlier: State | None) -> list[Limit]:
     before = segment.before
     if earlier is None or before.load_rate * before.load_increment >= 0:
         return []
-    return turning_loads(segment, earlier) if Segment(segment.tracer, earlier, before).wavering else []
+    return turning_loads(segment, earlier) if Segment(segment.tracer, earlier, before).nonsmooth else []
 
 
 def _bifurcations(segment: Segment, limits: list[float]) -> list[Crossing]:
@@ -192,7 +192,7 @@ def _bifurcations(segment: Segment, limits: list[float]) -> list[Crossing]:
     near = 1e-5 * segment.after.length
     if segment.after.unstable_modes is None:
         return []
-    if segment.wavering:
+    if segment.nonsmooth:
         lengths = _extremes(segment)
     else:
         lengths = [s for s in sorted(segment.states) if all(abs(s - limit) > near for limit in limits)]
@@ -200,7 +200,7 @@ def _bifurcations(segment: Segment, limits: list[float]) -> list[Crossing]:
     for pair in zip(lengths[:-1], lengths[1:], strict=True):
         one, other = segment[pair[0]], segment[pair[1]]
         limit = (one.load_rate * other.load_rate < 0 and one.unstable_modes != other.unstable_modes
-                 if segment.wavering else any(pair[0] < length < pair[1] for length in limits))
+                 if segment.nonsmooth else any(pair[0] < length < pair[1] for length in limits))
         found += _crossings(segment, *pair, near, limit)
     return found
 
@@ -277,7 +277,7 @@ def _bifurcation(segment: Segment, crossings: list[Crossing], named: Naming) -> 
     first, count, tracer = crossings[0], len(crossings), segment.tracer
     point = CriticalPoint("bifurcation", first.load, first.deflection, segment.after.step, first.length, count,
                           spread=first.spread)
-    if segment.wavering or not tracer.system.conservative or first.spread:
+    if segment.nonsmooth or not tracer.system.conservative or first.spread:
         tracer.back_to(segment.states[min(s for s in segment.states if s >= first.length)])
         solid = tracer.system.history.moved
         return replace(point, name="comparison solid" if solid else "corner" if first.corner else ""), None

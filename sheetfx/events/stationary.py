@@ -94,7 +94,7 @@ def turns(segment: Segment) -> int:
     """
     factors = [segment.states[s].factor for s in sorted(segment.states)]
     small, extreme, sense, count = TURNED * np.ptp(factors), factors[0], 0.0, 0
-    if segment.wavering:
+    if segment.nonsmooth:
         if segment.after.length <= SHORT * segment.tracer.usual:
             return 0
         small = max(small, WAVER * max(map(abs, factors)))

@@ -29,7 +29,7 @@ NO_CONSTANTS = ("discrete/closest_point.py:ROWS",
 SIGNALS = "Jump", "Missed", "Hidden", "Uncounted", "Unsettled"
 # What each predicate, retry or homotopy gives where it is switched off.
 SWITCHES = {
-    "continuation/trail.py:Trail.holds": False,
+    "continuation/visited.py:VisitedStates.holds": False,
     "continuation/defect.py:interpolated": True,
     "continuation/work.py:work_matches": True,
     "events/leaping.py:require_convergence": None,

@@ -1,6 +1,6 @@
 """The corrector of one step of a path, as a SNES type written in Python.
 
-A SNES of `-snes_type python -snes_python_type sheetfx.continuation.arclength.PathStep`; with the prefix of
+A SNES of `-snes_type python -snes_python_type sheetfx.continuation.corrector.BorderedNewton`; with the prefix of
 a path (default `sheetfx_`) the options `-sheetfx_snes_rtol`, `-sheetfx_snes_max_it`,
 `-sheetfx_snes_monitor`, those of the KSP and PC, and `-sheetfx_snes_python_type` for a variant of one's
 own work as in any SNES.
@@ -43,7 +43,7 @@ def create(comm, system, prefix: str, iterations: int) -> PETSc.SNES:
     snes.setOptionsPrefix(prefix)
     snes.setTolerances(rtol=1e-8, atol=0.0, stol=0.0, max_it=iterations)
     snes.setType("python")
-    snes.setPythonType(f"{__name__}.PathStep")
+    snes.setPythonType(f"{__name__}.BorderedNewton")
     snes.setFromOptions()
     snes.getPythonContext().attach(snes, system)
     return snes
@@ -60,7 +60,7 @@ def fewer_iterations(snes: PETSc.SNES, part: float) -> Iterator[None]:
         snes.setTolerances(max_it=most)
 
 
-class PathStep:
+class BorderedNewton:
     """Newton iteration on equilibrium and a control equation together.
 
     Each iteration solves the bordered system with one factorisation and two back-substitutions:

@@ -19,7 +19,7 @@ APART = 0.1  # of their distance from the place in question, that of states from
 DIFFERENCE = 1e-4  # of a length, for its rate
 
 
-class Course:
+class DenseOutput:
     """The way from a state on.
 
     Parameters

@@ -35,7 +35,7 @@ def error(path: fx.Path, before: fx.State, length: float) -> float:
     tracer.back_to(before)
     after = tracer.attempt(length)
     segment = Segment(tracer, before, after)
-    load, x = segment.course.at(length / 2, segment.states)
+    load, x = segment.dense.at(length / 2, segment.states)
     state = segment[length / 2]
     return tracer.distance(load - state.load_increment, x - state.increment) / tracer.distance(*after.direction)
 

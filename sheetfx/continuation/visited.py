@@ -17,7 +17,7 @@ ALIKE = 1.5  # ratio of rates of the load that may be the same
 SKETCHED = 24  # numbers that a displacement is told by
 
 
-class Trail:
+class VisitedStates:
     """States of a path without what makes them large; their displacements are told by products with a few vectors.
 
     These are random: their products with a motion have, by their squares, about the size that the motion has, whichever

@@ -24,7 +24,7 @@ from ..continuation.spectrum import diagonal, nearest_pairs
 ABOUT = 1e-5  # relative error of modes that become unstable, near which vectors do
 
 
-class Border:
+class Determinant:
     """The matrix G at states of a segment.
 
     Parameters

@@ -43,8 +43,8 @@ class Account:
     place: float = 0.0
 
 
-class Accounts:
-    """Accounts of the states of a path, and of states within its steps.
+class EnergyLedger:
+    """EnergyLedger of the states of a path, and of states within its steps.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ class Accounts:
                        product, rate, dead, dead or _proportional(system, state))
 
     def _followed(self) -> list[Account]:
-        """Accounts in which W and q are integrals of the loads along the way, which change with the structure."""
+        """EnergyLedger in which W and q are integrals of the loads along the way, which change with the structure."""
         tracer, system = self._tracer, self._tracer.system
         done = np.zeros(self._steps[-1][0].state.stage + 1)
         accounts, product = [replace(self._steps[0][0], done=done.tolist(), product=0.0)], 0.0
@@ -141,8 +141,8 @@ class Accounts:
         """Rates of q and of each stage's W by the part of a step, at a place of it."""
         system, held, segment = self._tracer.system, self._tracer.system.multiplier_rows, self._segment(step)
         load, length = system.create_vector(), place * segment.after.length
-        factor, increment = segment.course.at(length, segment.states)
-        _, rate = segment.course.rate_at(length, segment.states)
+        factor, increment = segment.dense.at(length, segment.states)
+        _, rate = segment.dense.rate_at(length, segment.states)
         powers = np.empty(stage + 1)
         with system.additive_increments(frozen=False):
             system.configure(system.create_vector(increment), segment.before.factor + factor)
