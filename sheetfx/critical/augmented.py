@@ -428,13 +428,13 @@ class _Newton:
     def _at_same_load(self, rate: float, bent: float, pushed: float) -> float:
         """Size of the sought eigenvalue where the load is that of the point: of bifurcations by the option `same_load`.
 
-        At a limit point, by the option `exact`: the eigenvalue changes by `bent` a and the load by
-        bent a^2 / (2 pushed) with the amplitude a.
+        At a limit point, by SAFETY times the option `exact`, which the iteration leaves: the eigenvalue changes by
+        `bent` a and the load by bent a^2 / (2 pushed) with the amplitude a.
         """
         control, size = self._tracer.control, max(abs(self._factor), abs(self._guess.load_increment))
         if self.kind == "bifurcation":
             return abs(rate) * control.same_load * size
-        return (2 * abs(bent * pushed) * control.exact * size) ** 0.5
+        return (2 * abs(bent * pushed) * rounding.SAFETY * control.exact * size) ** 0.5
 
     def _third(self, modes: Sequence[PETSc.Vec], along: PETSc.Vec, load: float = 0.0) -> list[PETSc.Vec]:
         """Change of the Hessian's products with modes along an increment of unknowns and load factor, from here."""

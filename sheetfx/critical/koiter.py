@@ -203,12 +203,12 @@ def _coefficient(function: Callable[[float], float], powers: tuple[int, int, int
     """Coefficient of the middle one of three powers of an amplitude in a function, and its error.
 
     Three neighbours of a sequence of quartered amplitudes give the coefficient. Large ones suffer from higher terms,
-    small ones from rounding, and both change the coefficient at least fourfold from each to the next. The value counts
-    that differs least from those before and behind it, relative to itself.
+    small ones from rounding, until it swallows the function: the value counts that differs least from those before and
+    behind it.
     """
     lengths, values, found = [LONGEST], [function(LONGEST)], []
     best, error = 0.0, np.inf
-    while lengths[-1] > LONGEST * UNIT**0.75 and error > AGREED:
+    while lengths[-1] > LONGEST * UNIT**0.75 and error > AGREED * abs(best):
         lengths.append(lengths[-1] / 4)
         values.append(function(lengths[-1]))
         if len(values) >= 3:
@@ -216,8 +216,8 @@ def _coefficient(function: Callable[[float], float], powers: tuple[int, int, int
             found.append(np.linalg.solve((s[:, None] / scale) ** np.array(powers), values[-3:])[1] / scale ** powers[1])
         if len(found) >= 3 and found[-2]:
             off = max(abs(found[-2] - other) for other in (found[-3], found[-1]))
-            error, best = min((error, best), (off / abs(found[-2]), found[-2]))
-    return float(best), float(error * abs(best)) if best else 0.0
+            error, best = min((error, best), (off, found[-2]))
+    return float(best), float(error) if best else 0.0
 
 
 def _slope(energy: Energy, mode: PETSc.Vec, bend: PETSc.Vec, length: float) -> float:
