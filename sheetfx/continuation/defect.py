@@ -24,7 +24,7 @@ INSIDE = 0.65  # of a piece, the place whose defect is taken
 MINOR = 1e-6  # of the load itself, correction that matters little
 
 
-def interpolated(segment: Segment, left: float, right: float) -> bool:
+def has_small_defect(segment: Segment, left: float, right: float) -> bool:
     """Whether the cubic between two states has a small defect.
 
     Off the path the defect counts over the length of the piece, in the load over the way that the load goes to and fro.

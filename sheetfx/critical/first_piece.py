@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.linalg import null_space
 
-from ..continuation.defect import interpolated
+from ..continuation.defect import has_small_defect
 from ..continuation.segment import Segment
 from ..continuation.state import CriticalPoint, State
 from ..rounding import NONE
@@ -135,7 +135,7 @@ class FirstPiece:
         pieces = segment.pairs()
         while pieces:
             left, right = pieces.pop()
-            if interpolated(segment, left, right):
+            if has_small_defect(segment, left, right):
                 continue
             if right - left < SHORTEST:
                 return "states of the branch do not lie on the curve that their tangents make on the way to the start"

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from petsc4py import PETSc
 
-from ..continuation.defect import cornered, interpolated
+from ..continuation.defect import cornered, has_small_defect
 from ..continuation.lapse import remembering
 from ..continuation.segment import Jump, Missed, Segment
 from ..continuation.state import CriticalPoint, State
@@ -164,7 +164,7 @@ def _check(segment: Segment) -> bool:
 def _is_clear(segment: Segment, left: float, right: float) -> bool:
     """Whether tangents tell what lies between two states; where points flow there may be a corner."""
     if (left, right) not in segment.clear and (
-            interpolated(segment, left, right) or (segment.flows and cornered(segment, left, right))):
+            has_small_defect(segment, left, right) or (segment.flows and cornered(segment, left, right))):
         segment.clear.add((left, right))
     return (left, right) in segment.clear
 

@@ -30,7 +30,7 @@ SIGNALS = "Jump", "Missed", "Hidden", "Uncounted", "Unsettled"
 # What each predicate, retry or homotopy gives where it is switched off.
 SWITCHES = {
     "continuation/visited.py:VisitedStates.holds": False,
-    "continuation/defect.py:interpolated": True,
+    "continuation/defect.py:has_small_defect": True,
     "continuation/work.py:work_matches": True,
     "events/leaping.py:require_convergence": None,
     "events/heading.py:hides": False,

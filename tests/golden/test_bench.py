@@ -52,10 +52,10 @@ def test_every_place_that_raises_can_be_switched_off():
 
 
 def test_switched_guard_and_its_code():
-    before = defect.interpolated
-    with moved.changed(row("interpolated", "continuation/defect.py")):
-        assert defect.interpolated(None, 0.0, 1.0) is True
-    assert defect.interpolated is before
+    before = defect.has_small_defect
+    with moved.changed(row("has_small_defect", "continuation/defect.py")):
+        assert defect.has_small_defect(None, 0.0, 1.0) is True
+    assert defect.has_small_defect is before
 
 
 def test_every_constant_and_guard_has_its_row():
