@@ -9,7 +9,7 @@ from math import inf
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
-from ..rounding import NONE, root
+from ..rounding import NONE, SAFETY, off_path, root
 from .dense_output import DenseOutput
 from .state import State
 
@@ -47,7 +47,8 @@ class Segment:
     nonsmooth : whether tangents waver
     flows : whether points that begin or cease to flow alone make them do so
     states : those that are known, by their lengths
-    looked, clear : pieces whose eigenvalues have been looked at, and of which nothing more need be known
+    looked : pieces whose eigenvalues have been looked at
+    clear : whether pieces have been found to lie on the curve that their ends make
     eigenvalues : nearest to zero, and their rates along the path, by lengths of states
     """
 
@@ -61,7 +62,7 @@ class Segment:
         self._spectra: dict[float, tuple[list[float], list]] = {}
         self._missed: set[float] = set()
         self.looked: set[tuple[float, float]] = set()
-        self.clear: set[tuple[float, float]] = set()
+        self.clear: dict[tuple[float, float], bool] = {}
         self.eigenvalues: dict[float, list[tuple[float, float]]] = {}
 
     def __getitem__(self, length: float) -> State:
@@ -89,10 +90,24 @@ class Segment:
                 self._missed.add(length)
                 raise Missed
             self.states[length] = state
-            if (left, right) in self.clear and (
-                    self._off(state, guess) <= self.tracer.control.defect * self.distance(left, right)):
-                self.clear |= {(left, length), (length, right)}
+            if self.guarded and self.clear.get((left, right), True):
+                self._compare(length, guess, left, right)
         return self.states[length]
+
+    def _compare(self, length: float, guess: tuple[float, np.ndarray], left: float, right: float) -> None:
+        """Compare a state with the cubic of its piece: if it is near, parts of a clear piece are clear.
+
+        Raises
+        ------
+        Jump
+            If it is far, and that is no rounding.
+        """
+        state, small = self.states[length], self.tracer.control.defect * self.distance(left, right)
+        off = self._off(state, guess)
+        if off <= small and (left, right) in self.clear:
+            self.clear |= {(left, length): True, (length, right): True}
+        elif off > SAFETY * small and off > off_path(self.tracer, state):
+            raise Jump("a state within the step is off the curve that is known")
 
     def reach(self, length: float, only_guessed: bool = False) -> bool:
         """Have the state at a length, if it converges, also from the start of the step unless it is `only_guessed`."""

@@ -163,10 +163,10 @@ def _check(segment: Segment) -> bool:
 
 def _is_clear(segment: Segment, left: float, right: float) -> bool:
     """Whether tangents tell what lies between two states; where points flow there may be a corner."""
-    if (left, right) not in segment.clear and (
-            has_small_defect(segment, left, right) or (segment.flows and cornered(segment, left, right))):
-        segment.clear.add((left, right))
-    return (left, right) in segment.clear
+    if (left, right) not in segment.clear:
+        segment.clear[left, right] = has_small_defect(segment, left, right) or (
+            segment.flows and cornered(segment, left, right))
+    return segment.clear[left, right]
 
 
 def _limit(limit: Limit) -> tuple[CriticalPoint, State]:
