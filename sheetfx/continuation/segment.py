@@ -89,25 +89,25 @@ class Segment:
             if state is None or (self.nonsmooth and self._strays(state, guess, left, right)):
                 self._missed.add(length)
                 raise Missed
-            self.states[length] = state
             if self.guarded and self.clear.get((left, right), True):
-                self._compare(length, guess, left, right)
+                near = self._is_near(state, guess, self.distance(left, right))
+                if near and (left, right) in self.clear:
+                    self.clear |= {(left, length): True, (length, right): True}
+            self.states[length] = state
         return self.states[length]
 
-    def _compare(self, length: float, guess: tuple[float, np.ndarray], left: float, right: float) -> None:
-        """Compare a state with the cubic of its piece: if it is near, parts of a clear piece are clear.
+    def _is_near(self, state: State, guess: tuple[float, np.ndarray], distance: float) -> bool:
+        """Whether a state is off the cubic of its piece by no more than the defect that is allowed.
 
         Raises
         ------
         Jump
-            If it is far, and that is no rounding.
+            If it is off by SAFETY times that, and this is no rounding.
         """
-        state, small = self.states[length], self.tracer.control.defect * self.distance(left, right)
-        off = self._off(state, guess)
-        if off <= small and (left, right) in self.clear:
-            self.clear |= {(left, length): True, (length, right): True}
-        elif off > SAFETY * small and off > off_path(self.tracer, state):
+        off, small = self._off(state, guess), self.tracer.control.defect * distance
+        if off > SAFETY * small and off > off_path(self.tracer, state):
             raise Jump("a state within the step is off the curve that is known")
+        return off <= small
 
     def reach(self, length: float, only_guessed: bool = False) -> bool:
         """Have the state at a length, if it converges, also from the start of the step unless it is `only_guessed`."""
