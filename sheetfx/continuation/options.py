@@ -50,7 +50,7 @@ class Options:
     most_iterations: Count | None = None
     before_critical: Share = 0.38
     with_contact: Share = 1 / 8
-    defect: Positive = 0.01
+    defect: Positive = 0.008
     unbalanced: Positive = 0.1
     same_load: Positive = 2e-6
     exact: Positive = 1e-8
