@@ -249,7 +249,7 @@ def test_a_plastic_path_costs_at_most_twice_its_elastic_one():
         mesh = surface("naghdi-q2", (20, 20), lambda x: np.column_stack((x[:, 0], x[:, 1], 0 * x[:, 0])))
         shell = fx.Shell(mesh, fx.Plate(0.01, points=5), material)
         scene = fx.Scene([shell], [fx.Support(mesh, edge, "x y z") for edge in ("west", "east", "south", "north")],
-                         [fx.SurfaceForce(shell, (0.0, 0.0, -1e-3))], fx.Monitor(mesh, "south-west", "z", -1.0))
+                         [fx.SurfaceForce(shell, (0.0, 0.0, -1e-3))], fx.Monitor(mesh, "south-west", "rx"))
         path, times = fx.Path(scene, fx.LoadControl(step=1.0, target=4.0, fixed=True)), []
         start, count = process_time(), path.tracer.total_factorisations
         for state in path:
