@@ -21,6 +21,7 @@ from ..rounding import SAFETY, noise
 from .segment import Segment
 
 INSIDE = 0.65  # of a piece, the place whose defect is taken
+SHORTEST = 1 / 64  # of a step, or of the amplitude of a branch, piece whose defect must be small
 MINOR = 1e-6  # of the load itself, correction that matters little
 
 

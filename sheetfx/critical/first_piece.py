@@ -15,14 +15,13 @@ from dataclasses import replace
 import numpy as np
 from scipy.linalg import null_space
 
-from ..continuation.defect import has_small_defect
+from ..continuation.defect import SHORTEST, has_small_defect
 from ..continuation.segment import Segment
 from ..continuation.state import CriticalPoint, State
 from ..rounding import NONE
 from .reduction import NoSolution, Reduction
 
 RUNGS = (1 / 4, 1.0)  # amplitudes over that of the start, where the branch is looked at
-SHORTEST = 1 / 64  # of the amplitude, piece whose defect must be small
 
 
 class FirstPiece:

@@ -9,6 +9,7 @@ from itertools import pairwise
 from pathlib import Path as Folder
 
 from ..continuation.inertia import can_stick
+from ..continuation.segment import Jump, Missed
 from ..continuation.state import State
 from ..continuation.tracer import tracer_of
 from ..events.event import Event, occurrences
@@ -137,8 +138,12 @@ def _extreme(tracer, before: State, after: State, hold: str) -> State | None:
     if not tracer.system.smooth or (first and first.kind == "bifurcation"):
         return None
     present = tracer.state
-    found = occurrences(tracer, before, after, [EXTREMES[hold]], whole=True)
-    tracer.back_to(present)
+    try:
+        found = occurrences(tracer, before, after, [EXTREMES[hold]], whole=True)
+    except (Jump, Missed):
+        return None
+    finally:
+        tracer.back_to(present)
     return found[0].state if found and not found[0].point.spread else None
 
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from petsc4py import PETSc
 
-from ..continuation.defect import cornered, has_small_defect
+from ..continuation.defect import SHORTEST, cornered, has_small_defect
 from ..continuation.lapse import remembering
 from ..continuation.segment import Jump, Missed, Segment
 from ..continuation.state import CriticalPoint, State
@@ -21,7 +21,6 @@ from .stationary import returning, stationary_loads, surround, turns
 from .turning import Limit, turning_loads
 
 TOGETHER = 1e-3  # of a step, distance of the crossings of one multiple point
-SHORTEST = 1 / 64  # of a step, piece whose defect must be small
 AGREE = 0.01  # of the load that a step adds, difference between two interpolations of a bifurcation's load
 
 # from the tracer, which is at the state of a bifurcation, null vectors, the point, and the states before and after
