@@ -55,18 +55,23 @@ def name_groups(dimension, name_of):
         gmsh.model.addPhysicalGroup(dimension, tags, name=name)
 
 
-def mesh_by_quadrilaterals(size):
-    """Quadrilaterals of a size, and an even number of them along each curve, eight at least around a hole."""
-    for option, value in (("MeshSizeMax", size), ("MeshSizeMin", size / 2), ("RecombineAll", 1), ("Algorithm", 8),
-                          ("RecombinationAlgorithm", 3)):
+def mesh_by(size, triangles):
+    """Cells of a size: triangles as gmsh makes them by default, or quadrilaterals.
+
+    Of these an even number lies along each curve, eight at least around a hole.
+    """
+    by_quadrilaterals = (("RecombineAll", 1), ("Algorithm", 8), ("RecombinationAlgorithm", 3))
+    for option, value in (("MeshSizeMax", size), ("MeshSizeMin", size / 2), *(() if triangles else by_quadrilaterals)):
         gmsh.option.setNumber(f"Mesh.{option}", value)
+    if triangles:
+        return
     for curve in gmsh.model.getEntities(1):
         least = 1 if gmsh.model.getBoundary([curve]) else 4
         pairs = max(least, ceil(gmsh.model.occ.getMass(*curve) / size / 2))
         gmsh.model.mesh.setTransfiniteCurve(curve[1], 2 * pairs + 1)
 
 
-def stiffened_plate(size, hole=HOLE, ribs=RIBS):
+def stiffened_plate(size, hole=HOLE, ribs=RIBS, triangles=False):
     """Model of the plate with T stiffeners: groups "plate", "web", "flange", edges and two corners."""
 
     def surface(low, high):
@@ -98,12 +103,12 @@ def stiffened_plate(size, hole=HOLE, ribs=RIBS):
         occ.synchronize()
         for dimension, name_of in ((2, surface), (1, edge), (0, corner)):
             name_groups(dimension, name_of)
-        mesh_by_quadrilaterals(size)
+        mesh_by(size, triangles)
 
     return build
 
 
-def hat(size, gap, bolts):
+def hat(size, gap, bolts, triangles=False):
     """Model of the hat: five strips at a distance `gap` of mid-surfaces, groups "feet" and "hat", `bolts` in a row."""
     middle = HAT_HALF_TOP + HAT_SLOPE + HAT_FOOT / 2
     half = [(HAT_HALF_TOP, HAT_HEIGHT), (HAT_HALF_TOP + HAT_SLOPE, 0.0), (HAT_HALF_TOP + HAT_SLOPE + HAT_FOOT, 0.0)]
@@ -127,15 +132,15 @@ def hat(size, gap, bolts):
         occ.synchronize()
         name_groups(2, surface)
         name_groups(0, bolt)
-        mesh_by_quadrilaterals(size)
+        mesh_by(size, triangles)
 
     return build
 
 
 @cache
-def meshes(size, gap, bolts, hole=HOLE, ribs=RIBS):
+def meshes(size, gap, bolts, hole=HOLE, ribs=RIBS, triangles=False):
     """The mesh of the stiffened plate, and that of the hat unless there are no bolts."""
-    models = [stiffened_plate(size, hole, ribs)] + ([hat(size, gap, bolts)] if bolts else [])
+    models = [stiffened_plate(size, hole, ribs, triangles)] + ([hat(size, gap, bolts, triangles)] if bolts else [])
     return tuple(fx.read(model, dimension=3) for model in models)
 
 
@@ -183,7 +188,7 @@ def answers(record):
 
 
 def case(size: float = 60.0, bolts: int = 4, imperfection: float = 0.4, thickness: float = 4.0,
-         to: float = 1.5) -> fx.Case:
+         to: float = 1.5, triangles: bool = False) -> fx.Case:
     """Stiffened panel with a bolted hat in end shortening.
 
     Parameters
@@ -193,8 +198,9 @@ def case(size: float = 60.0, bolts: int = 4, imperfection: float = 0.4, thicknes
     imperfection : amplitude of the first buckling mode, mm, positive towards the ribs; 0 is a perfect panel
     thickness : of the skin, mm
     to : end shortening, mm
+    triangles : in the place of quadrilaterals
     """
-    perfect = meshes(size, (thickness + HAT_THICKNESS) / 2, bolts)
+    perfect = meshes(size, (thickness + HAT_THICKNESS) / 2, bolts, triangles=triangles)
     scene = scene_of(*perfect, thickness=thickness)
     if imperfection:
         record = unloaded(scene)

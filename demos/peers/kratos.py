@@ -20,7 +20,7 @@ import numpy as np
 from KratosMultiphysics.python_linear_solver_factory import ConstructSolver
 from scipy.interpolate import CubicSpline
 
-MITC4 = "ShellThickElementCorotational3D4N"
+MITC4, LINEAR_MITC4 = "ShellThickElementCorotational3D4N", "ShellThickElement3D4N"
 LAYERED_MITC4 = "MITCThickShellCorotationalElement3D4N"  # since 10.4
 SOLVERS = {"amgcl": "amgcl", "sparse_lu": "LinearSolversApplication.sparse_lu"}
 MOST_ITERATIONS = 50  # of a load step
@@ -34,7 +34,7 @@ FORCES = {"x": Structural.POINT_LOAD_X, "y": Structural.POINT_LOAD_Y, "z": Struc
 
 
 class Shell:
-    """A shell on a grid of corotational quadrilaterals.
+    """A shell on a grid of quadrilaterals, or of triangles, two in the place of each.
 
     Parameters
     ----------
@@ -73,7 +73,8 @@ class Shell:
         for i in range(along):
             for j in range(across):
                 nodes = [self._number(i + di, j + dj) for di, dj in corners]
-                self.part.CreateNewElement(element, 1 + j + i * across, nodes, self._properties)
+                for cell in (nodes,) if element.endswith("4N") else (nodes[:2] + nodes[3:], nodes[1:]):
+                    self.part.CreateNewElement(element, 1 + self.part.NumberOfElements(), cell, self._properties)
 
     def node(self, i, j):
         """Node by its place in the grid; negative numbers count from the end."""
@@ -141,7 +142,7 @@ def _properties(part, material, element):
     """MITC4 takes a law for all eight resultants, the other elements one for plane stress."""
     properties = part.CreateNewProperties(1)
     _give_elasticity(properties, material)
-    properties[Kratos.CONSTITUTIVE_LAW] = (Structural.ReissnerMindlinShellElasticConstitutiveLaw() if element == MITC4
+    properties[Kratos.CONSTITUTIVE_LAW] = (Structural.ReissnerMindlinShellElasticConstitutiveLaw() if element in (MITC4, LINEAR_MITC4)
                                            else Structural.LinearElasticPlaneStress2DLaw())
     return properties
 
