@@ -12,10 +12,10 @@ from mpi4py import MPI
 from .archive.folder import Archive
 from .checks import Positive, check, require
 from .continuation.control import ArcLength, StepRule
-from .continuation.state import State
+from .continuation.state import CriticalPoint, State
 from .critical.verdict import doubts
 from .events.event import Event
-from .model.reported import AXES, counted, meaning
+from .model.reported import AXES, NOT_ASKED, counted, meaning
 from .model.scene import Scene
 from .notices import warn
 from .path import Path, PathFailure, Until
@@ -25,6 +25,7 @@ from .show.standard import STANDARD
 if TYPE_CHECKING:
     from .critical.buckling import BucklingLoad
 
+FREE = 40  # factorisations of a path for each critical point, whose error bars then come at a quarter of its time
 PARTS = ("compile", "assembly", "factorisation", "solve", "contact", "path", "output")
 
 
@@ -53,6 +54,8 @@ class Case:
         of the unloaded structure and the only result
     events : what the path looks for beside limit points and bifurcations
     balance : accuracy of the energy balance that a run tells, see `Record.balance`
+    error : whether a run gives critical loads error bars, see `critical.error_bar`; None: where that costs at most
+        about a quarter of the path, at FREE factorisations of the path for each point
     """
 
     scene: Scene
@@ -65,6 +68,7 @@ class Case:
     buckling: Callable[[Path, State], list] = _linear_buckling
     events: Sequence[Event] = ()
     balance: Positive | None = None
+    error: bool | None = None
 
     def __post_init__(self):
         check(self)
@@ -151,6 +155,8 @@ def run(case: Case, name: str, parameters: dict, folder: Folder, resume: bool,
         except PathFailure as failure:
             record, status, message = failure.record, "stopped", str(failure)
         clock = record.path.clock
+        if case.error or (case.error is None and _is_cheap(record)):
+            record.error_bars()
         quantities = case.quantities(record)
         require("Case", **{"what quantities returns": (quantities, Mapping[str, Any])})
         with clock("output"):
@@ -166,7 +172,8 @@ def run(case: Case, name: str, parameters: dict, folder: Folder, resume: bool,
             "unknowns": record.path.unknowns, "steps": record.states[-1].step,
             "iterations": sum(s.iterations for s in record.states),
             "factorisations": sum(s.factorisations for s in record.states),
-            "searched": record.path.searched, "critical_points": [vars(p) for p in record.critical_points],
+            "searched": record.path.searched,
+            "critical_points": [vars(p) | _error_of(record, p) for p in record.critical_points],
             "quantities": quantities, "energy": energy.summary(),
             "timings": {part: clock.seconds[part] for part in PARTS} | {"total": clock.total},
         }
@@ -175,3 +182,17 @@ def run(case: Case, name: str, parameters: dict, folder: Folder, resume: bool,
     if energy.broken:
         warn(energy.broken)
     return summary
+
+
+def _is_cheap(record: Record) -> bool:
+    """Whether error bars cost at most about a quarter of the path."""
+    spent = sum(state.factorisations for state in record.states)
+    return 0 < FREE * len([p for p in record.critical_points if p.kind != "event"]) <= spent
+
+
+def _error_of(record: Record, point: CriticalPoint) -> dict:
+    """What a summary says of the error of a critical load."""
+    bar = record.errors.get(point)
+    if bar is None:
+        return {"error": None, "error_reason": "an event has none" if point.kind == "event" else NOT_ASKED}
+    return {"error": bar.error, "error_reason": bar.reason}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast
 
@@ -18,6 +18,7 @@ from .discrete.reactions import Holds, Reaction, ReactionPath
 from .discrete.section_forces import SectionPoints, section_forces, section_points
 from .events.search import state_at, step_of
 from .mesh.reader import NamedMesh
+from .model.scene import Scene
 from .model.stresses import stresses
 from .path import Path
 from .show.animating import Animation
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from .critical.branches import Branch
     from .critical.buckling import BucklingLoad
     from .critical.descent import FallStep
+    from .critical.error_bar import ErrorBar
     from .critical.snap import Snap
     from .critical.vibration import Vibration
 
@@ -41,11 +43,16 @@ class Record:
     """A traced path: its case (`case.Case`), its states and the discrete problem they belong to.
 
     What is asked about stability leaves the path where it is. Modules that need SLEPc are imported when first asked.
+
+    Attributes
+    ----------
+    errors : error bars of critical points that have been asked for; pictures show them
     """
 
     case: Any
     path: Path
     states: list[State]
+    errors: dict[CriticalPoint, ErrorBar] = field(default_factory=dict, repr=False)
 
     @property
     def _structure(self) -> Discretisation:
@@ -89,6 +96,33 @@ class Record:
         from .critical.shares import critical_modes
 
         return critical_modes(self.path, self.states, point, self.path.critical_states.get(point))
+
+    def error_bars(self, points: Sequence[CriticalPoint] | None = None) -> list[ErrorBar]:
+        """Discretisation errors of the loads of critical points, see `critical.error_bar`.
+
+        Parameters
+        ----------
+        points : of this record; None: all but events
+        """
+        from .critical.error_bar import error_bars
+
+        chosen = [p for p in self.critical_points if p.kind != "event"] if points is None else points
+        found = error_bars(self.path, chosen, self.state_at, self.critical_modes)
+        self.errors |= {bar.point: bar for bar in found}
+        return found
+
+    def gradient(self, point: CriticalPoint, scene: Callable[[float], Scene], at: float,
+                 step: float | None = None) -> float | np.ndarray:
+        """Derivative of the load of a critical point by a number of the scene, see `critical.gradient.LoadGradient`.
+
+        ```python
+        record.gradient(point, lambda t: fx.remade(scene, {plate: fx.Plate(t)}), at=plate.thickness)
+        ```
+        """
+        from .critical.gradient import LoadGradient
+
+        known = LoadGradient(self.path, point, self.state_at(point), self.critical_modes(point))
+        return known.derivative(scene, at, step)
 
     def energy_shares(self, modes: Sequence[np.ndarray]) -> list[float]:
         """Shares of the parts, in the scene's order, in the strain energy of modes, see `critical.shares`."""

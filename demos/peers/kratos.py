@@ -142,7 +142,8 @@ def _properties(part, material, element):
     """MITC4 takes a law for all eight resultants, the other elements one for plane stress."""
     properties = part.CreateNewProperties(1)
     _give_elasticity(properties, material)
-    properties[Kratos.CONSTITUTIVE_LAW] = (Structural.ReissnerMindlinShellElasticConstitutiveLaw() if element in (MITC4, LINEAR_MITC4)
+    of_resultants = element in (MITC4, LINEAR_MITC4)
+    properties[Kratos.CONSTITUTIVE_LAW] = (Structural.ReissnerMindlinShellElasticConstitutiveLaw() if of_resultants
                                            else Structural.LinearElasticPlaneStress2DLaw())
     return properties
 

@@ -39,7 +39,12 @@ def transferred(state: State, scene: Any, modes: Sequence[np.ndarray] = ()) -> t
     if state.scene is None:
         raise ValueError("state.on: a state from a file does not know its scene; take it from `path.start` of "
                          "Path(scene, start=[state])")
-    source, target = Discretisation(state.scene), Discretisation(scene)
+    return between(state, Discretisation(state.scene), Discretisation(scene), modes)
+
+
+def between(state: State, source: Discretisation, target: Discretisation,
+            modes: Sequence[np.ndarray] = ()) -> tuple[State, list[np.ndarray]]:
+    """As `transferred`, for discretisations that are there; both end at the state."""
     transfer = Transfer(source, target)
     target.system.factors.enter(state.stage, 0.0)
     unit = target.load_of_unit()
@@ -51,4 +56,4 @@ def transferred(state: State, scene: Any, modes: Sequence[np.ndarray] = ()) -> t
     norm2, work = state.reference
     return replace(state, factor=factor, load_rate=state.load_rate / share, load_increment=state.load_increment / share,
                    reference=(norm2 * share**2, work * share**2), critical=(), next_length=0.0, increment=increment,
-                   response=response * share, fields=fields, scene=scene), vectors
+                   response=response * share, fields=fields, scene=target.scene), vectors

@@ -21,7 +21,7 @@ tangent of the solution has other null vectors as well, Newton's method goes on 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated, cast
 
@@ -94,6 +94,33 @@ class Critical:
 
     def __str__(self) -> str:
         return str(self.point)
+
+
+def load_within(tracer: Tracer, guess: State, modes: Sequence[np.ndarray], kind: str,
+                share: float) -> tuple[float, float]:
+    """Load of the critical point next to a guess, but for a share of the difference between both loads.
+
+    Parameters
+    ----------
+    tracer, guess, modes, kind : as of `critical`; it ends at some state
+
+    Returns
+    -------
+    The load, and how much of the modes there lies in the given ones: the smallest cosine between both spaces
+
+    Raises
+    ------
+    ValueError, NoCriticalPoint
+        As `critical`.
+    """
+    _require_smooth(tracer)
+    tracer.back_to(guess)
+    given = _given(tracer, modes)
+    newton = _Newton(tracer, guess, given, len(given), kind)
+    load = newton.load_within(share)
+    weighted = [tracer.system.weights * mode for mode in given]
+    found = [[w.dot(mode) for mode in newton.sought_modes] for w in weighted]
+    return load, float(np.linalg.svd(np.array(found), compute_uv=False)[-1])
 
 
 def critical(scene, guess: State, mode: np.ndarray | Sequence[np.ndarray] | None = None, *,
@@ -227,6 +254,11 @@ class _Newton:
         return len(self._sought)
 
     @property
+    def sought_modes(self) -> list[PETSc.Vec]:
+        """Those of the modes that are sought, as far as is known."""
+        return [self.modes[n] for n in self._sought]
+
+    @property
     def eigenvalues(self) -> str:
         return ", ".join(f"{value:.2e}" for value in self._iterations[-1].eigenvalues)
 
@@ -237,7 +269,7 @@ class _Newton:
         ------
         NoCriticalPoint
         """
-        self._iterate()
+        self._iterate(self._is_last)
         tracer = self._tracer
         state = tracer.accept(self._factor - self._guess.factor, len(self._iterations))
         tracer.factorise_at(state)
@@ -250,36 +282,53 @@ class _Newton:
                 self._left = max((abs(values[n]) for n in zero[:self.multiplicity]), default=0.0)
                 return state, [modes[n] for n in zero]
 
-    def _iterate(self) -> None:
-        """Correct until a further correction would be rounding."""
+    def _iterate(self, is_last: Callable[[float, float], bool]) -> None:
+        """Correct until a correction is the last one, by the change of the load factor and by its contraction."""
         with self._system.additive_increments():
             self._relax()
             for _ in range(ITERATIONS):
                 try:
                     step, change = self._correction()
-                    self._go(step, change)
+                    contraction = self._go(step, change)
                 except (SingularTangent, np.linalg.LinAlgError):
                     raise self._failure("ends at a singular tangent") from None
-                if self._is_last(change):
+                if is_last(change, contraction):
                     return
         raise self._failure(f"does not converge in {ITERATIONS} iterations")
 
-    def _go(self, step: PETSc.Vec, change: float) -> None:
+    def load_within(self, share: float) -> float:
+        """Total load of the point, within a share of what it differs by from that of the guess."""
+        load = self._tracer.discretisation.total_load
+
+        def is_last(change: float, contraction: float) -> bool:
+            before = self._iterations[-1].load
+            return contraction * abs(load() - before) <= share * abs(load() - self._guess.load)
+
+        self._iterate(is_last)
+        return load()
+
+    def _go(self, step: PETSc.Vec, change: float) -> float:
         """Go along a step, and correct the state off the modes: a long step strains stiff parts.
 
         The factor that there is does where its correction is less than half of the step (Deuflhard 2011, Newton
         Methods, section 2.1.2); else Newton's method with stresses that follow the step linearly, until it does.
+
+        Returns
+        -------
+        The correction over the step; 1 where the factor does not do
         """
         start, size = (self._x.copy(), self._factor), self._tracer.distance(0.0, step.array)
         self._factor += change
         self._system.retract(self._x, step)
         more = self._off_modes()
-        if self._tracer.distance(0.0, more.array) <= size / 2:
+        contraction = self._tracer.distance(0.0, more.array) / max(size, rounding.TINIEST)
+        if contraction <= 1 / 2:
             self._system.retract(self._x, more)
-            return
+            return contraction
         start[0].copy(self._x)
         self._system.configure(self._x, start[1])
         self._settle(step)
+        return 1.0
 
     def _settle(self, step: PETSc.Vec) -> None:
         """Go along a step and on to equilibrium off the modes, with stresses that follow steps linearly."""
@@ -333,7 +382,7 @@ class _Newton:
         self._bordered = BorderedSolver(self._tracer.stepper.linear, self._springs, self._least)
         self._bordered.border(border, border)
 
-    def _is_last(self, change: float) -> bool:
+    def _is_last(self, change: float, contraction: float) -> bool:
         """Whether the next correction of the load, which contracts as that of the state did, is less than allowed."""
         if len(self._iterations) < 2:
             return False

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Iterator, Sequence
-from dataclasses import fields, is_dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 from typing import Any, cast
 
 import numpy as np
@@ -13,7 +11,6 @@ from mpi4py import MPI
 from scipy.spatial import cKDTree
 
 from ..checks import checked
-from ..discrete.contribution import Contribution
 from ..discrete.discretisation import Discretisation
 from ..discrete.fields import SAME_PLACE
 from ..mesh import imperfection
@@ -25,8 +22,8 @@ from ..mesh.reader import NamedMesh
 from ..model.joints import Compatible
 from ..model.places import each_of
 from ..model.scene import Scene
-from ..model.work import Acting
 from .modes import mode_on
+from .remade import Remade
 
 
 @checked
@@ -55,7 +52,7 @@ def imperfect(mesh: NamedMesh | MixedMesh | Scene, displacement: Any,
     if not isinstance(mesh, Scene):
         return imperfection.imperfect(mesh, displacement, amplitude)
     given = [(shape, factor) for one, factor in given_shapes(displacement, amplitude) for shape in _shapes(mesh, one)]
-    return _Moved(mesh, given).scene()
+    return _Moved(mesh, given).of(mesh)
 
 
 def _shapes(scene: Scene, one: Any) -> list[Shape]:
@@ -70,44 +67,26 @@ def _shapes(scene: Scene, one: Any) -> list[Shape]:
     return [mode_on(discretisation, mesh, mode) for mesh in scene.meshes]
 
 
-class _Moved:
+class _Moved(Remade):
     """A scene on moved meshes: all that is on one of them is made again, once."""
 
     def __init__(self, scene: Scene, given: Sequence[tuple[Shape, float]]):
-        self._scene = scene
         places = moved_together(scene.meshes, given, list(_common(scene)))
         self._way = scene.meshes[0].comm.allreduce(max(
             float(np.linalg.norm(x - m.domain.geometry.x[:, :m.dimension], axis=1).max(initial=0.0))
             for m, x in zip(scene.meshes, places, strict=True)), op=MPI.MAX)
-        self._new: dict[int, Any] = {id(m): at_places(m, x) for m, x in zip(scene.meshes, places, strict=True)}
+        super().__init__({id(m): at_places(m, x) for m, x in zip(scene.meshes, places, strict=True)})
 
-    def scene(self) -> Scene:
-        return self._again(self._scene)
-
-    def _again(self, one: Any) -> Any:
-        """One thing, or made again where something in it is on a moved mesh."""
-        if id(one) in self._new:
-            return self._new[id(one)]
-        if isinstance(one, (tuple, list)):
-            parts = [self._again(part) for part in one]
-            return one if all(a is b for a, b in zip(one, parts, strict=True)) else type(one)(parts)
-        if isinstance(one, type) or not (is_dataclass(one) or isinstance(one, (Acting, Contribution))):
-            return one
-        names = [f.name for f in fields(one) if f.init] if is_dataclass(one) else list(_kept(one))
-        changed = {name: new for name in names if (new := self._again(old := getattr(one, name))) is not old}
-        if changed and isinstance(getattr(one, "mesh", None), NamedMesh):
-            changed |= self._along_lines(one)
-        self._new[id(one)] = one if not changed else _with(one, changed)
-        return self._new[id(one)]
-
-    def _along_lines(self, joint: Any) -> dict[str, Any]:
+    def changes(self, one: Any) -> dict[str, Any]:
         """Of a joint the stretches on its moved mesh, and a reach over what has moved."""
-        at, changed = getattr(joint, "at", None), {}
+        if not isinstance(getattr(one, "mesh", None), NamedMesh):
+            return {}
+        at, changed = getattr(one, "at", None), {}
         if not (at is None or isinstance(at, str)):
-            moved = [self._stretch(joint.mesh, a) if isinstance(a, Stretch) else a for a in each_of(at)]
+            moved = [self._stretch(one.mesh, a) if isinstance(a, Stretch) else a for a in each_of(at)]
             changed["at"] = moved[0] if isinstance(at, Stretch) else moved
-        if hasattr(joint, "reach"):
-            changed["reach"] = joint.reach + 2 * self._way
+        if hasattr(one, "reach"):
+            changed["reach"] = one.reach + 2 * self._way
         return changed
 
     def _stretch(self, mesh: NamedMesh, stretch: Stretch) -> Stretch:
@@ -158,18 +137,3 @@ def _at_one_place(joint: Compatible, one: NamedMesh, other: NamedMesh) -> np.nda
     distance, nearest = cKDTree(y).query(x)
     found = distance <= SAME_PLACE * max(one.size, other.size)
     return np.column_stack((nodes[0][found], nodes[1][nearest[found]]))
-
-
-def _kept(one: Any) -> Iterator[str]:
-    """Names of what an object of one's own has, but for what it has computed."""
-    return (name for name in vars(one) if not isinstance(getattr(type(one), name, None), cached_property))
-
-
-def _with(one: Any, changed: dict[str, Any]) -> Any:
-    """A thing like another with some attributes changed."""
-    if is_dataclass(one) and not isinstance(one, type):
-        return type(one)(**{f.name: getattr(one, f.name) for f in fields(one) if f.init} | changed)
-    new = copy.copy(one)
-    vars(new).clear()
-    vars(new).update({name: vars(one)[name] for name in _kept(one)} | changed)
-    return new

@@ -14,7 +14,7 @@ from .cells import Cells
 from .gmsh_model import Model, Source, read_model
 from .orientation import run_alike
 from .partition import Hosted
-from .reader import NamedMesh, named_mesh
+from .reader import NamedMesh, named_mesh, with_reading
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +78,9 @@ def read_kinds(source: Source, order: Annotated[int | None, Choice((1, 2, 3))] =
     second = named_mesh(model, quadrilaterals, inner, 3, comm, partition.hosts, alike, 1)
     corners = quadrilaterals.corners()
     rest = replace(model, points={name: np.setdiff1d(nodes, corners) for name, nodes in model.points.items()})
-    return MeshesByKind(named_mesh(rest, triangles, outer, 3, comm, partition.guests, alike), second)
+    first = named_mesh(rest, triangles, outer, 3, comm, partition.guests, alike)
+    with_reading((first, second), source, place, lambda order: tuple(read_kinds(source, order, place, comm)))
+    return MeshesByKind(first, second)
 
 
 def _edges(model: Model, cells: Cells) -> tuple[Cells, Cells]:

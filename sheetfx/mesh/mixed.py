@@ -14,7 +14,7 @@ from .cells import Cells
 from .gmsh_model import Model, Source, read_model
 from .groups import DIMENSIONS
 from .partition import Hosted
-from .reader import NamedMesh, named_mesh
+from .reader import NamedMesh, named_mesh, with_reading
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +65,14 @@ def read_mixed(source: Source, bars: str | Sequence[str], order: Annotated[int |
     model.require_points_on(model.surfaces, cells)
     partition = Hosted(cells.corners())
     surfaces = named_mesh(model, model.surfaces, edges, 3, comm, partition.hosts)
-    return MixedMesh(surfaces, named_mesh(model, cells, Cells({}, {}), 3, comm, partition.guests))
+    curves = named_mesh(model, cells, Cells({}, {}), 3, comm, partition.guests)
+
+    def again(order: int) -> tuple[NamedMesh, NamedMesh]:
+        found = read_mixed(source, bars, order, place, comm)
+        return found.surfaces, found.curves
+
+    with_reading((surfaces, curves), source, place, again)
+    return MixedMesh(surfaces, curves)
 
 
 def _bars_and_edges(model: Model, bars: list[str]) -> tuple[Cells, Cells]:

@@ -26,6 +26,20 @@ ROUNDING = 1e-6  # place out of a plane, over the size of the structure, by whic
 COMPONENTS = {2: ("x", "y", "rz"), 3: ("x", "y", "z", "rx", "ry", "rz")}  # of displacement and rotation, by dimension
 
 
+@dataclass(frozen=True)
+class Reading:
+    """How the meshes of a gmsh model are read again with cells of another order.
+
+    Attributes
+    ----------
+    again : function from an order to all of them
+    number : of one of them
+    """
+
+    again: Callable[[int], tuple[NamedMesh, ...]]
+    number: int = 0
+
+
 @dataclass(eq=False)
 class NamedMesh:
     """A mesh and its named groups.
@@ -38,6 +52,7 @@ class NamedMesh:
     points : name -> vertices of this process (may be empty on some)
     opposed : group (None: all cells) -> a place where two of its cells run against each other; empty: nowhere
     model : the same object in meshes that are made of one gmsh model, and in imperfect ones of these
+    reading : how it is read again; None: a file tells no more than its cells, or nodes have been moved
     size : diagonal of the box around the structure; known to each process, so that any may ask alone
     """
 
@@ -47,6 +62,7 @@ class NamedMesh:
     points: dict[str, np.ndarray]
     opposed: dict[str | None, np.ndarray] = field(default_factory=dict)
     model: object = None
+    reading: Reading | None = None
     _rules: list = field(default_factory=list)
     _measures: dict = field(default_factory=dict)
     size: float = field(init=False)
@@ -228,7 +244,17 @@ def read(source: Source, dimension: Annotated[int, Choice((2, 3))],
         cells, edges = model.surfaces, model.curves
         model.require_edges()
     model.require_points_on(cells)
-    return named_mesh(model, cells, edges, dimension, comm, keep_junctions_whole)
+    mesh = named_mesh(model, cells, edges, dimension, comm, keep_junctions_whole)
+    return with_reading((mesh,), source, place, lambda order: (read(source, dimension, order, place, comm),))[0]
+
+
+def with_reading(meshes: tuple[NamedMesh, ...], source: Source, place: Callable | None,
+                 again: Callable[[int], tuple[NamedMesh, ...]]) -> tuple[NamedMesh, ...]:
+    """Meshes of one gmsh model, told how they are read again where the geometry is known."""
+    if callable(source) or place is not None:
+        for number, mesh in enumerate(meshes):
+            mesh.reading = Reading(again, number)
+    return meshes
 
 
 def named_mesh(model: Model, cells: Cells, edges: Cells, dimension: int, comm: MPI.Comm, partitioner,

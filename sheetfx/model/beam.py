@@ -44,8 +44,8 @@ class Beam:
     law : function (strains, stiffness) -> stress resultants, or a LawWithHistory; stiffness as by
         `Section.stiffness`
     group : physical group of the curves; None: all
-    degree : of displacement and rotation, 1, 2 or 3; integrated with `degree` Gauss points, which
-        keeps all free of shear and membrane locking
+    degree : of displacement and rotation, 1 to 4; integrated with `degree` Gauss points, which keeps all free of shear
+        and membrane locking
     up : direction of the section's depth, in space: a vector (3,), or a function from the place, a UFL vector, to one
     shear_rigidity : factor on the shear stiffness
     offset : of the section's centroid from the meshed line, so that a stiffener stands beside the mid-surface whose
@@ -60,7 +60,7 @@ class Beam:
     strains: Callable = forms.beam.simo_reissner
     law: Annotated[Callable | LawWithHistory, LAW] = forms.section.linear_elastic
     group: str | None = None
-    degree: Annotated[int, Choice((1, 2, 3))] = 2
+    degree: Annotated[int, Choice((1, 2, 3, 4))] = 2
     up: tuple[float, float, float] | Callable = (0.0, 0.0, 1.0)
     shear_rigidity: Positive = 1.0
     offset: float | tuple[float, float] = 0.0

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from .loads import FORCE, LINE_PRESSURE, MOMENT, PRESSURE, Load
 
 FACTOR = "load factor"
+NOT_ASKED = "not asked for; --error estimates it"  # why a critical load has no error bar
 AXES = {FORCE: "load (N)", MOMENT: "moment (N mm)", PRESSURE: "pressure (N/mm²)", LINE_PRESSURE: "pressure (N/mm)",
         FACTOR: FACTOR}  # what the load is called on plots, in the units that deflections have there
 

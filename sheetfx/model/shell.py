@@ -101,8 +101,14 @@ FORMS = {
     "naghdi-t2": _triangle(2, 4),
     "naghdi-t3": _triangle(3, 6),
 }
+RICHER = {"naghdi-q2": FORMS["naghdi-q3"], "naghdi-q3": _quadrilateral(4), "naghdi-t2": FORMS["naghdi-t3"]}
 BY_CELL = {QUADRILATERAL: "naghdi-q2", TRIANGLE: "naghdi-t2"}
 FORMER = {"naghdi-p2cr": "naghdi-t2", "naghdi-p3": "naghdi-t3"}  # which were too soft on curved surfaces
+
+
+def richer_form(form: ShellForm) -> ShellForm | None:
+    """The form of one degree more on the same cells; None: there is none."""
+    return next((richer for name, richer in RICHER.items() if FORMS[name] is form), None)
 
 
 def named_form(name: str) -> ShellForm:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path as Folder
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,6 +15,9 @@ from .evaluate import most_telling, stays, unit_of, with_unit
 from .labels import place_labels
 from .saving import save_picture
 from .shown import Shown
+
+if TYPE_CHECKING:
+    from ..critical.error_bar import ErrorBar
 
 STABLE, UNSTABLE = "#0b4f8a", "#c4432b"
 MARKERS = {"limit": ("o", "limit point"), "bifurcation": ("D", "bifurcation point"), "flutter": ("v", "flutter"),
@@ -49,6 +53,7 @@ def draw_path(record: Shown, jumps: Sequence[tuple[State, State]] = ()):
               markersize=3.5, zorder=3, label="converged states")
     points = [point for state in states for point in state.critical]
     draw_points(axes, points)
+    draw_errors(axes, [record.errors[p] for p in points if p in record.errors])
     legend_above(axes)
     arrows = [np.linspace((a.deflection, a.load), (b.deflection, b.load), 100) for a, b in jumps]
     _leave_out_last(axes, record, states, np.concatenate([knots[:-1], *arrows]), knots[-1])
@@ -185,6 +190,15 @@ def draw_points(axes, points: list[CriticalPoint]) -> None:
         if chosen:
             axes.plot([p.deflection for p in chosen], [p.load for p in chosen], marker, color="white",
                       markeredgecolor="black", markeredgewidth=1.3, markersize=7, zorder=4, label=_count(label, chosen))
+
+
+def draw_errors(axes, bars: Sequence[ErrorBar]) -> None:
+    """Draw from critical loads to where their error estimates put them."""
+    known = [(bar.point.deflection, bar.point.load, bar.error) for bar in bars if bar.error is not None]
+    if known:
+        x, y, error = np.array(known).T
+        axes.errorbar(x, y, yerr=[np.maximum(error, 0.0), np.maximum(-error, 0.0)], fmt="none", ecolor="black",
+                      elinewidth=1.0, capsize=3.0, zorder=3, label="estimated error")
 
 
 def path_knots(states: Sequence[State]) -> tuple[np.ndarray, np.ndarray]:

@@ -12,6 +12,7 @@ from rich.table import Table
 from rich.text import Text
 
 from ..continuation.state import State
+from ..model.reported import NOT_ASKED
 from .evaluate import told
 from .shown import ShownCase
 
@@ -96,6 +97,9 @@ class Progress:
         console.print(f"{summary['status']}: {summary['message']}", soft_wrap=True)
         for sentence in summary["searched"]:
             self.console.print(f"  {sentence}", soft_wrap=True, style="dim")
+        for point in summary["critical_points"]:
+            if said := _error(point):
+                self.console.print(f"  {said}", soft_wrap=True)
         table = Table(show_header=False, box=None)
         for key, value in summary["quantities"].items():
             table.add_row(key.replace("_", " "), f"{value:.6g}")
@@ -108,6 +112,16 @@ class Progress:
                                      f"{spent['output']:.2f}")
         table.add_row("results in", str(self.folder))
         self.console.print(table)
+
+
+def _error(point: dict) -> str:
+    """What is said of the error of a critical load that was asked for; "": nothing."""
+    load, error, reason = f"{point['kind']} point at load {point['load']:.6g}", point["error"], point["error_reason"]
+    if error is None:
+        return "" if reason == NOT_ASKED or point["kind"] == "event" else f"{load}: no error estimate ({reason})"
+    share = f" ({abs(error / point['load']):.2g} of it)" if point["load"] else ""
+    doubt = f"; {reason}" if reason else ""
+    return f"{load} is too {'high' if error > 0 else 'low'} by about {abs(error):.2g}{share}{doubt}"
 
 
 def _balance(energy: dict) -> str:

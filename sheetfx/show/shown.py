@@ -19,6 +19,7 @@ from ..path import Path
 
 if TYPE_CHECKING:
     from ..critical.buckling import BucklingLoad
+    from ..critical.error_bar import ErrorBar
 
 
 class ShownCase(Protocol):
@@ -40,6 +41,7 @@ class Shown(Protocol):
     case: Any
     path: Path
     states: list[State]
+    errors: dict[CriticalPoint, ErrorBar]
 
     @property
     def critical_points(self) -> list[CriticalPoint]: ...

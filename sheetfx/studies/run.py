@@ -33,6 +33,8 @@ BALANCE = option("balance", float | None, None, "Accuracy of the energy balance,
                  "within steps, in about the time of the path.", "--balance", rules=[POSITIVE])
 ANIMATE = option("animate", bool, False, "Draw animation.gif, the motion along the path.", "--animate")
 NO_PICTURES = option("no_pictures", bool, False, "Draw no pictures, and write no files for ParaView.", "--no-pictures")
+ERROR = option("error", bool | None, None, "Estimate the discretisation error of critical loads; default: where it "
+               "costs a quarter of the path at most.", "--error/--no-error")
 TABLES = option("tables", bool, False, "Write reactions, energies and section forces of all states as CSV.", "--tables")
 
 
@@ -47,11 +49,11 @@ class Scenes(TyperGroup):
     @staticmethod
     def runner(name: str, function):
         """A command with the options of a scene's function and those of every run."""
-        def command(output: str | None, resume: bool, tables: bool, balance: float | None, animate: bool,
-                    no_pictures: bool, **parameters):
-            run_scene(name, function, parameters, output, resume, tables, balance, animate, no_pictures)
+        def command(output: str | None, resume: bool, tables: bool, balance: float | None, error: bool | None,
+                    animate: bool, no_pictures: bool, **parameters):
+            run_scene(name, function, parameters, output, resume, tables, balance, error, animate, no_pictures)
 
-        return with_options(command, function, [OUTPUT, RESUME, TABLES, BALANCE, ANIMATE, NO_PICTURES])
+        return with_options(command, function, [OUTPUT, RESUME, TABLES, BALANCE, ERROR, ANIMATE, NO_PICTURES])
 
     def list_commands(self, context):
         return scene_names()
@@ -113,7 +115,7 @@ def folder_of(name: str, output: str | None, ending: str = "") -> Path:
 
 
 def run_scene(name: str, function, parameters: dict, output: str | None, resume: bool, with_tables: bool,
-              balance: float | None, animate: bool, no_pictures: bool) -> None:
+              balance: float | None, error: bool | None, animate: bool, no_pictures: bool) -> None:
     """Run one scene with progress on the terminal."""
     from ..case import run
     from ..show.animating import animation
@@ -125,7 +127,8 @@ def run_scene(name: str, function, parameters: dict, output: str | None, resume:
         case = function(**parameters)
         pictures = [*(() if no_pictures else case.pictures), *([tables] if with_tables else []),
                     *([animation] if animate else [])]
-        case = replace(case, pictures=pictures, balance=balance or case.balance)
+        case = replace(case, pictures=pictures, balance=balance or case.balance,
+                       error=case.error if error is None else error)
         progress.begin(case)
         summary = run(case, Path(name).stem, parameters, folder, resume, [progress])
         progress.report(summary)

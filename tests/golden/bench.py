@@ -186,7 +186,7 @@ def table(which: str, jobs: int, minutes: float, again: bool) -> None:
         for name in order:
             missing = [row.key for row in wanted
                        if (name, row.key) not in tried and touches(row, lines[name])
-                       and (size_of(factor) >= 2 or (name, row.key) in needing)]
+                       and (factor == OFF or size_of(factor) >= 2 or (name, row.key) in needing)]
             if missing and (size_of(factor) <= 2 or golden_ones[name]["seconds"] <= CHEAP):
                 tasks.append((name, factor, missing, golden_ones[name], TOGETHER[size_of(factor)]))
         print(f"factor {factor}: {sum(len(task[2]) for task in tasks)} changes on {len(tasks)} structures", flush=True)
