@@ -91,7 +91,7 @@ def _reason(path) -> str:
     if not isinstance(path.discretisation.scene, Scene):
         return "a plain form has no richer one"
     if not system.smooth:
-        return "contact, friction and hinges"
+        return "contact or friction"
     if any(contribution.remembers for contribution in system.contributions):
         return "laws with history"
     if not system.conservative:

@@ -13,7 +13,7 @@ work along the mode (Reitinger and Ramm 1995):
 
 K' phi are third variations of the energy. Of k modes together the first equation is one for a matrix, whose eigenvalues
 are the changes of k loads: the point splits, and its derivatives are one-sided. dR and dK phi are differences of forces
-and tangents at the state that is known; central ones are exact to 1e-7 for numbers that enter smoothly.
+and tangents at the state that is known; central ones are exact to 1e-5 for numbers that enter smoothly.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from ..events.determinant import orthonormal
 from ..model.scene import Scene
 from .koiter import Energy
 
-STEP = 1e-4  # of a number, of its differences
+STEP = 1e-6  # of a number, of its differences: slender parts are strained by a change of their places
 IMPERFECT = 1e-5  # work of an imperfection along a mode over that across it
 
 
@@ -125,7 +125,7 @@ class LoadGradient:
         ----------
         scene : function from the number to the scene, of which only values change and nodes move
         at : the number as it is
-        step : of differences; None: a ten-thousandth of the number
+        step : of differences; None: a millionth of the number
 
         Returns
         -------

@@ -1,0 +1,129 @@
+"""Derivatives of critical loads against differences of whole paths and closed forms; what a load depends on."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from math import pi
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import sheetfx as fx
+from sheetfx import meshes
+from sheetfx.cli import app
+from sheetfx.scenes import arch, cylinder_panel, lee_frame, roof, sinusoidal_arch
+
+SLOW = pytest.mark.slow
+
+
+def short_roof(thickness):
+    case = roof.case(cells=4, form="naghdi-q2", thickness=thickness)
+    return fx.Case(case.scene, case.control, fx.Until(deflection=25.0))
+
+
+def higher_frame(height):
+    """Lee's frame with its nodes moved up in proportion, which strains slender members at the same displacements."""
+    case = lee_frame.case(elements=10)
+    moved = fx.imperfect(case.scene, lambda x: np.column_stack((0 * x[:, 0], (height - 1.0) * x[:, 1], 0 * x[:, 0])))
+    return fx.Case(moved, case.control, case.until)
+
+
+def differences(make, at, point, step=1e-3):
+    """Central ones of whole paths, of the nearest point of the same kind."""
+    ahead, behind = (min((p.load for p in fx.trace(make(at * (1 + sign * step))).critical_points
+                          if p.kind == point.kind), key=lambda load: abs(load - point.load)) for sign in (1, -1))
+    return (ahead - behind) / (2 * step * at)
+
+
+@pytest.mark.parametrize(("make", "at", "count"), [
+    (short_roof, 12.7, 2), (lambda v: sinusoidal_arch.case(elements=8, alpha=v), 2.8, 4), (higher_frame, 1.0, 2),
+    pytest.param(lambda v: cylinder_panel.case(cells=(4, 4), length=v), 0.5, 2, marks=SLOW),
+    pytest.param(lambda v: cylinder_panel.case(cells=(4, 4), ratio=v), 100.0, 2, marks=SLOW),
+], ids=["thickness of the roof", "rise of the arch", "height of the frame", "length of the panel", "its thickness"])
+def test_against_differences_of_paths(make, at, count):
+    """Limit points and bifurcations."""
+    record = fx.trace(make(at))
+    for point in record.critical_points[:count]:
+        found = record.gradient(point, lambda v: make(v).scene, at)
+        assert found == pytest.approx(differences(make, at, point), rel=1e-4)
+
+
+def test_contact_at_a_limit_point():
+    """Paths with contact have limit loads that waver by 1e-5 as points of contact come and go: longer differences."""
+    case = arch.case(elements=160)
+
+    def thicker(depth):
+        scene = case.scene
+        section = scene.parts[0].section
+        return fx.Case(fx.remade(scene, {section: replace(section, depth=depth)}), case.control,
+                       fx.Until(deflection=20.0))
+
+    at = case.scene.parts[0].section.depth
+    record = fx.trace(thicker(at))
+    (point,) = record.critical_points
+    found = record.gradient(point, lambda v: thicker(v).scene, at)
+    assert found == pytest.approx(differences(thicker, at, point, 1e-2), rel=2e-3)
+
+
+def masts(depth):
+    """Two equal columns, of which the second has a depth of its own; loads over Euler's of the first."""
+    nodes = {"a": (0, 0), "b": (0, 1), "c": (1, 0), "d": (1, 1)}
+    mesh = fx.read(lambda: meshes.frame(nodes, {"one": ("a", "b", 8), "two": ("c", "d", 8)}), 2, order=1)
+    parts = [fx.Beam(mesh, fx.Rectangle(1.0, d), fx.Elastic(1e6), group=name) for name, d in (("one", 0.01),
+                                                                                         ("two", depth))]
+    euler = pi**2 * 1e6 * 1e-6 / 12
+    supports = [fx.pin(mesh, "a"), fx.Support(mesh, "b", "x"), fx.pin(mesh, "c"), fx.Support(mesh, "d", "x")]
+    loads = [fx.PointForce(mesh, name, (0.0, -euler / 2)) for name in "bd"]
+    return fx.Case(fx.Scene(parts, supports, loads, fx.Monitor(mesh, "b", "y", -1.0)), fx.LoadControl(0.45, target=3.0))
+
+
+def test_a_double_point_splits():
+    """Its second load is that of the column that is made stiffer, and grows with the third power of its depth."""
+    record = fx.trace(masts(0.01))
+    point = record.critical_points[0]
+    assert point.multiplicity == 2
+    found = record.gradient(point, lambda v: masts(v).scene, 0.01)
+    assert found == pytest.approx([0.0, 3 * point.load / 0.01], rel=1e-3, abs=1e-6 * point.load / 0.01)
+
+
+def test_an_imperfection_has_no_derivative():
+    case = sinusoidal_arch.case(elements=8)
+    record = fx.trace(case)
+    point = next(p for p in record.critical_points if p.kind == "bifurcation")
+
+    def leaning(amplitude):
+        return fx.imperfect(case.scene, lambda x: np.column_stack(
+            (0 * x[:, 0], amplitude * np.sin(2 * pi * x[:, 0] / 100.0), 0 * x[:, 0])))
+
+    with pytest.raises(ValueError, match="the number makes the structure imperfect, so that bifurcation point"):
+        record.gradient(point, leaning, 0.0, step=1e-4)
+    limit = next(p for p in record.critical_points if p.kind == "limit")
+    assert record.gradient(limit, leaning, 0.0, step=1e-4) == pytest.approx(0.0, abs=1e-6 * limit.load / 1e-2)
+
+
+def test_what_has_no_gradient_is_refused():
+    record = fx.trace(short_roof(12.7))
+    point = record.critical_points[0]
+    with pytest.raises(ValueError, match="at is 0, which tells no size of a step; give step"):
+        record.gradient(point, lambda v: record.case.scene, 0.0)
+    with pytest.raises(ValueError, match="changes the unknowns of the structure"):
+        record.gradient(point, lambda v: roof.case(cells=6, form="naghdi-q2").scene, 12.7)
+    with pytest.raises(ValueError, match="remade: the scene has not this Plate"):
+        fx.remade(record.case.scene, {fx.Plate(12.7): fx.Plate(13.0)})
+
+
+def test_what_a_load_depends_on(tmp_path):
+    """A stiffness that all parts share scales the load; the thickness as core.md and differences of paths have it."""
+    result = CliRunner().invoke(app, ["depends", "roof", "--cells", "4", "-o", str(tmp_path)])
+    assert result.exit_code == 0, result.output
+    found = json.loads((tmp_path / "depends.json").read_text())
+    assert list(found)[:2] == ["thickness", "Elastic.modulus"]
+    assert found["thickness"]["derivative"] == pytest.approx(331.602, rel=1e-5)
+    assert found["Elastic.modulus"]["percent_per_percent"] == pytest.approx(1.0, rel=1e-8)
+    assert "a per cent more thickness (now 12.7): +1.9 % load" in result.output
+    assert "without effect: to, step" in result.output
+    assert (tmp_path / "depends.png").exists()
+    result = CliRunner().invoke(app, ["depends", "roof", "--cells", "2", "--point", "9", "-o", str(tmp_path)])
+    assert isinstance(result.exception, ValueError) and "has 2 critical points" in str(result.exception)
