@@ -18,7 +18,6 @@ from .discrete.reactions import Holds, Reaction, ReactionPath
 from .discrete.section_forces import SectionPoints, section_forces, section_points
 from .events.search import state_at, step_of
 from .mesh.reader import NamedMesh
-from .model.scene import Scene
 from .model.stresses import stresses
 from .path import Path
 from .show.animating import Animation
@@ -36,6 +35,7 @@ if TYPE_CHECKING:
     from .critical.error_bar import ErrorBar
     from .critical.snap import Snap
     from .critical.vibration import Vibration
+    from .model.scene import Scene
 
 
 @dataclass

@@ -76,6 +76,7 @@ def examples() -> dict[str, dict]:
         "PolygonSection": {"corners": ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))},
         "Case": {"scene": p.scene}, "Compatible": {"mesh": p.space, "to": p.plate},
         "Contact": {"beam": p.beam, "obstacle": p.cylinder},
+        "EdgeFoundation": {"mesh": p.plate, "at": "east", "stiffness": (1.0, 1.0, 1.0)},
         "EdgeForce": {"mesh": p.plate, "at": "east", "force": (0.0, 0.0, 1.0)}, "Elastic": {"modulus": 1.0},
         "Event": {"name": "mine", "test": lambda state: 1.0},
         "FibreList": {"places": ((-1.0, 0.0), (1.0, 0.0)), "areas": (1.0, 1.0), "torsion": 1.0},
@@ -85,6 +86,7 @@ def examples() -> dict[str, dict]:
         "GivenPlate": {"thickness": 0.1, "matrices": p.stiffness},
         "Interface": joined | {"law": "x y z"}, "Laminate": {"plies": [fx.Ply(0.1, 0.0, 2.0, 1.0, 0.3, 0.5)]},
         "LineForce": {"beam": p.beam, "force": (0.0, 1.0)}, "LinePressure": {"beam": p.beam, "pressure": 1.0},
+        "Mass": {"mesh": p.line, "at": "b", "mass": 1.0},
         "Moment": {"mesh": p.line, "at": "b", "moment": 1.0}, "Monitor": {"on": p.line, "at": "b", "component": "y"},
         "ObstacleContact": {"mesh": p.line, "at": "b", "obstacle": p.cylinder},
         "ObstacleForce": {"obstacle": p.cylinder, "force": 1.0},
@@ -138,9 +140,9 @@ class Right:
 LEGITIMATE = [
     Right("a switch can be on", (True,), "*.rotations *.follower *.fixed *.moving *.facets *.mixed_points *.triangles "
           "arch.no-punch *.full bend.plain-tangent bend.polar deep-arch.hinged *.elastic *.line-load "
-          "roll-up.spatial"),
+          "roll-up.spatial Case.error"),
     Right("without friction, hardening, an offset or the like", (0,), "*.friction *.cohesion *.strength *.gap *.reach "
-          "*.root *.toe *.inner *.warping Box.radius GivenSection.product "
+          "*.root *.toe *.inertia *.inner *.warping Box.radius GivenSection.product "
           "*.hardening *.kinematic *.poisson *.near *.layer *.distance *.overhang *.offset *.angle *.own *.panels "
           "random_field.seed imperfect.amplitude dome.offset star-dome.ring arch.imperfection"),
     Right("either side or sign has a sense of its own: contraction in plies, which way a thing lies, acts or turns; "

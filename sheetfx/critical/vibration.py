@@ -24,8 +24,10 @@ from ..continuation.linear import DirectSolver
 from ..continuation.spectrum import lowest, nearest_pairs
 from ..continuation.state import State
 from ..discrete.discretisation import Discretisation
+from ..discrete.fields import NodalForces
 from ..mesh.numbers import as_constants
 from ..model.cross_section import Elastic
+from ..model.mass import Mass
 from ..model.shell import Shell
 from ..rounding import is_real
 from .modes import scaled
@@ -113,7 +115,39 @@ def mass_matrix(discretisation: Discretisation) -> Callable[[], PETSc.Mat]:
     ValueError
         If a part has no density.
     """
-    return discretisation.system.bilinear(sum(inertia(discretisation, part) for part in discretisation.scene.parts))
+    works, at_points = _of_masses(discretisation)
+    own = sum(inertia(discretisation, part) for part in discretisation.scene.parts)
+    parts = discretisation.system.bilinear(sum(works, own))
+
+    if at_points is None:
+        return parts
+    heavy, first = np.flatnonzero(at_points.array), at_points.getOwnershipRange()[0]
+
+    def now() -> PETSc.Mat:
+        matrix = parts()
+        for row in heavy:
+            matrix.setValue(first + row, first + row, at_points.array[row], addv=PETSc.InsertMode.ADD)
+        matrix.assemble()
+        return matrix
+
+    return now
+
+
+def _of_masses(discretisation: Discretisation) -> tuple[list, PETSc.Vec | None]:
+    """Work of the inertia of masses along edges, and what those at points add to the diagonal; None: nothing."""
+    fields, unknowns, works = discretisation.fields, discretisation.unknowns, []
+    at_points = NodalForces(fields)
+    for joint in discretisation.scene.joints:
+        if not isinstance(joint, Mass):
+            continue
+        k = discretisation.kinematics(joint.mesh)
+        spins = None if k.spin is None else _changes(unknowns, k.spin)
+        works.append(joint.work_of_inertia(fields, _changes(unknowns, k.u), spins))
+        for component, size in joint.at_points():
+            at_points.add(joint.mesh, joint.at, component, size)
+    if all(array is None for array in at_points.arrays):
+        return [work for work in works if work is not None], None
+    return [work for work in works if work is not None], discretisation.system.diagonal(at_points.arrays)
 
 
 def inertia(discretisation: Discretisation, part):

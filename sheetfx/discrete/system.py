@@ -239,6 +239,21 @@ class System:
         self._layout.gather(arrays, vector)
         return vector
 
+    def diagonal(self, given: Sequence[np.ndarray | None]) -> PETSc.Vec:
+        """Numbers on increments, the same along all axes of a node, as the diagonal of a matrix; fixed ones are zero.
+
+        Parameters
+        ----------
+        given : for each block those of its local dofs; None: zero
+        """
+        arrays, vector = self._layout.zeros(), self.create_vector()
+        for array, own in zip(arrays, given, strict=True):
+            if own is not None:
+                array += own
+        self._layout.gather(arrays, vector)
+        vector.array[self.fixed_rows] = 0
+        return vector
+
     def bilinear(self, form) -> Callable[[], PETSc.Mat]:
         """Function that gives the present matrix of a form in `unknowns.vary` and `unknowns.linearise`.
 

@@ -131,8 +131,7 @@ def _model(source: Source, what: str, order: int | None, place: Callable | None,
     finally:
         gmsh.finalize()
     model = Model(what, x, curves, surfaces, points)
-    _check_cells(model, place is not None)
-    _check_doubles(model)
+    check_model(model, place is not None)
     if not known and order != 1 and (found := raise_order(x, surfaces, curves, order)):
         model = Model(what, found.x, found.curves, found.surfaces, points, found.said and f"{what}: {found.said}")
     return model
@@ -247,6 +246,12 @@ def _places(model, used: np.ndarray, what: str, place: Callable | None) -> np.nd
         raise ValueError(f"{what}: place gives no finite coordinates for {table[used][~finite][0]}; correct the "
                          "function")
     return placed
+
+
+def check_model(model: Model, placed: bool) -> None:
+    """Refuse cells that no structure can have; `placed` by a function, which the remedy names."""
+    _check_cells(model, placed)
+    _check_doubles(model)
 
 
 def _check_cells(model: Model, placed: bool) -> None:

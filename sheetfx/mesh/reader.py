@@ -10,7 +10,7 @@ import basix
 import numpy as np
 import ufl
 from dolfinx import fem
-from dolfinx.mesh import Mesh
+from dolfinx.mesh import Mesh, MeshTags
 from mpi4py import MPI
 
 from ..checks import Choice, checked
@@ -21,6 +21,7 @@ from .cells import Cells
 from .gmsh_model import Model, Source, read_model
 from .orientation import Alike, run_alike
 from .partition import keep_junctions_whole
+from .tagged import Names, model_of
 
 ROUNDING = 1e-6  # place out of a plane, over the size of the structure, by which drawings are off
 COMPONENTS = {2: ("x", "y", "rz"), 3: ("x", "y", "z", "rx", "ry", "rz")}  # of displacement and rotation, by dimension
@@ -73,6 +74,31 @@ class NamedMesh:
         comm.Allreduce(x.min(axis=0, initial=np.inf), low, op=MPI.MIN)
         comm.Allreduce(x.max(axis=0, initial=-np.inf), high, op=MPI.MAX)
         self.size = float(np.linalg.norm(high - low))
+
+    @classmethod
+    def from_dolfinx(cls, mesh: Mesh, cell_tags: MeshTags | None = None, facet_tags: MeshTags | None = None,
+                     names: Names | None = None, vertex_tags: MeshTags | None = None) -> NamedMesh:
+        """A mesh of curves or surfaces with the tags of a DOLFINx mesh as named groups.
+
+        It is made anew, with cells that run alike and junctions on one process: `domain` is another mesh than the given
+        one. `domain.geometry.input_global_indices` has the global numbers of its nodes there.
+
+        Parameters
+        ----------
+        mesh : of intervals, triangles or quadrilaterals, in two or three dimensions
+        cell_tags : groups of cells; cells without a tag are left out. None: one group "cells"
+        facet_tags : named edges of surfaces, named points of curves
+        names : tag, or pair of dimension and tag, -> name; others are called "surface 3", "curve 3", "point 3"
+        vertex_tags : named points
+
+        Raises
+        ------
+        ValueError
+            If the mesh has other cells, tags are of another dimension, a name has no tag, or a cell is not sound.
+        """
+        model = model_of(mesh, cell_tags, facet_tags, vertex_tags, names or {})
+        cells, edges = (model.surfaces, model.curves) if mesh.topology.dim == 2 else (model.curves, Cells({}, {}))
+        return named_mesh(model, cells, edges, mesh.geometry.dim, lasting(mesh.comm), keep_junctions_whole)
 
     @property
     def comm(self) -> MPI.Intracomm:

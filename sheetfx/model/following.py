@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated
 
+import basix.ufl
 import numpy as np
+import ufl
+from dolfinx import fem
+from mpi4py import MPI
 
 from .. import forms
 from ..checks import Choice, check, require_components
+from ..jit import compiled_expression
 from ..mesh.reader import NamedMesh
 from .beam import Beam
 from .loads import LINE_PRESSURE, PRESSURE, Load
@@ -59,14 +65,15 @@ class Pressure(Load):
 
     Attributes
     ----------
-    pressure : pushes where it is positive, pulls where it is negative
+    pressure : pushes where it is positive, pulls where it is negative; also a function from the place before anything
+        moves (UFL vector), such as lambda x: 9.81e-6 * (height - x[2]), whose largest value is reported as the load
     side : that it acts on: "negative", from which it pushes along the normal, or "positive", to which the normal
         points, against it. The normal is that of the part's cells as they run (`mesh.orientation`), "normal" in files
         for ParaView
     """
 
     shell: Shell
-    pressure: float
+    pressure: float | Callable
     side: Annotated[str, Choice(SIDES)] = SIDES[0]
     conservative = False
     reports = PRESSURE
@@ -85,7 +92,7 @@ class Pressure(Load):
         return shell.mesh.integral({"quadrature_degree": 2 * max(own, shell.mesh.degree) - 1 + own}, shell.group)
 
     def total(self, fields) -> float:
-        return abs(self.pressure)
+        return _largest(self.pressure, self.shell)
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,13 +105,13 @@ class LinePressure(Load):
 
     Attributes
     ----------
-    pressure : pushes where it is positive, pulls where it is negative
+    pressure : pushes where it is positive, pulls where it is negative; also a function of the place, as of a `Pressure`
     side : that it acts on: "negative", from which it pushes along the normal, or "positive", to which the normal
         points, against it. The normal is on the left of the direction in which the mesh runs along the beam
     """
 
     beam: Beam
-    pressure: float
+    pressure: float | Callable
     side: Annotated[str, Choice(SIDES)] = SIDES[0]
     conservative = False
     reports = LINE_PRESSURE
@@ -120,9 +127,22 @@ class LinePressure(Load):
         return forms.load.line_pressure(fields.factor * _along(self), u, frame, fields.vary) * self.beam.measure()
 
     def total(self, fields) -> float:
-        return abs(self.pressure)
+        return _largest(self.pressure, self.beam)
 
 
-def _along(load: Pressure | LinePressure) -> float:
-    """Pressure along the normal."""
-    return load.pressure if load.side == SIDES[0] else -load.pressure
+def _along(load: Pressure | LinePressure):
+    """Pressure along the normal, a number or in UFL."""
+    mesh = load.shell.mesh if isinstance(load, Pressure) else load.beam.mesh
+    size = load.pressure(ufl.SpatialCoordinate(mesh.domain)) if callable(load.pressure) else load.pressure
+    return size if load.side == SIDES[0] else -size
+
+
+def _largest(pressure: float | Callable, part: Shell | Beam) -> float:
+    """Size of a pressure; of a function the largest at the nodes of the geometry of its cells."""
+    if not callable(pressure):
+        return abs(pressure)
+    domain = part.mesh.domain
+    points = basix.ufl.element("P", domain.basix_cell().name, part.mesh.degree).basix_element.points
+    value = pressure(ufl.SpatialCoordinate(domain)) + fem.Constant(domain, 0.0)  # numbers alone are on no mesh
+    found = compiled_expression(value, points).eval(domain, part.mesh.group(part.group))
+    return part.mesh.comm.allreduce(float(np.abs(found).max(initial=0.0)), op=MPI.MAX)

@@ -57,7 +57,7 @@ class Spring(Joint):
 
     Attributes
     ----------
-    mesh, at : the point; at each node of an edge there is a spring
+    mesh, at : the point; at each node of an edge there is a spring, see `EdgeFoundation` for one per length
     component : x, y or z, or rx, ry or rz for a spring against rotation (in space against that component of the
         rotation vector of the second point from the first, on axes that turn with the first)
     stiffness : force per length, or moment per radian
@@ -126,6 +126,35 @@ class Foundation(Joint):
         u = fields.displacement(self.part.mesh)
         along = [(component, k) for component, k in enumerate(self.stiffness) if k]
         return sum(self.law(u[i], k) * fields.vary(u[i]) for i, k in along) * self.part.measure()
+
+
+@dataclass(frozen=True, eq=False)
+class EdgeFoundation(Joint):
+    """Springs per length along a named edge of shells, whatever its cells; an `fx.Spring` there is one at each node.
+
+    Attributes
+    ----------
+    mesh, at : the edge
+    stiffness : for each direction of space a force per length and displacement
+    law : function from displacement and stiffness along a direction to the force per length, UFL scalars
+    """
+
+    mesh: NamedMesh
+    at: str
+    stiffness: tuple[float, ...]
+    law: Callable = forms.interface.linear_spring
+
+    def __post_init__(self):
+        check(self)
+        self.mesh.require(f"EdgeFoundation at {self.at!r}", self.at, "edge")
+        require_components(f"EdgeFoundation at {self.at!r}: stiffness", self.stiffness, self.mesh.dimension)
+        if not any(self.stiffness):
+            raise ValueError(f"EdgeFoundation at {self.at!r}: stiffness is zero along all directions; leave it out")
+
+    def work(self, fields):
+        u = fields.displacement(self.mesh)
+        along = [(component, k) for component, k in enumerate(self.stiffness) if k]
+        return sum(self.law(u[i], k) * fields.vary(u[i]) for i, k in along) * self.mesh.facet_measure(self.at)
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import ufl
@@ -71,18 +72,21 @@ class PointForce(Load):
 class Moment(Load):
     """Moment at a named point or per length of a named edge, conjugate to the spin.
 
-    One number in the plane, three in space.
+    One number in the plane, three in space; along an edge also a function from the place (UFL vector) to these.
     """
 
     mesh: NamedMesh
     at: str
-    moment: float | tuple[float, float, float]
+    moment: float | tuple[float, float, float] | Callable
     reports = MOMENT
 
     def __post_init__(self):
         check(self)
         self.mesh.require(f"Moment at {self.at!r}", self.at, "point", "edge")
-        require_components(f"Moment at {self.at!r}: moment", np.ravel(self.moment), 2 * self.mesh.dimension - 3)
+        if callable(self.moment):
+            require_along("Moment", self.mesh, self.at)
+        else:
+            require_components(f"Moment at {self.at!r}: moment", np.ravel(self.moment), 2 * self.mesh.dimension - 3)
 
     @property
     def conservative(self) -> bool:  # type: ignore[override]
@@ -102,12 +106,13 @@ class Moment(Load):
     def work(self, fields):
         if self._pointed:
             return None
-        moment = fields.factor * forms.vector(self.moment)
+        moment = fields.factor * forms.vector(_components(self.moment, self.mesh))
         return forms.load.spin_moment(moment, fields.vary(fields.spin(self.mesh))) * self.mesh.facet_measure(self.at)
 
     def total(self, fields) -> float:
-        extent = self.mesh.count(self.at) if self._pointed else self.mesh.edge_length(self.at)
-        return float(np.linalg.norm(self.moment)) * extent
+        if self._pointed:
+            return float(np.linalg.norm(self.moment)) * self.mesh.count(self.at)
+        return _size(self.moment, self.mesh, self.mesh.facet_measure(self.at))
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,43 +153,54 @@ class LineForce(Load):
         return density * self.beam.measure()
 
     def total(self, fields) -> float:
-        return _size(self.force, self.beam)
+        return _size(self.force, self.beam.mesh, self.beam.measure())
 
 
-def _components(force: Sequence[float] | Callable, mesh: NamedMesh) -> Sequence:
+def require_along(title: str, mesh: NamedMesh, at: str) -> None:
+    """Refuse a function of the place for a load at a named point."""
+    if at in mesh.points:
+        raise ValueError(f"{title} at {at!r}: is a function of the place, but acts at a point; give numbers there")
+
+
+def _components(force: float | Sequence[float] | Callable, mesh: NamedMesh) -> Any:
     """Numbers, or UFL expressions of the place."""
     return force(ufl.SpatialCoordinate(mesh.domain)) if callable(force) else force
 
 
-def _size(force: Sequence[float] | Callable, part: Bar | Beam | Shell) -> float:
-    """Integral of the size of a force by length or area over a part."""
-    domain, components = part.mesh.domain, _components(force, part.mesh)
+def _size(force: float | Sequence[float] | Callable, mesh: NamedMesh, measure) -> float:
+    """Integral of the size of a force or moment by length or area."""
+    domain, components = mesh.domain, _components(force, mesh)
     if callable(force):
-        size = ufl.sqrt(ufl.dot(forms.vector(components), forms.vector(components)))
+        vector = forms.vector(components)
+        size = ufl.sqrt(ufl.dot(vector, vector)) if vector.ufl_shape else abs(vector)
     else:
         size = fem.Constant(domain, float(np.linalg.norm(components)))
-    return part.mesh.comm.allreduce(fem.assemble_scalar(compiled_form(lift_numbers(size * part.measure(), domain))))
+    return mesh.comm.allreduce(fem.assemble_scalar(compiled_form(lift_numbers(size * measure, domain))))
 
 
 @dataclass(frozen=True)
 class EdgeForce(Load):
-    """Force of fixed direction per reference length of a named edge of shells."""
+    """Force of fixed direction per reference length of a named edge of shells.
+
+    The force is given by numbers, or by a function from the place (UFL vector) to components.
+    """
 
     mesh: NamedMesh
     at: str
-    force: tuple[float, float, float]
+    force: tuple[float, float, float] | Callable
 
     def __post_init__(self):
         check(self)
         self.mesh.require(f"EdgeForce at {self.at!r}", self.at, "edge")
-        require_components(f"EdgeForce at {self.at!r}: force", self.force, self.mesh.dimension)
+        if not callable(self.force):
+            require_components(f"EdgeForce at {self.at!r}: force", self.force, self.mesh.dimension)
 
     def work(self, fields):
-        force, u = fields.factor * forms.vector(self.force), fields.displacement(self.mesh)
+        force, u = fields.factor * forms.vector(_components(self.force, self.mesh)), fields.displacement(self.mesh)
         return forms.load.dead_force(force, u, fields.vary) * self.mesh.facet_measure(self.at)
 
     def total(self, fields) -> float:
-        return float(np.linalg.norm(self.force)) * self.mesh.edge_length(self.at)
+        return _size(self.force, self.mesh, self.mesh.facet_measure(self.at))
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,7 +224,7 @@ class SurfaceForce(Load):
         return forms.load.dead_force(force, fields.displacement(mesh), fields.vary) * self.shell.measure()
 
     def total(self, fields) -> float:
-        return _size(self.force, self.shell)
+        return _size(self.force, self.shell.mesh, self.shell.measure())
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,6 +14,7 @@ import sheetfx as fx
 from sheetfx.record import Record
 
 FALLS = 2  # of a path, at most
+NOTHING = 1e-5  # derivative of a load of the order of 10 that is rounding
 
 
 def bifurcations(record: Record) -> dict[str, float]:
@@ -116,6 +117,29 @@ def directly(record: Record) -> dict[str, float]:
     return {"points": len(found)} | {f"direct {n}": critical.point.load for n, critical in enumerate(found)}
 
 
+def errors(record: Record) -> dict[str, float]:
+    """Loads with one degree more, and whether their order is said to be uncertain."""
+    found: dict[str, float] = {}
+    for n, bar in enumerate(record.error_bars(record.critical_points[:2])):
+        found |= {f"corrected {n}": bar.point.load - (bar.error or 0.0), f"uncertain {n}": bool(bar.reason)}
+    return found
+
+
+def gradients(record: Record) -> dict[str, float]:
+    """Derivatives by places of slender members, and whether an imperfection is told from what keeps a bifurcation."""
+    found: dict[str, float] = {}
+    for n, point in enumerate(record.critical_points[:2]):
+        for name, shape in (("higher", lambda x: x[:, 1]), ("leaning", lambda x: np.sin(np.pi * x[:, 0] / 50.0))):
+            def scene(times, shape=shape):
+                return fx.imperfect(record.case.scene, lambda x: np.column_stack((0 * x[:, 0], (times - 1) * shape(x))))
+            try:
+                value = record.gradient(point, scene, 1.0)
+                found |= {f"{name} {n}": value} if abs(value) > NOTHING else {}
+            except ValueError:
+                found[f"{name} {n} refused"] = 1.0
+    return found
+
+
 def trap(name: str) -> Callable[[], fx.Case]:
     return lambda: TRAPS[name].case()
 
@@ -143,5 +167,9 @@ AFTERWARDS: dict[str, tuple[Callable[[], fx.Case], Callable[[Record], dict[str, 
     "buckling-roorda": (trap("roorda-frame"), linear),
     "buckling-panel": (trap("cylinder-panel"), linear),
     "vibrations": (heavy_column, vibrations),
+    "errors-panel": (trap("cylinder-panel"), errors),
+    "errors-frame": (trap("lee-frame"), errors),
+    "gradients-arch": (trap("sinusoidal-arch-before"), gradients),
+    "gradients-frame": (trap("lee-frame"), gradients),
     "imperfect-arch": (lambda: fx.Case(hinged_arch(whole_arch(20)), until=fx.Until(deflection=10.0)), imperfect_arch),
 }
