@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dolfinx.mesh import meshtags
+from dolfinx.mesh import CellType, create_unit_square, meshtags
 from helpers import on_two_processes
+from mpi4py import MPI
 
 import sheetfx as fx
 from sheetfx import meshes
@@ -91,9 +92,19 @@ def test_what_has_no_name_is_called_by_its_number():
     assert mesh.measure == pytest.approx(0.75), "cells without a tag are left out"
 
 
+def test_a_plane_mesh_comes_to_lie_in_space():
+    domain = create_unit_square(MPI.COMM_WORLD, 3, 2, CellType.quadrilateral)
+    mesh = fx.NamedMesh.from_dolfinx(domain)
+    assert mesh.dimension == 3 and mesh.measure == pytest.approx(1.0)
+    assert np.allclose(np.sort(domain.geometry.x, axis=0), np.sort(mesh.domain.geometry.x, axis=0))
+
+
 def test_wrong_tags_are_refused():
     domain = rectangle()
     with pytest.raises(ValueError, match="facet_tags are of dimension 2; give tags of dimension 1"):
         fx.NamedMesh.from_dolfinx(domain, None, tagged(domain, 2, 1))
+    line = fx.read(lambda: meshes.frame({"a": (0, 0), "b": (1, 0)}, {"l": ("a", "b", 1)}), 2).domain
+    with pytest.raises(ValueError, match="both of points of curves; give one of them"):
+        fx.NamedMesh.from_dolfinx(line, None, tagged(line, 0, 1), None, tagged(line, 0, 1))
     with pytest.raises(ValueError, match="'skin' is to be the name of tag 5, which no tags have; there are surface 1"):
         fx.NamedMesh.from_dolfinx(domain, tagged(domain, 2, 1, 1, 1, 1), names={5: "skin"})

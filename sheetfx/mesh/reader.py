@@ -85,7 +85,7 @@ class NamedMesh:
 
         Parameters
         ----------
-        mesh : of intervals, triangles or quadrilaterals, in two or three dimensions
+        mesh : of intervals, triangles or quadrilaterals, in two or three dimensions; surfaces come to lie in space
         cell_tags : groups of cells; cells without a tag are left out. None: one group "cells"
         facet_tags : named edges of surfaces, named points of curves
         names : tag, or pair of dimension and tag, -> name; others are called "surface 3", "curve 3", "point 3"
@@ -98,7 +98,8 @@ class NamedMesh:
         """
         model = model_of(mesh, cell_tags, facet_tags, vertex_tags, names or {})
         cells, edges = (model.surfaces, model.curves) if mesh.topology.dim == 2 else (model.curves, Cells({}, {}))
-        return named_mesh(model, cells, edges, mesh.geometry.dim, lasting(mesh.comm), keep_junctions_whole)
+        dimension = 3 if mesh.topology.dim == 2 else mesh.geometry.dim
+        return named_mesh(model, cells, edges, dimension, lasting(mesh.comm), keep_junctions_whole)
 
     @property
     def comm(self) -> MPI.Intracomm:

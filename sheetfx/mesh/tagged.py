@@ -34,28 +34,18 @@ def model_of(mesh: Mesh, cells: MeshTags | None, facets: MeshTags | None, vertic
     ValueError
         If the mesh has other cells, tags are of another dimension, or a name has no tag.
     """
-    topology, comm = mesh.topology, lasting(mesh.comm)
+    topology, comm, top = mesh.topology, lasting(mesh.comm), mesh.topology.dim
+    kind = _kind(mesh)
+    _check_dimensions(top, cells, facets, vertices)
     tags = {tags.dim: tags for tags in (cells, facets, vertices) if tags is not None}
-    top, corners = topology.dim, basix.topology(mesh.basix_cell())[0]
-    kind = KIND.get((len(corners), geometry_degree(mesh)))
-    if top not in (1, 2) or kind is None:
-        raise ValueError(f"from_dolfinx: the mesh has {mesh.basix_cell().name} cells of degree "
-                         f"{geometry_degree(mesh)}; give intervals, triangles or quadrilaterals of degree 1 to 3")
-    for given, dimension, what in ((cells, top, "cell_tags"), (facets, top - 1, "facet_tags"),
-                                   (vertices, 0, "vertex_tags")):
-        if given is not None and given.dim != dimension:
-            raise ValueError(f"from_dolfinx: {what} are of dimension {given.dim}; give tags of dimension {dimension}")
     known = {(d, int(tag)) for d, own in tags.items() for part in comm.allgather(np.unique(own.values)) for tag in part}
     by_dimension = _by_dimension(names, known)
     x, own, of_vertices = _places(mesh), _global_nodes(mesh), _of_vertices(mesh)
     tables = {top: _by_tag(comm, own, cells, len(own))}
-    if 0 in tags or facets is not None:
-        topology.create_connectivity(1, 0)
-        for d, given in tags.items():
-            if d < top:
-                ends = topology.connectivity(1, 0).array.reshape(-1, 2)
-                nodes = of_vertices[ends] if d else of_vertices[:, None]
-                tables[d] = _by_tag(comm, nodes, given, topology.index_map(d).size_local)
+    topology.create_connectivity(1, 0)
+    nodes = {0: of_vertices[:, None], 1: of_vertices[topology.connectivity(1, 0).array.reshape(-1, 2)]}
+    tables |= {d: _by_tag(comm, nodes[d], given, topology.index_map(d).size_local)
+               for d, given in tags.items() if d < top}
     order = np.argsort(gmsh_cells(kind, np.arange(own.shape[1])[None])[1][0])
     in_gmsh = {tag: table[:, order] for tag, table in tables[top].items()}
 
@@ -74,6 +64,26 @@ def model_of(mesh: Mesh, cells: MeshTags | None, facets: MeshTags | None, vertic
     model = Model("from_dolfinx", x, *((edges, [own_cells]) if top == 2 else (own_cells, [Cells({}, {})])), points)
     check_model(model, False)
     return model
+
+
+def _kind(mesh: Mesh) -> int:
+    """gmsh's number of the cells of a mesh."""
+    cell, degree = mesh.basix_cell(), geometry_degree(mesh)
+    kind = KIND.get((len(basix.topology(cell)[0]), degree)) if mesh.topology.dim in (1, 2) else None
+    if kind is None:
+        raise ValueError(f"from_dolfinx: the mesh has {cell.name} cells of degree {degree}; give intervals, triangles "
+                         "or quadrilaterals of degree 1 to 3")
+    return kind
+
+
+def _check_dimensions(top: int, cells: MeshTags | None, facets: MeshTags | None, vertices: MeshTags | None) -> None:
+    """Refuse tags that are not of cells, facets or vertices, and both of the last two on curves."""
+    for given, dimension, what in ((cells, top, "cell_tags"), (facets, top - 1, "facet_tags"),
+                                   (vertices, 0, "vertex_tags")):
+        if given is not None and given.dim != dimension:
+            raise ValueError(f"from_dolfinx: {what} are of dimension {given.dim}; give tags of dimension {dimension}")
+    if top == 1 and facets is not None and vertices is not None:
+        raise ValueError("from_dolfinx: facet_tags and vertex_tags are both of points of curves; give one of them")
 
 
 def _by_dimension(names: Names, known: set[tuple[int, int]]) -> dict[tuple[int, int], str]:
