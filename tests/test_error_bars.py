@@ -5,7 +5,10 @@ from __future__ import annotations
 import json
 
 import pytest
+import ufl
+from dolfinx import fem, mesh
 from helpers import on_two_processes
+from mpi4py import MPI
 from typer.testing import CliRunner
 
 import sheetfx as fx
@@ -108,6 +111,19 @@ def test_what_has_no_estimate_says_why():
     assert bar.error is None and bar.reason == "contact or friction"
     record = fx.trace(roof_to_both_limits(2, "naghdi-t3"))
     assert all(bar.error is None and "higher degree than 'naghdi-t3'" in bar.reason for bar in record.error_bars())
+
+
+def test_a_plain_form_has_none():
+    line = mesh.create_unit_interval(MPI.COMM_WORLD, 8)
+    space = fem.functionspace(line, ("Lagrange", 2))
+    u, v, load = fem.Function(space), ufl.TestFunction(space), fem.Constant(line, 0.0)
+    ends = fem.locate_dofs_geometrical(space, lambda x: x[0] * (1 - x[0]) < 1e-9)
+    form = (ufl.dot(ufl.grad(u), ufl.grad(v)) - load * ufl.exp(u) * v) * ufl.dx
+    path = fx.continuation(form, u, load, [fem.dirichletbc(0.0, ends, space)], until=fx.Until(deflection=2.0))
+    record = fx.trace(path)
+    assert [bar.reason for bar in record.error_bars()] == ["a plain form has no richer one"]
+    with pytest.raises(ValueError, match="a plain form has no scene to change"):
+        record.gradient(record.critical_points[0], lambda value: None, 1.0)
 
 
 def run(tmp_path, *arguments):

@@ -65,8 +65,7 @@ def error_bars(path, points: Iterable[CriticalPoint], state_at: Callable[[Critic
     points : of the path
     state_at, modes_at : give the state and the null vectors of a point
     """
-    scene, present = path.discretisation.scene, tracer_of(path).state
-    reason, found = _reason(path), []
+    present, reason, found = tracer_of(path).state, _reason(path), []
     tracer: Tracer | None = None
     try:
         for point in points:
@@ -75,7 +74,7 @@ def error_bars(path, points: Iterable[CriticalPoint], state_at: Callable[[Critic
                 found.append(ErrorBar(point, None, why))
                 continue
             try:
-                tracer = tracer or _richer(scene)
+                tracer = tracer or _richer(path.discretisation.scene)
                 found.append(_bar(point, path.discretisation, tracer, state_at(point), modes_at(point)) if tracer
                              else ErrorBar(point, 0.0, alike=1.0))
             except (ArithmeticError, ValueError) as failure:
@@ -88,7 +87,7 @@ def error_bars(path, points: Iterable[CriticalPoint], state_at: Callable[[Critic
 def _reason(path) -> str:
     """Why no load of a path has an error bar; "": some may have."""
     system = path.discretisation.system
-    if not isinstance(path.discretisation.scene, Scene):
+    if not isinstance(path.discretisation, Discretisation):
         return "a plain form has no richer one"
     if not system.smooth:
         return "contact or friction"

@@ -86,6 +86,8 @@ class LoadGradient:
         if self.point.kind not in ("limit", "bifurcation") or self.point.spread:
             raise ValueError(f"{said} is no single point where the tangent is singular; give a limit point or a "
                              "bifurcation")
+        if not isinstance(self._tracer.discretisation, Discretisation):
+            raise ValueError(f"{said}: a plain form has no scene to change; compare whole paths")
         if any(contribution.remembers for contribution in system.contributions):
             raise ValueError(f"{said}: what laws remember depends on the way; compare whole paths")
         if not system.conservative:
