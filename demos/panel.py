@@ -180,8 +180,7 @@ def answers(record):
     record.show(record.states[-1])
     skin = record.case.scene.parts[0]
     faces = [record.stresses(skin, side * skin.section.thickness / 2) for side in (-1, 1)]
-    s11, s22, s12 = np.moveaxis(np.array(faces), -1, 0)
-    mises = np.sqrt(s11**2 - s11 * s22 + s22**2 + 3 * s12**2).max(axis=0)
+    mises = fx.von_mises(np.array(faces))
     west, east = (sum(record.reactions(f"{end} {of}").force[-1][0] for of in ("plate", "ribs"))
                   for end in ("west", "east"))
     return {"mises": float(mises.max()), "west": float(west), "east": float(east)}

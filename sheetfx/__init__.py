@@ -42,6 +42,7 @@ _ROOMS = {
     "model.profiles": "Box CSection ISection LSection TSection ZSection",
     "model.section": "Elastic FibreList Flanged Rectangle Tube effective_width round_bar",
     "model.shell": "Shell ShellForm",
+    "model.stresses": "von_mises",
     "model.supports": "Support clamp pin symmetry",
     "discrete.contribution": "Contribution",
     "discrete.points": "PointWork Trace",

@@ -51,6 +51,28 @@ def stresses(part: Beam | Bar | Shell, resultants: np.ndarray, at: float | Seque
     return _in_beam(part, resultants, place) if isinstance(part, Beam) else _in_shell(part, resultants, float(place[0]))
 
 
+def von_mises(stresses: np.ndarray) -> np.ndarray:
+    """Equivalent stress of s11, s22 and s12 in a plane, or of a normal stress alone (von Mises 1913).
+
+    Parameters
+    ----------
+    stresses : as `stresses` gives them, shape (..., 3) or (..., 1)
+    """
+    if stresses.shape[-1] == 1:
+        return np.abs(stresses[..., 0])
+    s11, s22, s12 = np.moveaxis(stresses, -1, 0)
+    return np.sqrt(s11**2 - s11 * s22 + s22**2 + 3 * s12**2)
+
+
+def on_faces(shell: Shell, resultants: np.ndarray) -> np.ndarray | None:
+    """Equivalent stress on the lower and the upper face of a shell, shape (2, ...); None where it is not told."""
+    half = shell.sections.typical.thickness / 2
+    try:
+        return np.stack([von_mises(stresses(shell, resultants, height)) for height in (-half, half)])
+    except ValueError:
+        return None
+
+
 def _in_beam(beam: Beam, resultants: np.ndarray, place: np.ndarray) -> np.ndarray:
     """N / A and E (z k_n - y k_b), with the curvatures of the moments; see `plasticity.Fibres`."""
     (about_normal, about_binormal), product = beam.section.second_moments, beam.section.product

@@ -15,11 +15,14 @@ from ..continuation.state import State
 from ..discrete.kinematics import Kinematics
 from ..jit import compiled_expression
 from ..mesh.reader import NamedMesh
+from ..model.shell import Shell
+from ..model.stresses import on_faces
 from .evaluate import last_state_kept
 from .plastic import largest_strain, mean_share, of_cells, plastic_parts
 from .shown import Shown
 from .tables import names_of
 
+FACES = "von Mises stress, lower face", "von Mises stress, upper face"  # against the normal, and where it points
 AXES = {1: ("along", "axis 1", "axis 2"), 2: ("axis 1", "axis 2", "normal")}  # of parts that are curves and surfaces
 
 
@@ -30,7 +33,8 @@ def paraview(record: Shown, folder: Folder) -> None:
     vector (radians, below a full turn), averaged where cells disagree. Each cell has the load, and the means of the
     resultants at its points (`tables.names_of`) with the axes that these act along as they have turned: of shells
     "axis 1" and "axis 2" in the surface and the "normal", by which offsets, plies and sides of pressure go; of beams
-    "along", and "axis 1" (the normal in the plane) and "axis 2" of the section; of bars "along".
+    "along", and "axis 1" (the normal in the plane) and "axis 2" of the section; of bars "along". Elastic shells have
+    the largest von Mises stress in each cell on both faces.
     Plastic parts add the largest equivalent plastic strain of each cell, and the share of its volume that has flowed. A
     scene of several meshes gets path.pvd, path1.pvd and so on. A path of a single state is left out.
     """
@@ -89,6 +93,9 @@ class _Resultants:
             cells, values = part.mesh.group(part.group), self._record.forces(part).mean(axis=1)
             for name, column in zip(names_of(part, values.shape[1]), values.T, strict=True):
                 self._function(name, self._space).x.array[cells] = column
+            if isinstance(part, Shell) and (faces := on_faces(part, self._record.forces(part))) is not None:
+                for name, found in zip(FACES, faces, strict=True):
+                    self._function(name, self._space).x.array[cells] = found.max(axis=1)
             axes = self._record.section_points(part).axes.mean(axis=1)
             axes /= np.linalg.norm(axes, axis=2, keepdims=True)
             for name, axis in zip(AXES[part.mesh.domain.topology.dim], axes.transpose(1, 0, 2), strict=False):

@@ -56,7 +56,7 @@ class Member:
         folder = mkdtemp()
         with interrupts.finally_(lambda: rmtree(folder)):
             call([sys.executable, "-m", "sheetfx", "run", self.scene, *options(self.scene, self.parameters),
-                  "--no-pictures", "-o", folder], os.environ | ONE_THREAD)
+                  "--no-pictures", "--no-error", "-o", folder], os.environ | ONE_THREAD)
             summary = json.loads((Path(folder) / "summary.json").read_text())
         timings = summary["timings"]
         return {key: summary[key] for key in ("unknowns", "factorisations", "iterations", "quantities")} | {
