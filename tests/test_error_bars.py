@@ -48,7 +48,8 @@ def check(case, right, least, most):
 
 
 @pytest.mark.parametrize(("make", "coarse", "right", "count"), [
-    (lambda n: lee_frame.case(elements=n), 10, 80, 2), (lambda n: deep_arch.case(elements=n), 30, 120, 2),
+    (lambda n: lee_frame.case(elements=n), 10, 80, 2),
+    pytest.param(lambda n: deep_arch.case(elements=n), 30, 120, 2, marks=SLOW),
     (lambda n: sinusoidal_arch.case(elements=n), 8, 64, 1), (lambda n: column.case(elements=n), 4, 32, 2),
     pytest.param(lambda n: cylinder_panel.case(cells=(n, n)), 4, 16, 2, marks=SLOW),
     pytest.param(lambda n: cylinder_panel.case(cells=(n, n), form="naghdi-q2"), 12, 32, 2, marks=SLOW),
@@ -66,7 +67,8 @@ def test_curved_cells_are_curved_by_one_degree_more():
     assert 0.75 < bar.error / (bar.point.load - right) < 1.35
 
 
-@pytest.mark.parametrize(("form", "cells"), [("naghdi-q2", 4), ("naghdi-t2", 4), ("naghdi-q3", 2)])
+@pytest.mark.parametrize(("form", "cells"), [
+    ("naghdi-q2", 4), pytest.param("naghdi-t2", 4, marks=SLOW), ("naghdi-q3", 2)])
 def test_the_roof_with_one_degree_more(form, cells):
     """The load that a whole path of the richer form has, but for the share that is left.
 
@@ -140,11 +142,9 @@ def test_a_run_tells_them_where_they_are_cheap(tmp_path):
     points, said = run(tmp_path / "roof", "roof", "--cells", "2", "--no-pictures")
     assert [(point["error"], point["error_reason"]) for point in points] == 2 * [
         (None, "not asked for; --error estimates it")]
-    points, _ = run(tmp_path / "asked", "roof", "--cells", "2", "--error")
+    points, _ = run(tmp_path / "asked", "roof", "--cells", "2", "--error", "--to", "25")
     assert [point["error"] for point in points] == pytest.approx([0.088, -0.26], rel=0.05)
     assert not any(point["error_reason"] for point in points)
-    points, _ = run(tmp_path / "not", "lee-frame", "--elements", "10", "--no-pictures", "--no-error")
-    assert {point["error"] for point in points} == {None}
 
 
 TWO = """
@@ -155,18 +155,20 @@ from sheetfx.scenes import sinusoidal_arch
 def scene(alpha):
     return sinusoidal_arch.case(elements=8, alpha=alpha).scene
 
-record = fx.trace(sinusoidal_arch.case(elements=8))
-points = record.critical_points
-found = [bar.error for bar in record.error_bars(points[:2])] + [record.gradient(p, scene, 2.8) for p in points[:2]]
+case = sinusoidal_arch.case(elements=8)
+record = fx.trace(fx.Case(case.scene, case.control, fx.Until(deflection=0.06)))
+(point,) = record.critical_points
+found = [record.error_bars()[0].error, record.gradient(point, scene, 2.8)]
 if MPI.COMM_WORLD.rank == 0:
     print(*found)
 """
 
 
 def test_two_processes_find_the_same():
-    record = fx.trace(sinusoidal_arch.case(elements=8))
-    points = record.critical_points[:2]
-    alone = [bar.error for bar in record.error_bars(points)]
-    alone += [record.gradient(p, lambda v: sinusoidal_arch.case(elements=8, alpha=v).scene, 2.8) for p in points]
+    case = sinusoidal_arch.case(elements=8)
+    record = fx.trace(fx.Case(case.scene, case.control, fx.Until(deflection=0.06)))
+    (point,) = record.critical_points
+    alone = [record.error_bars()[0].error,
+             record.gradient(point, lambda v: sinusoidal_arch.case(elements=8, alpha=v).scene, 2.8)]
     (line,) = on_two_processes(TWO)
     assert [float(value) for value in line.split()] == pytest.approx(alone, rel=1e-5)
