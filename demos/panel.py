@@ -265,7 +265,7 @@ if __name__ == "__main__":
 # %% [markdown]
 # ## What the answers depend on
 #
-# From 60 to 40 mm the load changes by 0.5 % and the largest stress by 7 %. It lies at the edge of the hole.
+# From 60 to 40 mm the load changes by 0.5 % and the largest stress by 4 %. It lies at the edge of the hole.
 
 # %%
 if __name__ == "__main__" and not QUICK:
