@@ -35,7 +35,7 @@ from ..model.scene import Scene
 from .koiter import Energy
 
 STEP = 1e-6  # of a number, of its differences: slender parts are strained by a change of their places
-IMPERFECT = 1e-5  # work of an imperfection along a mode over that across it
+IMPERFECT = 1e-5  # push along a mode over the root of the work across it times the mode's change of stiffness
 
 
 @dataclass(frozen=True)
@@ -154,23 +154,19 @@ class LoadGradient:
     def _of_bifurcation(self, forces: PETSc.Vec, images: list[PETSc.Vec], loads: PETSc.Vec) -> float | np.ndarray:
         """Derivatives of the load factor."""
         moved = self._across(-1.0 * forces)
+        along = np.array([[mode.dot(turning) for mode in self._modes] for turning in self._turning])
         pushed = max(abs(mode.dot(forces)) for mode in self._modes)
-        if pushed > IMPERFECT * (abs(moved.dot(forces)) * self._stiffness(moved)) ** 0.5:
+        if pushed > IMPERFECT * (abs(moved.dot(forces)) * np.abs(np.diag(along)).max()) ** 0.5:
             raise ValueError(f"gradient: the number makes the structure imperfect, so that {self.point.title} at load "
                              f"{self.point.load:.6g} has no derivative; see imperfection_sensitivity")
         changed = np.array([[mode.dot(image) + bent.dot(moved) for mode, bent in zip(self._modes, row, strict=True)]
                             for image, row in zip(images, self._bent, strict=True)])
-        along = np.array([[mode.dot(turning) for mode in self._modes] for turning in self._turning])
         if len(self._modes) > 1:
             return np.sort(np.linalg.eigvals(np.linalg.solve(along, -(changed + changed.T) / 2)).real)
         mode, turning, bent = self._modes[0], self._turning[0], self._bent[0][0]
         matrix = [[along[0, 0], mode.dot(bent)], [-self._along.dot(turning), -self._along.dot(bent)]]
         right = [-changed[0, 0], self._along.dot(images[0]) + turning.dot(moved) - mode.dot(loads)]
         return float(np.linalg.solve(matrix, right)[0])
-
-    def _stiffness(self, moved: PETSc.Vec) -> float:
-        """Largest entry of the tangent's product with a mode of unit length, as a measure of forces along modes."""
-        return max(abs(mode.dot(turning)) for mode, turning in zip(self._modes, self._turning, strict=True))
 
     def _changed(self, scene: Scene) -> _Changed:
         discretisation = Discretisation(scene)

@@ -55,7 +55,7 @@ def _things(scene: Scene) -> Iterator[tuple[Any, str]]:
     for kind in (scene.joints, scene.contacts):
         for number, thing in enumerate(kind, 1):
             if is_dataclass(thing):
-                places[id(thing)] = thing, [f"{getattr(thing, 'at', None) or number}"]
+                places[id(thing)] = thing, [f"{getattr(thing, 'at', None) or type(thing).__name__} ({number})"]
     return ((thing, ", ".join(where)) for thing, where in places.values())
 
 

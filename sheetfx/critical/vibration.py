@@ -142,12 +142,12 @@ def _of_masses(discretisation: Discretisation) -> tuple[list, PETSc.Vec | None]:
             continue
         k = discretisation.kinematics(joint.mesh)
         spins = None if k.spin is None else _changes(unknowns, k.spin)
-        works.append(joint.work_of_inertia(fields, _changes(unknowns, k.u), spins))
+        if (work := joint.work_of_inertia(fields, _changes(unknowns, k.u), spins)) is not None:
+            works.append(work)
         for component, size in joint.at_points():
             at_points.add(joint.mesh, joint.at, component, size)
-    if all(array is None for array in at_points.arrays):
-        return [work for work in works if work is not None], None
-    return [work for work in works if work is not None], discretisation.system.diagonal(at_points.arrays)
+    none = all(array is None for array in at_points.arrays)
+    return works, None if none else discretisation.system.diagonal(at_points.arrays)
 
 
 def inertia(discretisation: Discretisation, part):

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Annotated
 
-import basix
 import numpy as np
 import ufl
 from dolfinx import fem
@@ -21,7 +20,7 @@ from .cells import Cells
 from .gmsh_model import Model, Source, read_model
 from .orientation import Alike, run_alike
 from .partition import keep_junctions_whole
-from .tagged import Names, model_of
+from .tagged import Names, model_of, nodes_of_vertices
 
 ROUNDING = 1e-6  # place out of a plane, over the size of the structure, by which drawings are off
 COMPONENTS = {2: ("x", "y", "rz"), 3: ("x", "y", "z", "rx", "ry", "rz")}  # of displacement and rotation, by dimension
@@ -310,23 +309,13 @@ def named_mesh(model: Model, cells: Cells, edges: Cells, dimension: int, comm: M
         topology.create_connectivity(d, topology.dim)
     owned = cells.source()[topology.original_cell_index[: topology.index_map(topology.dim).size_local]]
     inside = {name: _where(np.isin(owned, on)) for name, on in cells.groups.items()}
-    numbers = _nodes_of_vertices(domain)
+    numbers = domain.geometry.input_global_indices[nodes_of_vertices(domain)]
     points = {name: _where(np.isin(numbers, found)) for name, found in model.points_on(cells).items()}
     along = {}
     if edges.groups:
         sides = model.pairs(numbers[topology.connectivity(1, 0).array.reshape(-1, 2)])
         along = {name: _where(np.isin(sides, model.pairs(edges.corners(on)))) for name, on in edges.groups.items()}
     return NamedMesh(domain, inside, along, points, alike.opposed, model.identity)
-
-
-def _nodes_of_vertices(domain: Mesh) -> np.ndarray:
-    """Number in the gmsh mesh of the node at each vertex of this process."""
-    corners = domain.topology.connectivity(domain.topology.dim, 0)
-    vertices = corners.array.reshape(corners.num_nodes, len(basix.topology(domain.basix_cell())[0]))
-    nodes = geometry_nodes(domain)[: len(vertices), : vertices.shape[1]]
-    numbers = np.empty(vertices.max(initial=-1) + 1, dtype=np.int64)
-    numbers[vertices] = domain.geometry.input_global_indices[nodes]
-    return numbers
 
 
 def _where(chosen: np.ndarray) -> np.ndarray:

@@ -40,7 +40,8 @@ def model_of(mesh: Mesh, cells: MeshTags | None, facets: MeshTags | None, vertic
     tags = {tags.dim: tags for tags in (cells, facets, vertices) if tags is not None}
     known = {(d, int(tag)) for d, own in tags.items() for part in comm.allgather(np.unique(own.values)) for tag in part}
     by_dimension = _by_dimension(names, known)
-    x, own, of_vertices = _places(mesh), _global_nodes(mesh), _of_vertices(mesh)
+    x, own = _places(mesh), _global_nodes(mesh)
+    of_vertices = mesh.geometry.index_map().local_to_global(nodes_of_vertices(mesh).astype(np.int32))
     tables = {top: _by_tag(comm, own, cells, len(own))}
     topology.create_connectivity(1, 0)
     nodes = {0: of_vertices[:, None], 1: of_vertices[topology.connectivity(1, 0).array.reshape(-1, 2)]}
@@ -112,15 +113,14 @@ def _global_nodes(mesh: Mesh) -> np.ndarray:
     return mesh.geometry.index_map().local_to_global(nodes.ravel().astype(np.int32)).reshape(nodes.shape)
 
 
-def _of_vertices(mesh: Mesh) -> np.ndarray:
-    """Global number of the node at each vertex of this process."""
+def nodes_of_vertices(mesh: Mesh) -> np.ndarray:
+    """Local number of the node of the geometry at each vertex of this process."""
     topology = mesh.topology
     topology.create_connectivity(topology.dim, 0)
     corners = topology.connectivity(topology.dim, 0)
-    vertices = corners.array.reshape(corners.num_nodes, -1)
-    nodes = geometry_nodes(mesh)[:len(vertices), :vertices.shape[1]]
-    numbers = np.full(topology.index_map(0).size_local + topology.index_map(0).num_ghosts, -1, dtype=np.int64)
-    numbers[vertices] = mesh.geometry.index_map().local_to_global(nodes.ravel().astype(np.int32)).reshape(nodes.shape)
+    vertices = corners.array.reshape(corners.num_nodes, len(basix.topology(mesh.basix_cell())[0]))
+    numbers = np.empty(vertices.max(initial=-1) + 1, dtype=np.int64)
+    numbers[vertices] = geometry_nodes(mesh)[:len(vertices), :vertices.shape[1]]
     return numbers
 
 

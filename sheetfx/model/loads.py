@@ -84,7 +84,7 @@ class Moment(Load):
         check(self)
         self.mesh.require(f"Moment at {self.at!r}", self.at, "point", "edge")
         if callable(self.moment):
-            require_along("Moment", self.mesh, self.at)
+            _require_along("Moment", self.mesh, self.at)
         else:
             require_components(f"Moment at {self.at!r}: moment", np.ravel(self.moment), 2 * self.mesh.dimension - 3)
 
@@ -156,7 +156,7 @@ class LineForce(Load):
         return _size(self.force, self.beam.mesh, self.beam.measure())
 
 
-def require_along(title: str, mesh: NamedMesh, at: str) -> None:
+def _require_along(title: str, mesh: NamedMesh, at: str) -> None:
     """Refuse a function of the place for a load at a named point."""
     if at in mesh.points:
         raise ValueError(f"{title} at {at!r}: is a function of the place, but acts at a point; give numbers there")

@@ -90,10 +90,11 @@ class _Resultants:
         """Put the functions to the shown state."""
         self._function("load", self._space).x.array[:] = state.load
         for part in self._parts:
-            cells, values = part.mesh.group(part.group), self._record.forces(part).mean(axis=1)
+            cells, forces = part.mesh.group(part.group), self._record.forces(part)
+            values = forces.mean(axis=1)
             for name, column in zip(names_of(part, values.shape[1]), values.T, strict=True):
                 self._function(name, self._space).x.array[cells] = column
-            if isinstance(part, Shell) and (faces := on_faces(part, self._record.forces(part))) is not None:
+            if isinstance(part, Shell) and (faces := on_faces(part, forces)) is not None:
                 for name, found in zip(FACES, faces, strict=True):
                     self._function(name, self._space).x.array[cells] = found.max(axis=1)
             axes = self._record.section_points(part).axes.mean(axis=1)

@@ -53,7 +53,7 @@ def dependences(record: Record, point: CriticalPoint, function: Callable[..., Ca
             yield f"{number.name}: {failure}"
             continue
         derivative = float(min(derivatives)) if point.multiplicity > 1 else float(derivatives)
-        share = 1.0 * derivative * number.value / point.load if point.load else None
+        share = derivative * number.value / point.load if point.load else None
         one = Dependence(number.name, number.value, derivative, share)
         if any(one.value == o.value and abs(one.derivative - o.derivative) <= SAME * abs(o.derivative) for o in found):
             continue

@@ -52,10 +52,10 @@ def tell_scene(name: str, function, parameters: dict, number: int, folder: Path)
                              "give one of these, or let the path go further")
         point, found = points[number - 1], []
         for one in dependences(record, point, function, parameters):
-            if isinstance(one, str):
-                typer.echo(f"left out: {one}")
-            else:
+            if not isinstance(one, str):
                 found.append(one)
+            elif archive.comm.rank == 0:
+                typer.echo(f"left out: {one}")
         idle = [one.name for one in found if not one.derivative]
         found = sorted((one for one in found if one.derivative), key=_size, reverse=True)
         if archive.comm.rank == 0:
