@@ -168,7 +168,7 @@ class Path:
     def _step(self, before: State) -> State:
         """One converged step, shortened as often as needed, with the critical points inside it."""
         length = wanted = self.control.clip(before.next_length or self.tracer.first, before.factor)
-        largest, self._together = self.control.largest * self.tracer.usual, 0
+        largest, self._together = self.control.longest * self.tracer.usual, 0
         while (taken := self._try(before, length)) is None:
             shortest = length / 2 < self.control.smallest * self.tracer.shortest
             failure = self._failure(before, length / 2)
@@ -193,7 +193,7 @@ class Path:
         after, points = taken
         growth = min(self.control.growth(after.hardest), growth_by_history(self.control, after))
         after = replace(after, next_length=min(largest, length * growth), critical=points,
-                        load_sense=load_sense(self.tracer, before, after))
+                        load_sense=load_sense(self.tracer, before, after, points))
         self.tracer.state, self._earlier, self._hidden = after, before, max(0.0, self._hidden - after.length)
         if self._visited:
             self._visited.append(after)

@@ -8,9 +8,9 @@ import pytest
 from sheetfx.case import trace
 from sheetfx.continuation.control import LoadControl
 from sheetfx.continuation.enforcement import Enforcement
-from sheetfx.continuation.segment import Segment
+from sheetfx.continuation.segment import Jump, Segment
 from sheetfx.continuation.visited import VisitedStates
-from sheetfx.continuation.work import work_matches
+from sheetfx.continuation.work import require_work
 from sheetfx.discrete.zones import Zones, samples
 from sheetfx.path import PathFailure
 from sheetfx.scenes.arch import case as arch_case
@@ -66,9 +66,10 @@ def test_work_along_a_step_is_the_change_of_energy():
     record = trace(arch_case(**COARSE, to=20.0))
     tracer, states = record.path.tracer, record.states
     for earlier, before, after in zip(states, states[1:], states[2:], strict=False):
-        assert work_matches(Segment(tracer, before, after), earlier)
+        require_work(Segment(tracer, before, after), earlier)
         wrong = after.load_increment + 0.5 * max(abs(before.load_increment), abs(after.load_increment))
-        assert not work_matches(Segment(tracer, before, replace(after, load_increment=wrong)), earlier)
+        with pytest.raises(Jump, match="work"):
+            require_work(Segment(tracer, before, replace(after, load_increment=wrong)), earlier)
 
 
 def test_steps_back_onto_the_path_are_told():

@@ -310,7 +310,7 @@ def test_friction_takes_the_work_of_its_path():
     before = np.array([[0.0, 0.0], [0.0, 0.0], [0.6, 0.8]])
 
     def work(slips, before):
-        return friction_work(gaps[:, :len(slips)], slips, before, np.zeros(len(slips)), table[:len(slips)])
+        return friction_work(-normal * gaps[:, :len(slips)], slips, before, table[:len(slips)])
 
     assert work(slips, before) == pytest.approx(
         [1.2**2 / 2 / stiffness, bound**2 / 2 / stiffness + bound * (2.5 - bound / stiffness), 2.0], rel=1e-12)

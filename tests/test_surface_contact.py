@@ -290,7 +290,7 @@ def test_few_augmentations_where_the_softer_part_is_stiff_where_it_is_touched():
     """A rod pressed and drawn across a clamped cylindrical panel of 4 mm; all lengths in metres.
 
     The panel is a thousand times stiffer at a point than its bending over the rod's length tells, from which the
-    stiffness of the contact is taken.
+    stiffness of the contact is taken. Steps end where it touches and where it slips.
     """
     def place(x):
         return np.column_stack((0.6 * (x[:, 0] - 0.5), 0.5 * np.sin(0.6 * (x[:, 1] - 0.5)),
@@ -310,7 +310,7 @@ def test_few_augmentations_where_the_softer_part_is_stiff_where_it_is_touched():
         joints=[contact], stages=[fx.Stage([fx.PrescribedDisplacement(rod, end, "z", -0.002) for end in ends],
                                            control=fx.LoadControl(step=0.6))])
     record = fx.trace(fx.Case(scene, fx.LoadControl(step=0.5)))
-    assert record.states[-1].contact_points > 0 and len(record.states) < 10
+    assert record.states[-1].contact_points > 0 and len(record.states) < 20
     assert max(s.iterations for s in record.states) < 40
     assert max(s.penetration for s in record.states) < 1e-6 * 0.15
 

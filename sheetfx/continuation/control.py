@@ -52,6 +52,11 @@ class StepRule(Options):
         """Length of the first step for a structure of a size, where nothing asks for a shorter one."""
         return self.first
 
+    @property
+    def longest(self) -> float:
+        """Longest step, as a multiple of the usual first one."""
+        return self.largest
+
     def growth(self, iterations: int) -> float:
         """Factor on the next step's length after a step of so many iterations."""
         return min(2.0, max(0.5, sqrt(self.iterations / max(iterations, 1))))
@@ -97,7 +102,8 @@ class StepRule(Options):
 class LoadControl(StepRule):
     """Prescribed increments of the load factor up or down to `target`; fails at the first limit point.
 
-    `fixed` keeps all steps as long as the first, and takes them without looking for other paths in between.
+    `fixed` keeps all steps as long as the first, but after one that had to be cut, and takes them without looking for
+    other paths in between.
     """
 
     target: Unbounded = 1.0
@@ -109,8 +115,12 @@ class LoadControl(StepRule):
     def guarded(self):
         return super().guarded and not self.fixed
 
+    @property
+    def longest(self):
+        return 1.0 if self.fixed else super().longest
+
     def growth(self, iterations):
-        return 1.0 if self.fixed else super().growth(iterations)
+        return 2.0 if self.fixed else super().growth(iterations)
 
     def clip(self, length, factor):
         return min(length, abs(self.target - factor))

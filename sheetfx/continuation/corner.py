@@ -24,7 +24,7 @@ SHORTER, FEWEST = 1 / 4, 3  # ratio of the lengths of steps that are tried, and 
 LEAST = 1 / 8  # of the usual first step, the longest one at least: beside a corner steps have become short
 FROM_REST = 1 / 16  # of a first step that fails, one at whose end what touched without a force has opened
 AHEAD = 0.5  # of a step that is tried, distance at which the tangent is that of the other side
-SHORT_OF = 0.98  # of the way to a change of contact, for the state ahead of it
+SHORT_OF = 0.98  # of the way to a change of contact, for the state ahead of it; nearer to one, a step ends there
 BACK = 0.95  # cosine of the angle with the step before, from which a step goes back where it came from
 
 
@@ -32,8 +32,8 @@ def around_corner(tracer, before: State, wanted: float, failed: float, trail: Vi
                   earlier: State | None = None) -> State | None:
     """A step from a state that lies at a corner of the path; None, and back at the state, if none is found.
 
-    None is looked for on smooth paths, nor where the control leaves steps as they are, nor, but for a first step, where
-    it prescribes the load.
+    None is looked for on smooth paths, nor where the control leaves steps as they are. Where it prescribes the load,
+    the path leads on with that load.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def around_corner(tracer, before: State, wanted: float, failed: float, trail: Vi
     if not before.length:
         return _from_rest(tracer, before, FROM_REST * wanted)
     if not control.passes_limits:
-        return None
+        return tracer.attempt(failed)
     flows = earlier is not None and tracer.system.history.moved_since(earlier.fields)
     ways = (False, True) if can_stick(tracer.system) else (False,)
     for length, sticks in product(_lengths(max(wanted, LEAST * tracer.usual), failed), ways):

@@ -142,6 +142,7 @@ class BorderedNewton:
                 self._step.axpy(self.load_increment, self.tangent.solution)
             else:
                 self._step.array[:] = self._guess
+            self.system.foresee(x, self._step, self.factor_now)
             try:
                 self._hold_contacts(x, self.tangent, self._step)
             except ArithmeticError:

@@ -59,7 +59,19 @@ class Measuring:
         ways = [before.tangent, before.direction] if goes_on else [before.tangent]
         if after.apart and not (goes_on and self.control.passes_limits):
             ways.append(after.tangent)
-        return min(self.angle(after.direction, way) for way in ways)
+        least = min(self.angle(after.direction, way) for way in ways)
+        return 0.0 if least > self.control.turn and self.stands_still(after) else least
+
+    def stands_still(self, after: State) -> bool:
+        """Whether a prescribed load moves nothing by more than states are exact, as of what is pressed onto obstacles.
+
+        They are so to rounding, and to the penetration and slip that augmented contact leaves.
+        """
+        if self.control.passes_limits:
+            return False
+        left = max(contribution.tolerance for contribution in self.system.contributions) / self.discretisation.size
+        moved = self.distance(0.0, after.increment)
+        return moved <= max(rounding.SAFETY * rounding.UNIT, left) or moved <= rounding.off_path(self, after)
 
     def angle(self, one: tuple[float, np.ndarray], other: tuple[float, np.ndarray]) -> float:
         """Angle between two increments of load factor and unknowns; zero where one of them is rounding."""

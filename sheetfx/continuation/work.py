@@ -6,9 +6,14 @@ known a path that leads there gives its loads in between: a step whose loads do 
 
 from __future__ import annotations
 
+from math import inf
+from typing import NamedTuple
+
 import numpy as np
 
-from .segment import Segment
+from ..rounding import SAFETY
+from .corner import SHORT_OF
+from .segment import Jump, Segment
 from .state import State
 
 WAVER = 1e-3  # of the work by the whole load, that loads which waver may be off
@@ -16,47 +21,93 @@ ASIDE = 0.1  # of the motion of the step before, least one that counts: others g
 POINTS = 5  # of integration of residuals along a straight way: exact for energies of degree 10
 
 
-def work_matches(segment: Segment, earlier: State | None) -> bool:
-    """Whether the work along a step is stored or dissipated; also where contributions do not tell their work.
+class _Way(NamedTuple):
+    """Loads and motions along the load of a step, of the increment before it, and of the tangents at both ends.
 
-    Load and motion in between are those of parabolas through the states, `earlier` being the one before the step.
+    Each is a pair: of the load factor, and of the motion along the load.
+    """
+
+    step: tuple[float, float]
+    before: tuple[float, float]
+    tangents: tuple[tuple[float, float], tuple[float, float]]
+
+    @property
+    def is_straight(self) -> bool:
+        """Whether load and motion go the way of the step at both of its ends."""
+        return all(own * rate > 0 for tangent in self.tangents for own, rate in zip(self.step, tangent, strict=True))
+
+
+def require_work(segment: Segment, earlier: State | None) -> None:
+    """Refuse a step whose work is not stored or dissipated, unless contributions do not tell theirs.
+
+    The load follows a parabola through the states; behind a corner a straight line; and around one the tangents at both
+    ends. A step with a corner inside is sound up to there.
+
+    Parameters
+    ----------
+    earlier : the state before the step; None: the parabola is none
+
+    Raises
+    ------
+    Jump
     """
     before, after, tracer = segment.before, segment.after, segment.tracer
     if not tracer.system.work_known:
-        return True
+        return
     follows = earlier is not None and before.stage == after.stage and before.length > 0
-    change, way, way_before = _energy(segment, before.increment if follows else 0 * after.increment)
-    rise = after.load_increment
-    expected, steepest, farthest = rise * way / 2, abs(rise), abs(way)
-    if follows:
-        share = after.length / before.length
-        bends = [share * (share * a - b) / (1 + share) for a, b in ((before.load_increment, rise), (way_before, way))]
-        expected += (bends[0] * way - bends[1] * rise) / 6
-        steepest = max(steepest, share * abs(before.load_increment))
-        farthest = max(farthest, share * abs(way_before))
+    (change, gross), way = _energy(segment, before.direction if follows else (0.0, 0 * after.increment))
+    share = after.length / before.length if follows else 0.0
+    steepest, farthest = (max(abs(own), share * abs(last)) for own, last in zip(way.step, way.before, strict=True))
     allowed = tracer.control.unbalanced * steepest + WAVER * abs(after.factor)
-    return abs(change - expected) <= allowed * max(abs(way), ASIDE * farthest)
+    exact, *_ = tracer.snes.getTolerances()
+    allowed = allowed * max(abs(way.step[1]), ASIDE * farthest) + SAFETY * exact * gross
+    if abs(change - _even(way, share)) <= allowed or tracer.stands_still(after):
+        return
+    if way.is_straight and abs(change - _even(way, 0.0)) <= allowed:
+        return
+    corner, work = _cornered(way)
+    matches = abs(change - work) <= allowed
+    if matches and not 1 - SHORT_OF <= corner <= SHORT_OF:
+        return
+    sound = segment[corner * after.length] if matches and segment.reach(corner * after.length) else None
+    raise Jump("the work done along the step is not what is stored and dissipated", sound)
 
 
-def _energy(segment: Segment, increment_before: np.ndarray) -> tuple[float, float, float]:
-    """Work taken up from the first to the last state less that of the load of the first, and motions along the load.
+def _even(way: _Way, share: float) -> float:
+    """Work of the load beyond that at the start of a step, by a parabola through three states, or a line through two.
 
-    That of the segment, and that of an increment before it along the load at its start.
+    Parameters
+    ----------
+    share : length of the step over that of the one before; 0: there is none
+    """
+    rise, motion = way.step
+    bends = [share * (share * a - b) / (1 + share) for a, b in zip(way.before, way.step, strict=True)]
+    return rise * motion / 2 + (bends[0] * motion - bends[1] * rise) / 6
+
+
+def _cornered(way: _Way) -> tuple[float, float]:
+    """Part of a step at which the tangents at its ends meet, and the work along them; infinite: they do not."""
+    (rise, motion), (one, other) = way.step, way.tangents
+    if not (turn := one[0] * other[1] - other[0] * one[1]):
+        return 0.0, inf
+    parts = (rise * other[1] - other[0] * motion) / turn, (one[0] * motion - rise * one[1]) / turn
+    if min(parts) <= 0:
+        return 0.0, inf
+    return parts[0] / sum(parts), rise * motion / 2 + parts[0] * parts[1] * turn / 2
+
+
+def _energy(segment: Segment, step_before: tuple[float, np.ndarray]) -> tuple[tuple[float, float], _Way]:
+    """Work taken up from the first to the last state less that of the load of the first, and the way of the loads.
+
+    Beside the work the sum of the sizes of its parts.
     """
     before, after, tracer = segment.before, segment.after, segment.tracer
     system, increment = tracer.system, after.increment
     rough, smooth = system.rough, [c for c in system.contributions if c not in system.rough]
-    out, moved, ways = system.create_vector(), system.create_vector(), []
+    out, moved = system.create_vector(), system.create_vector()
     tracer.back_to(before)
-    places = [c.place() for c in rough]
-
-    def taken():
-        return sum(c.stored_and_dissipated(place) for c, place in zip(rough, places, strict=True))
-
-    stored = -taken()
+    starts = [c.touch() for c in rough]
     load = tracer.load_vector().array
-    ways.append(load @ increment)
-    way_before = load @ increment_before
     points, weights = np.polynomial.legendre.leggauss(POINTS)
     change = 0.0
     with system.additive_increments(frozen=False):
@@ -67,9 +118,15 @@ def _energy(segment: Segment, increment_before: np.ndarray) -> tuple[float, floa
             change += weight * float(out.array @ increment)
         moved.array[:] = increment
         system.configure(moved, before.factor)
-        stored += taken()
+        ends = [c.touch() for c in rough]
         system.load(out)
-        ways.append(out.array @ increment)
+        loads = load, out.array
     tracer.back_to(after)
-    change, way, way_before = (system.comm.allreduce(float(v)) for v in (change, sum(ways) / 2, way_before))
-    return change + stored, way, way_before
+    ends = [c.touch() if c.augments else end for c, end in zip(rough, ends, strict=True)]
+    stored = sum(c.work_between(*states) for c, *states in zip(rough, starts, ends, strict=True))
+    motions = [sum(loads) / 2 @ increment, load @ step_before[1],
+               *(one @ state.tangent[1] for one, state in zip(loads, (before, after), strict=True))]
+    change, *motions = system.comm.allreduce(np.array([change, *motions])).tolist()
+    step, last = (after.load_increment, motions[0]), (step_before[0], motions[1])
+    tangents = (before.load_rate, motions[2]), (after.load_rate, motions[3])
+    return (change + stored, abs(change) + abs(stored)), _Way(step, last, tangents)

@@ -11,7 +11,7 @@ With a viscosity below the growth of the mode that the structure leaves along, a
 equilibrium, or past it. So a push along the mode is so short that it gives energy, and each step must begin down the
 forces and give energy. That is the integral of all forces along the motion, those of the held load and of friction
 included: what the fluid takes. Forces of contact change within a small part of a step, so that their work comes from
-its closed form (`Contribution.stored_and_dissipated`) where there is one.
+its closed form (`Contribution.work_between`) where there is one.
 
 With friction a mode may grow at once as pairs begin to slip, so that its eigenvalue lies far below zero, and in that
 sense only in which they slip on.
@@ -44,7 +44,7 @@ class ViscousFall(Fall):
 
     def run(self) -> None:
         self._rough = [c for c in self.system.contributions
-                       if not c.smooth and c.stored_and_dissipated(c.place()) is not None]
+                       if not (c.smooth or c.augments) and c.touch() is not None]
         self._even = [c for c in self.system.contributions if c not in self._rough]
         self._assemble()
         pushed, calmed = self._push(), False
@@ -157,14 +157,9 @@ class ViscousFall(Fall):
         return False
 
     def _work(self, way: PETSc.Vec, load_increment: float) -> float:
-        places = [c.place() for c in self._rough]
-
-        def taken() -> float:
-            return sum(c.stored_and_dissipated(place) for c, place in zip(self._rough, places, strict=True))
-
-        before = taken()
+        starts = [c.touch() for c in self._rough]
         change = self._integral(self._even, way, load_increment)
-        return change + taken() - before
+        return change + sum(c.work_between(start, c.touch()) for c, start in zip(self._rough, starts, strict=True))
 
     def _accept(self, change: float, load_increment: float) -> None:
         """Accept the end of a step, where the system is, with what has slipped on its way."""

@@ -218,12 +218,15 @@ def resolution(contact: Contact) -> tuple[float, int]:
     length (Hetenyi 1946, section 3). The default of 0.1 depths (no less than a third of a cell) is
     indented by less than 1e-6 depths in the arch, and 16 points on a layer keep the tangent smooth as the
     contact slides (with 5 the slope of the arch's path changes its sign at random near the limit point).
+    The scale of a penalty gives the layer of that stiffness.
     """
     if contact.points == "nodes":
         return contact.layer or 0.0, contact.beam.degree
     domain = contact.beam.mesh.domain
     cell = contact.beam.mesh.measure / domain.topology.index_map(1).size_global
     layer = contact.layer
+    if layer is None and contact.scale and contact.enforcement == "penalty":
+        layer = (contact.beam.section.stiffness(contact.beam.material, 2)[2] / contact.scale) ** (1 / 4)
     if layer is None:
         layer = max(0.1 * contact.beam.section.depth, cell / 3)
     if not layer:

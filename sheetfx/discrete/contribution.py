@@ -65,6 +65,9 @@ class Contribution:
     called : what messages call it; "": by its class
     without_descent : why falls cannot descend its energy, in words; "": they can
     moved : whether it couples other unknowns than when `pattern` was last asked; the system then asks again
+    rubs : whether there is friction, so that it has to `foresee` where points touch
+    augments : whether forces are found by augmentation: work is then told between accepted states only
+    tolerance : length by which it leaves places of accepted states undetermined
     gives_moments : whether it adds moments to `Forces.along_space`, which turn with the nodes
     stage : number of the load stage that its load belongs to; None: it has none
     remembers, history_moved : whether it has laws with history, whose forces do work but have no energy; whether one
@@ -78,10 +81,11 @@ class Contribution:
     """
 
     smooth = conservative = True
-    steep = condenses = sticks = False
+    steep = condenses = sticks = augments = rubs = False
     called = without_descent = ""
     moved = gives_moments = remembers = history_moved = False
     stage: int | None = None
+    tolerance = 0.0
     approaches: Sequence[float] = (1.0,)
     detours: Sequence[float] = ()
 
@@ -168,6 +172,14 @@ class Contribution:
     def regularise(self, times: float) -> None:
         """Make the regularisation a multiple of what it is in accepted states; see `approaches`."""
 
+    def foresee(self, ahead: bool) -> None:
+        """Look at where a step starts, then at where its tangent leads: what slips does so from where it touches.
+
+        Parameters
+        ----------
+        ahead : whether the system is there
+        """
+
     def freeze_reversed_slip(self) -> bool:
         """Answer for one Newton iteration as if what it would overshoot held on; whether anything is held.
 
@@ -200,20 +212,19 @@ class Contribution:
         """Energy that it stores now, on all processes; None: it does not tell."""
         return None
 
-    def place(self) -> np.ndarray | None:
-        """What `stored_and_dissipated` has to know of the state that a step starts from, when the system is there."""
-        return None
+    def touch(self) -> np.ndarray | None:
+        """What `work_between` has to know of a state, when the system is there; None: its work is not told."""
+        energy = self.energy()
+        return None if energy is None else np.array([energy])
 
-    def stored_and_dissipated(self, start: np.ndarray | None) -> float | None:
-        """Energy that it stores now, and what friction has taken since the last accepted state, on all processes.
-
-        None: it does not tell.
+    def work_between(self, start: np.ndarray, end: np.ndarray) -> float:
+        """Change of the energy, and what friction takes, from a state to the next one, on all processes.
 
         Parameters
         ----------
-        start : `place` of the last accepted state
+        start, end : `touch` of both states
         """
-        return self.energy()
+        return float(end[0] - start[0])
 
     def gaps(self) -> np.ndarray:
         """Distances of its points on this process, negative where they touch; NaN: unknown; none: it does not tell."""

@@ -34,6 +34,11 @@ class Growth:
         return STIFFER**self.times
 
     @property
+    def reached(self) -> float:
+        """That at the end of a step, at least."""
+        return STIFFER**max(self.begun, self._least)
+
+    @property
     def approaches(self) -> tuple[float, ...]:
         """How many times softer pairs are through which a step is approached that fails otherwise, as past a corner."""
         return (STIFFER, 1.0) if self.begun else (1.0,)

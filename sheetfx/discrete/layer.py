@@ -15,6 +15,7 @@ from ..jit import compiled_expression
 from ..mesh.numbers import with_constants
 from ..model.contact import Contact
 from ..model.obstacles import way_of
+from ..rounding import SAME
 from .contact import OPEN, SLIP, ContactFields, ContactState
 from .contact_work import touching
 from .contribution import Forces
@@ -135,7 +136,7 @@ class LayerWork(PointWork):
         if compliance == self._followed[1] and np.array_equal(gaps, self._followed[0]):
             return
         self._followed = gaps, compliance
-        zones = Zones.where_negative(gaps)
+        zones = Zones.where_negative(gaps - SAME * self.fields.contact.beam.section.depth)  # without a gap parts touch
         self._near, cell = np.unique(zones.cells, return_inverse=True)
         rows, weights, gap = zones.rows, self.fields.weights(zones) / compliance, zones.interpolate(gaps)
         self._energy = float(weights @ gap**2) / 2

@@ -12,7 +12,7 @@ from .number import NumberField
 from .pair_work import PairWork
 from .point_law import PointLaw
 
-CLOSE, STEPS = 1e-3, 200  # of the tolerance, by which a free obstacle is moved past first touch, in so many steps
+CLOSE, STEPS = 1e-6, 200  # of the tolerance, by which a free obstacle is moved past first touch, in so many steps
 BEFORE, SLIPPED = 2, 3  # numbers of data of the law: places and slips at the last accepted state
 
 
@@ -29,7 +29,7 @@ class ObstacleWork(PairWork):
 
     def _law_of(self, sizes):
         pairs, obstacle, slips = self.pairs, self.contact.obstacle, self._slips
-        self._before = pairs.points.copy()
+        self._before, self._slipped = pairs.points.copy(), np.zeros_like(pairs.points)
         data = [pairs.points, pairs.gap[:, None], pairs.points, np.zeros_like(pairs.points), self._history,
                 pairs.table()]
         self._data_of_history, held = len(data) - 2, []
@@ -92,19 +92,21 @@ class ObstacleWork(PairWork):
 
     def _since(self) -> None:
         """Count slips from the places and slips of the last accepted state."""
-        slipped = self._committed[:, 1 + self.pairs.dimension:]
-        for number, values in zip((BEFORE, SLIPPED), (self._before, slipped), strict=True):
+        for number, values in zip((BEFORE, SLIPPED), (self._before, self._slipped), strict=True):
             self._law.give(number, values)
 
     def commit(self):
+        if self._slips:
+            self._slipped = self._slip(self._law.strains(self.values()))
         super().commit()
         self._mark()
 
     def snapshot(self):
-        return super().snapshot() | {f"{self._name} places": self._before.copy()}
+        return super().snapshot() | {f"{self._name} places": self._before.copy(),
+                                     f"{self._name} slips": self._slipped.copy()}
 
     def restore(self, snapshot):
-        self._before = snapshot[f"{self._name} places"].copy()
+        self._before, self._slipped = (snapshot[f"{self._name} {what}"].copy() for what in ("places", "slips"))
         super().restore(snapshot)
         self._since()
 

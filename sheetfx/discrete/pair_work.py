@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from .. import forms
-from .contact import OPEN, SLIP
+from .contact import OPEN, SLIP, STICK
 from .contribution import Contribution
 from .growth import Growth
 from .layout import Layout
@@ -18,6 +18,7 @@ from .points import PointWork, Trace
 from .unknowns import Unknowns
 
 SPARE = 0.2  # of all pairs, those with the smallest gaps that the pattern of the tangent has beside those that act
+CLINGING = 1e300  # tensile strength of pairs that do not open
 STICKING = 1e3  # coefficient of friction with which pairs stick
 BEYOND = 1e-7  # of the bound, by which tractions that slip are kept beyond it, so that they slip on in the next tangent
 
@@ -40,6 +41,8 @@ class PairWork(PointWork):
     _without = 1  # directions along which no slip is counted: that out of the first part's face
     _least = 0  # how often the stiffness grows within a step at least, see `Growth`
     _slack = 0.0  # part of the bound of friction by which tractions may be off where they slip
+    _clung = False  # whether pairs have been kept closed in the present solution
+    _apart: np.ndarray  # gaps where a step starts
     _slipping: np.ndarray | None = None  # tractions of pairs that slipped at the last iterate, zero at others
 
     def __init__(self, unknowns: Unknowns, first: Sequence[Trace], second: Trace | Partners | None, pairs: Pairs,
@@ -54,6 +57,10 @@ class PairWork(PointWork):
         points = self._law_of([unknowns.fields[t.field].components for t in traces])
         super().__init__(unknowns, traces, points, smooth=False, conservative=not self._slips)
         self._growth = Growth(self._least)
+        self.rubs = bool(self._slips)
+        self.augments = pairs.augmented
+        self._slip_left = pairs.tolerance * pairs.parameters[0] / pairs.parameters[1]
+        self.tolerance = (self._slip_left if self.rubs else pairs.tolerance) if pairs.augmented else 0.0
         self.sticks = contact.law is forms.contact.mohr_coulomb
         self._committed = self._history.copy()
         self._partners_committed = self._partners.history() if self._partners else None
@@ -185,8 +192,15 @@ class PairWork(PointWork):
         if n:
             history[:, 1:1 + n] = resultants[:, 1:1 + n]
             if slips:
-                history[:, 1 + n:] += strains[:, 1:1 + n]
+                kept = self._kept_slips(strains)
+                history[:, 1 + n:1 + 2 * n] += strains[:, 1:1 + n] - kept
+                history[:, 1:1 + n] -= self._table[:, 1:2] * kept
         return history
+
+    def _kept_slips(self, strains: np.ndarray) -> np.ndarray:
+        """Slips of pairs that stick, which augmentation takes back: they would add up to creeping from step to step."""
+        sticks = self.augments & (self.evaluate().status == STICK)
+        return np.where(sticks[:, None], strains[:, 1:1 + self._slips], 0.0)
 
     def update_history(self, pressures: bool = False) -> bool:
         history, slipping = self._updated(pressures, slips=True), self.evaluate().status == SLIP
@@ -195,11 +209,14 @@ class PairWork(PointWork):
         return bool(self._slips and slipping.any())
 
     def commit(self) -> None:
-        self._slipping = None
-        self.update_history(self.pairs.augmented)
+        self._slipping, self._clung = None, False
+        self.update_history(self.augments)
         self._growth.commit()
+        stiff = self._table
         self.regularise(1.0)
-        if self.pairs.augmented:
+        if self.augments:
+            slips = self._law.strains(self.values())[:, 1:1 + self._slips]
+            self._history[:, 1:1 + self._slips] += (stiff - self._table)[:, 1:2] * slips
             pressure = self._history[:, 0]
             pressure[:] = np.where(pressure > 0, pressure + self._table[:, 0] * self.place(), 0.0)
             self._put_history(self._history)
@@ -212,7 +229,7 @@ class PairWork(PointWork):
         kept = {self._name: self._committed.copy()}
         if self._partners:
             kept[f"{self._name} partners"] = self._partners_committed.copy()
-        if self.pairs.augmented:
+        if self.augments:
             kept[f"{self._name} stiffness"] = np.array([self._growth.begun])
         return kept
 
@@ -220,15 +237,19 @@ class PairWork(PointWork):
         self._committed = snapshot[self._name].copy()
         if self._partners:
             self._partners_committed = snapshot[f"{self._name} partners"].copy()
-        if self.pairs.augmented:
+        if self.augments:
             self._growth.restore(int(snapshot[f"{self._name} stiffness"][0]))
         self.rewind()
 
     def rewind(self) -> None:
-        self._slipping = None
+        self._slipping, self._clung = None, False
         self._growth.rewind()
         self.regularise(1.0)
         self._put_history(self._committed.copy())
+        self._return_partners()
+
+    def _return_partners(self) -> None:
+        """Have the partners of the last accepted state."""
         if self._partners:
             self._partners.restore(self._partners_committed)
             self._renew()
@@ -240,6 +261,20 @@ class PairWork(PointWork):
         self._table[:, :2] *= self._growth.factor / times
         self._law.give(self._data_of_history + 1, self._table)
 
+    def foresee(self, ahead: bool) -> None:
+        """Let open pairs slip from where they will touch, which lies on the line to where the tangent leads."""
+        strains, n = self._law.strains(self.values()), self._slips
+        if not ahead:
+            self._apart = strains[:, 0]
+            return
+        apart, closing = self._apart, self._apart - strains[:, 0]
+        part = np.where(closing > 0, np.minimum(np.divide(apart, closing, out=np.ones_like(apart), where=closing > 0),
+                                                1.0), 1.0)
+        history = self._history.copy()
+        history[:, 1 + n:1 + 2 * n] += np.where(apart > self.pairs.tolerance, part, 0.0)[:, None] * strains[:, 1:1 + n]
+        self._return_partners()
+        self._put_history(history)
+
     def freeze_reversed_slip(self) -> bool:
         """Let pairs stick for one iteration that slip the other way than at the iterate before.
 
@@ -247,6 +282,8 @@ class PairWork(PointWork):
         the narrow range of elastic slip, back and forth. With a tangent and a force that stick it lands there, as
         active sets do that know of sticking and slipping (Hueeber, Stadler and Wohlmuth 2008).
         """
+        if self._clings():
+            return True
         if not self._slips:
             return False
         state, before = self.evaluate(), self._slipping
@@ -255,6 +292,19 @@ class PairWork(PointWork):
             return False
         held = self._table.copy()
         held[turned, 2] = STICKING
+        self._law.give(self._data_of_history + 1, held)
+        return True
+
+    def _clings(self) -> bool:
+        """Let pairs with multipliers stay closed for one iteration of a solution that opens all of them.
+
+        A stiffness that has grown meets gaps that a softer one has left, and a structure that nothing else holds.
+        """
+        pressed = self._history[:, 0] > 0
+        if self._clung or not (self.augments and self.sticks and pressed.any()) or self._acting()[0][pressed].any():
+            return False
+        held, self._clung = self._table.copy(), True
+        held[pressed, 4] = CLINGING
         self._law.give(self._data_of_history + 1, held)
         return True
 
@@ -269,34 +319,43 @@ class PairWork(PointWork):
         self._law.give(self._data_of_history + 1, self._table)
 
     def augment(self) -> bool:
-        if not self.pairs.augmented:
+        if not self.augments:
             return True
         strains, resultants = self._now()
-        gap, pressed = strains[:, 0], resultants[:, 0] < 0
+        gap, pressed, sticks = strains[:, 0], resultants[:, 0] < 0, self.evaluate().status == STICK
+        slips = np.linalg.norm(strains[sticks, 1:1 + self._slips], axis=1)
         deepest = max(-gap.min(initial=0.0), gap[pressed].max(initial=0.0))
-        if deepest <= self.pairs.tolerance and self._growth.suffices:
+        if (deepest <= self.pairs.tolerance and slips.max(initial=0.0) <= self._slip_left and self._growth.suffices):
             return True
+        self._clung = False
         self._put_history(self._updated(True, slips=False))
         self._growth.go_on(deepest)
         self.regularise(1.0)
         return False
 
     def energy(self) -> float | None:
-        return None if self._slips else self.stored_and_dissipated(None)
+        if self._slips or self.augments or (now := self.touch()) is None:
+            return None
+        return self.work_between(np.zeros_like(now), now)
 
     def place(self) -> np.ndarray:
         """Gaps now."""
         return self._law.strains(self.values())[:, 0]
 
     def gaps(self) -> np.ndarray:
-        return np.empty(0) if self.pairs.augmented else np.where(self._here, self.place(), np.nan)
+        return np.empty(0) if self.augments else np.where(self._here, self.place(), np.nan)
 
-    def stored_and_dissipated(self, start: np.ndarray | None) -> float | None:
-        """Energy of pressures, and what friction has taken since the last accepted state, whose gaps `start` is."""
-        if self.pairs.augmented or self.contact.law is not forms.contact.mohr_coulomb:
+    def touch(self) -> np.ndarray | None:
+        """Gaps, trial pressures, tractions and slips in the columns; None for laws whose work is not known."""
+        if self.contact.law is not forms.contact.mohr_coulomb:
             return None
-        work = self.pairs.work(self._law.strains(self.values()), start, self._history)
-        return float((self.pairs.weights * self._here) @ work)
+        (strains, resultants), n = self._now(), self._slips
+        trial = self._history[:, 0] - self._table[:, 0] * strains[:, 0]
+        return np.column_stack((strains[:, 0], trial, resultants[:, 1:1 + n],
+                                strains[:, 1:1 + n] + self._history[:, 1 + n:1 + 2 * n]))
+
+    def work_between(self, start: np.ndarray, end: np.ndarray) -> float:
+        return float((self.pairs.weights * self._here) @ self.pairs.work(start, end, self._growth.reached, self._slack))
 
     def apart(self) -> bool:
         return not (self._acting()[0] & self._here).any()

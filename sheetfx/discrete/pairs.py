@@ -66,21 +66,39 @@ class Pairs:
         """The parameters at each pair."""
         return np.tile(np.array(self.parameters, dtype=float), (self.count, 1))
 
-    def work(self, strains, start, history) -> np.ndarray:
-        """Energy of pressures and what friction has taken, per length of the line of contact.
+    def work(self, start: np.ndarray, end: np.ndarray, stiffer: float, slack: float) -> np.ndarray:
+        """Change of the energy of pressures, and what friction takes between states, per length of the line of contact.
+
+        Pressures and tractions that are augmented grow evenly with the little that pairs penetrate, and slip where they
+        stick; a tensile strength works on a gap that opens.
 
         Parameters
         ----------
-        strains : (n, 1 + slips), gaps now and slips since the last accepted state
-        start : (n,), gaps of that state, asked for with friction only
-        history : (n, 1 + 2 slips), its pressures that are augmented and its tractions, and slips up to it
+        start, end : (n, 2 + 2 slips), gaps, trial pressures, tractions and slips of both states
+        stiffer : factor of augmentation on the stiffness against slip
+        slack : as of `state`
         """
-        table, n = self.table(), (history.shape[1] - 1) // 2
-        work = unilateral_energy(strains[:, 0], history[:, 0], table)
-        if self.rubs:
-            gaps = start, strains[:, 0]
-            work += friction_work(gaps, strains[:, 1:1 + n], history[:, 1:1 + n], history[:, 0], table)
-        return work
+        table, n = self.table(), (end.shape[1] - 2) // 2
+        if self.augmented:
+            pressures, inside = (np.maximum(start[:, 1], 0.0), np.maximum(end[:, 1], 0.0)), np.minimum(end[:, 0], 0.0)
+            work = sum(pressures) / 2 * (np.minimum(start[:, 0], 0.0) - inside)
+            work += table[:, 4] * (np.maximum(end[:, 0], 0.0) - np.maximum(start[:, 0], 0.0))
+        else:
+            work = unilateral_energy(end[:, 0], table) - unilateral_energy(start[:, 0], table)
+        if not n:
+            return work
+        table[:, 1] *= stiffer
+        before, now, slips = start[:, 2:2 + n], end[:, 2:2 + n], end[:, 2 + n:] - start[:, 2 + n:]
+        rubbed = friction_work((start[:, 1], end[:, 1]), slips, before, table)
+        if self.augmented:
+            sticks = np.linalg.norm(now, axis=1) < self.bound(end[:, 1], slack)
+            rubbed = np.where(sticks, ((before + now) / 2 * slips).sum(axis=1), rubbed)
+        return work + rubbed
+
+    def bound(self, pressure: np.ndarray, slack: float) -> np.ndarray:
+        """Traction at which pairs slip, less a part, by their pressure where they touch."""
+        _, _, friction, cohesion, _ = self.parameters
+        return (friction * pressure + cohesion) * (1 - slack)
 
     def state(self, moved, gap, pressure, traction, slip, here, slack: float) -> PairState:
         """State of the pairs, of which those have a weight that have a partner; each slips at its bound less a part.
@@ -91,18 +109,16 @@ class Pairs:
         here : (n,), whether pairs have a partner
         slack : part of the bound
         """
-        _, _, friction, cohesion, _ = self.parameters
-        bound = (friction * pressure + cohesion) * (1 - slack)
-        status = status_of(pressure, np.linalg.norm(traction, axis=1), bound)
+        status = status_of(pressure, np.linalg.norm(traction, axis=1), self.bound(pressure, slack))
         return PairState(self.points + moved, gap, pressure, traction, self.weights * here, status, slip)
 
 
-def unilateral_energy(gap, pressure, parameters):
+def unilateral_energy(gap, parameters):
     """Energy whose derivative by the gap is the pressure of `forms.contact.mohr_coulomb` without friction, negative.
 
     Parameters
     ----------
-    gap, pressure : arrays, shape (n,)
+    gap : array, shape (n,)
     parameters : array, shape (n, 5)
 
     Returns
@@ -110,34 +126,34 @@ def unilateral_energy(gap, pressure, parameters):
     array, energy per length of the line of contact, zero where nothing touches.
     """
     normal, strength = parameters[:, 0], parameters[:, 4]
-    trial = pressure - normal * gap
+    trial = -normal * gap
     held = np.maximum(trial, -strength)
-    return (held**2 / 2 + held * (trial - held) - np.maximum(pressure, -strength)**2 / 2) / normal
+    return (held**2 / 2 + held * (trial - held)) / normal
 
 
-def friction_work(gaps, slips, before, pressure, parameters):
+def friction_work(pressures, slips, before, parameters):
     """Work of the tractions of `forms.contact.mohr_coulomb`, stored in elastic slip or dissipated.
 
-    Gap and slip grow evenly, in stretches; in each of them tractions that have not slipped before do so at its end.
-    Exact where pairs stick, slip under a pressure that changes evenly, or stick and then slip under a constant one.
+    Pressure and slip grow evenly, in stretches; in each of them tractions that have not slipped before do so at its
+    end. Exact where pairs stick, slip under a pressure that changes evenly, or stick and then slip under a constant
+    one.
 
     Parameters
     ----------
-    gaps : pair of arrays, shape (n,), before and now
+    pressures : pair of arrays, shape (n,), trial ones before and now, negative where pairs are open
     slips : array, shape (n, d - 1), since before
     before : array, shape (n, d - 1), tractions before
-    pressure : array, shape (n,), the multiplier
     parameters : array, shape (n, 5)
 
     Returns
     -------
     array, work per length of the line of contact.
     """
-    normal, stiffness, friction, cohesion, strength = parameters.T
+    _, stiffness, friction, cohesion, strength = parameters.T
     work, traction, slip = np.zeros(len(slips)), before, slips / STRETCHES
 
     def bounds(part):
-        trial = pressure - normal * ((1 - part) * gaps[0] + part * gaps[1])
+        trial = (1 - part) * pressures[0] + part * pressures[1]
         return np.where(trial >= -strength, np.maximum(friction * trial + cohesion, 0), 0)
 
     slipping = np.linalg.norm(before, axis=1) >= bounds(0.0)

@@ -76,7 +76,7 @@ class System:
     def work_known(self) -> bool:
         """Whether there are contributions that are not smooth, laws with history aside, and all tell their work."""
         return bool(self.rough) and all(c.conservative or c in self.rough for c in self.contributions) and all(
-            c.stored_and_dissipated(c.place()) is not None for c in self.rough)
+            c.touch() is not None for c in self.rough)
 
     def free_rows(self, wanted: Callable[[AdditiveField], bool]) -> np.ndarray:
         """Rows of the free increments of some fields in this process's part of a vector."""
@@ -130,6 +130,20 @@ class System:
             f.combine(total, further)
         self._layout.put(totals, x)
         x.ghostUpdate(addv=PETSc.InsertMode.INSERT, mode=PETSc.ScatterMode.FORWARD)
+
+    def foresee(self, x: PETSc.Vec, step: PETSc.Vec, factor: float) -> None:
+        """Let friction look ahead along a step, from increments x, to a load factor; the system ends where it was."""
+        rubbing = [c for c in self.contributions if c.rubs]
+        if not rubbing:
+            return
+        here, ahead = self.factor, x.copy()
+        for c in rubbing:
+            c.foresee(ahead=False)
+        self.retract(ahead, step)
+        self.configure(ahead, factor)
+        for c in rubbing:
+            c.foresee(ahead=True)
+        self.configure(x, here)
 
     @contextmanager
     def held(self, found: bool) -> Iterator[bool]:

@@ -13,7 +13,7 @@ from ..continuation.lapse import remembering
 from ..continuation.segment import Jump, Missed, Segment
 from ..continuation.state import CriticalPoint, State
 from ..continuation.tracer import Tracer, tracer_of
-from ..continuation.work import work_matches
+from ..continuation.work import require_work
 from ..rounding import same
 from .crossings import Crossing, pass_zero, unresolved
 from .heading import hides
@@ -60,8 +60,8 @@ def locate(tracer, earlier: State | None, before: State, after: State, named: Na
     if any(contribution.remembers for contribution in tracer.system.contributions):
         after = segment.states[after.length] = segment.after = remembering(segment)
     if segment.nonsmooth:
-        if tracer.control.guarded and not work_matches(segment, earlier):
-            raise Jump("the work done along the step is not what is stored and dissipated")
+        if tracer.control.guarded:
+            require_work(segment, earlier)
         limits = [limit for limit in turning_loads(segment, earlier) if limit.segment.nonsmooth]
     else:
         if segment.guarded:

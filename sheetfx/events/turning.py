@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..continuation.segment import Segment
-from ..continuation.state import State
+from ..continuation.state import CriticalPoint, State
 from .leaping import require_convergence
 
 SEARCHED, RESOLUTION = 12, 0.02  # states at which the load is searched, and part of a step that they are apart
@@ -36,7 +36,8 @@ class Limit(NamedTuple):
 def turning_loads(segment: Segment, earlier: State | None) -> list[Limit]:
     """The state of the highest (lowest) load where the load turns from one step to the next.
 
-    Where the control prescribes the load it turns because the control does, which is no limit point.
+    Where the control prescribes the load it turns because the control does, which is no limit point. A step may pass a
+    corner at which the load turns, and end at a load that goes on: the rates at its ends tell.
 
     It is searched by parabolas through loads, which rates that waver do not disturb, then by halving the way between
     states where the load rises and falls: where something sticks, slips or opens the path has a corner. Without
@@ -48,9 +49,15 @@ def turning_loads(segment: Segment, earlier: State | None) -> list[Limit]:
         If the states beside it do not converge.
     """
     before, after = segment.before, segment.after
-    sign = before.load_sense or np.sign(before.load_increment)
-    if not sign * load_sense(segment.tracer, before, after) < 0 or not segment.tracer.control.passes_limits:
+    if not segment.tracer.control.passes_limits:
         return []
+    sign = before.load_sense or np.sign(before.load_increment)
+    if inside := not sign * load_sense(segment.tracer, before, after) < 0:
+        sign, earlier = np.sign(before.load_rate), None
+        if not _peaks(segment, sign):
+            return []
+    elif any(point.kind == "limit" and point.step == before.step for point in before.critical):
+        earlier = None
     segments = [segment] if earlier is None else [Segment(segment.tracer, earlier, before), segment]
     starts = [0.0] if earlier is None else [-before.length, 0.0]
     known = {start + length: (one, length) for one, start in zip(segments, starts, strict=True)
@@ -83,12 +90,32 @@ def turning_loads(segment: Segment, earlier: State | None) -> list[Limit]:
                 require_convergence(segment, segment.neighbours(place - start)[0])
             break
         known[place] = one, place - start
-    one, length = known[max(known, key=load)]
+    highest = max(known, key=load)
+    if inside and load(highest) - max(load(0.0), load(after.length)) <= SHARP * abs(load(highest)):
+        return []
+    one, length = known[highest]
     return [Limit(one, length, sign > 0)]
 
 
-def load_sense(tracer, before: State, after: State) -> float:
-    """Sense in which the load has changed last, by more than Newton's iteration leaves open; 0: it has not yet."""
+def _peaks(segment: Segment, sign: float) -> bool:
+    """Whether the rates at both ends of a step tell of a turn of the load inside, as at a corner of the path."""
+    ends = segment.before, segment.after
+    loads, rates = ([sign * value for value in values] for values in (
+        [state.factor for state in ends], [state.load_rate for state in ends]))
+    rough = bool(segment.tracer.system.rough)
+    return rough and _behind_corner([0.0, segment.after.length], loads, rates) is not None
+
+
+def load_sense(tracer, before: State, after: State, points: Sequence[CriticalPoint] = ()) -> float:
+    """Sense in which the load has changed last, by more than Newton's iteration leaves open; 0: it has not yet.
+
+    Parameters
+    ----------
+    points : that the step has passed
+    """
+    for point in reversed(points):
+        if point.kind == "limit" and point.step == after.step:
+            return 1.0 if point.name == "minimum" else -1.0
     exact, *_ = tracer.snes.getTolerances()
     told = abs(after.load_increment) > exact * abs(after.factor)
     return float(np.sign(after.load_increment)) if told else before.load_sense

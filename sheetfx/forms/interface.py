@@ -47,6 +47,8 @@ def plane_slip(x, point, x_before, point_before, tangent):
 def contact_pressure(multiplier, gap, scale):
     """Unilateral contact: pressure <multiplier - scale gap> (Alart and Curnier 1991, eq. 3.4).
 
+    Parts without a gap touch.
+
     Parameters
     ----------
     multiplier : UFL scalar
@@ -55,7 +57,8 @@ def contact_pressure(multiplier, gap, scale):
     scale : float or UFL constant
         Augmentation (pressure per length); the penalty stiffness where there is no multiplier.
     """
-    return ufl.max_value(multiplier - scale * gap, 0)
+    trial = multiplier - scale * gap
+    return ufl.conditional(ufl.ge(trial, 0), trial, 0)
 
 
 def coulomb_traction(multiplier, slip, scale, pressure, friction):

@@ -25,8 +25,8 @@ class Contact:
         between solutions) or "semismooth" (multipliers are unknowns); None: semismooth where contact is
         exact, penalty where there is a layer, see demos/enforcement.py for the comparison
     scale : augmentation, pressure per length of penetration; None: from the bending stiffness
-    layer : thickness-like length of an elastic contact layer, see `contact.fields.resolution`;
-        0: exact; None: 0 at nodes, as thin as it can be for a smooth path otherwise
+    layer : length of an elastic contact layer of the stiffness EI / layer^4; 0: exact; None: 0 at nodes, otherwise that
+        of a penalty's `scale`, or as thin as it can be for a smooth path
     approach : multiples of the layer through which each step's solution is approached
     distance : from the axis to where it touches; None: half the depth, as the faces are; 0: at the axis
     """
@@ -45,6 +45,9 @@ class Contact:
     def __post_init__(self):
         check(self)
         require_uniform(self.beam, "Contact")
+        if self.layer and self.scale and self.enforcement == "penalty":
+            raise ValueError(f"Contact: scale is {self.scale:g} and layer {self.layer:g}, each of which is the "
+                             "stiffness of a penalty; give one of them")
         if self.side:
             self.beam.mesh.require_alike("Contact: side", self.beam.group)
 

@@ -31,7 +31,7 @@ SIGNALS = "Jump", "Missed", "Hidden", "Uncounted", "Unsettled"
 SWITCHES = {
     "continuation/visited.py:VisitedStates.holds": False,
     "continuation/defect.py:has_small_defect": True,
-    "continuation/work.py:work_matches": True,
+    "continuation/work.py:require_work": None,
     "events/leaping.py:require_convergence": None,
     "events/heading.py:hides": False,
     "path.py:Path._past_corner": None,
