@@ -10,10 +10,12 @@ import pytest
 
 DEMOS = sorted((Path(__file__).parents[1] / "demos").glob("*.py"))
 NOTEBOOKS = "arch", "double_plate"
+LONG = "imperfections", "large_steps"  # which tests of their own cover
 WITH_JUPYTER = all(importlib.util.find_spec(name) for name in ("jupytext", "nbconvert", "ipykernel"))
 
 
-@pytest.mark.parametrize("demo", DEMOS, ids=lambda d: d.stem)
+@pytest.mark.parametrize("demo", [pytest.param(d, id=d.stem, marks=[pytest.mark.slow] * (d.stem in LONG))
+                                  for d in DEMOS])
 def test_demo(demo, tmp_path):
     environment = os.environ | {"SHEETFX_QUICK": "1"}
     command = [str(demo)]

@@ -33,7 +33,8 @@ class ContactWork(FormWork):
         self._kept = fields.multiplier if fields.block is None else None
         if fields.layer:
             self.approaches = fields.contact.approach
-        if fields.enforcement != "penalty":
+        self.augments = fields.enforcement != "penalty"
+        if self.augments:
             self.without_descent = (f"contact with enforcement {fields.enforcement!r} has no energy between its "
                                     "solutions; use Contact(..., enforcement='penalty') or a layer")
         self._keep()
@@ -73,6 +74,17 @@ class ContactWork(FormWork):
             return True
         self.fields.store(state, normal=True)
         return False
+
+    def touch(self) -> np.ndarray | None:
+        """Penetrations, pressures and weights in the columns; None: what slips is not known."""
+        if self.fields.contact.friction:
+            return None
+        state = self._state()
+        return np.column_stack((np.minimum(state.gap, 0.0), state.pressure, state.weight))
+
+    def work_between(self, start: np.ndarray, end: np.ndarray) -> float:
+        deeper, pressures = start[:, 0] - end[:, 0], (start[:, 1] + end[:, 1]) / 2
+        return self.fields.contact.beam.mesh.comm.allreduce(float(end[:, 2] @ (pressures * deeper)))
 
     def apart(self) -> bool:
         state, comm = self._state(), self.fields.contact.beam.mesh.comm
