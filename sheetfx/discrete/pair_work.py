@@ -267,11 +267,10 @@ class PairWork(PointWork):
         if not ahead:
             self._apart = strains[:, 0]
             return
-        apart, closing = self._apart, self._apart - strains[:, 0]
-        part = np.where(closing > 0, np.minimum(np.divide(apart, closing, out=np.ones_like(apart), where=closing > 0),
-                                                1.0), 1.0)
-        history = self._history.copy()
-        history[:, 1 + n:1 + 2 * n] += np.where(apart > self.pairs.tolerance, part, 0.0)[:, None] * strains[:, 1:1 + n]
+        apart, closing, history = self._apart, self._apart - strains[:, 0], self._history.copy()
+        part = np.divide(apart, closing, out=np.ones_like(apart), where=closing > apart)
+        part[apart <= self.pairs.tolerance] = 0.0
+        history[:, 1 + n:1 + 2 * n] += part[:, None] * strains[:, 1:1 + n]
         self._return_partners()
         self._put_history(history)
 
@@ -325,7 +324,7 @@ class PairWork(PointWork):
         gap, pressed, sticks = strains[:, 0], resultants[:, 0] < 0, self.evaluate().status == STICK
         slips = np.linalg.norm(strains[sticks, 1:1 + self._slips], axis=1)
         deepest = max(-gap.min(initial=0.0), gap[pressed].max(initial=0.0))
-        if (deepest <= self.pairs.tolerance and slips.max(initial=0.0) <= self._slip_left and self._growth.suffices):
+        if deepest <= self.pairs.tolerance and slips.max(initial=0.0) <= self._slip_left and self._growth.suffices:
             return True
         self._clung = False
         self._put_history(self._updated(True, slips=False))

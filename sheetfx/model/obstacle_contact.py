@@ -38,8 +38,9 @@ class ObstacleContact(SampledContact):
     stiffness : pressure over penetration; None: ten times the bending stiffness of the part over a size between those
         of a cell and of what may touch, with which a free obstacle is held from the start
     tangential : stiffness against slip before the cone is reached; None: a hundredth of `stiffness`
-    enforcement : "uzawa": pressures are augmented until nothing penetrates by more than a millionth of a cell; or
-        "penalty", which needs a higher stiffness
+    enforcement : "uzawa": pressures are augmented until nothing penetrates by more than a millionth of a cell, nor
+        slips where it sticks by more than that times `stiffness` over `tangential`; or "penalty", which needs a higher
+        stiffness
     law : function like `forms.contact.mohr_coulomb`, see `SurfaceContact`; it has a slip for each direction of space
     name : what messages call it
     """

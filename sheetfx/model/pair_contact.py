@@ -58,8 +58,9 @@ class PairContact(Joint):
     enforcement : "condensed": forces of the penalty, found within each Newton iteration on the flexibility of the
         structure at the pairs that open, close or slip; "penalty": the same without that, as it is on several
         processes, with two to three times as many factorisations; or "uzawa": found as "condensed" ones, but pressures
-        are augmented until no pair penetrates by more than a millionth of a cell, with a stiffness that grows along
-        the path from the given one as long as this is slow
+        are augmented until no pair penetrates by more than a millionth of a cell (and slips where it sticks by more
+        than that times `stiffness` over `tangential`), with a stiffness that grows along the path from the given one
+        as long as this is slow
     law : function like `forms.contact.mohr_coulomb`
     reach : distance between the lines of both parts that may be filled
     name : what messages call it

@@ -42,8 +42,9 @@ class SurfaceContact(SampledContact):
     stiffness : pressure over penetration; None: ten times the bending stiffness of the softer part over the size of
         what may touch, with which Newton's steps are long and pressures take a few augmentations
     tangential : stiffness against slip before the cone is reached; None: a hundredth of `stiffness`
-    enforcement : "uzawa": pressures are augmented until nothing penetrates by more than a millionth of a cell; or
-        "penalty", which needs a higher stiffness
+    enforcement : "uzawa": pressures are augmented until nothing penetrates by more than a millionth of a cell, nor
+        slips where it sticks by more than that times `stiffness` over `tangential`; or "penalty", which needs a higher
+        stiffness
     law : function like `forms.contact.mohr_coulomb`, whose pressures are forces per area, per length along lines, and
         forces at points
     name : what messages call it
