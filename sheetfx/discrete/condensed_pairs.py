@@ -8,7 +8,9 @@ import numpy as np
 from scipy.sparse import bsr_matrix, csr_matrix
 
 from .layout import Layout
-from .pair_work import CLINGING, PairWork
+from .pair_work import PairWork
+
+CLINGING = 1e300  # tensile strength of pairs that do not open
 
 
 class CondensedPairs(PairWork):

@@ -18,7 +18,6 @@ from .points import PointWork, Trace
 from .unknowns import Unknowns
 
 SPARE = 0.2  # of all pairs, those with the smallest gaps that the pattern of the tangent has beside those that act
-CLINGING = 1e300  # tensile strength of pairs that do not open
 STICKING = 1e3  # coefficient of friction with which pairs stick
 BEYOND = 1e-7  # of the bound, by which tractions that slip are kept beyond it, so that they slip on in the next tangent
 
@@ -41,7 +40,6 @@ class PairWork(PointWork):
     _without = 1  # directions along which no slip is counted: that out of the first part's face
     _least = 0  # how often the stiffness grows within a step at least, see `Growth`
     _slack = 0.0  # part of the bound of friction by which tractions may be off where they slip
-    _clung = False  # whether pairs have been kept closed in the present solution
     _apart: np.ndarray  # gaps where a step starts
     _slipping: np.ndarray | None = None  # tractions of pairs that slipped at the last iterate, zero at others
 
@@ -209,7 +207,7 @@ class PairWork(PointWork):
         return bool(self._slips and slipping.any())
 
     def commit(self) -> None:
-        self._slipping, self._clung = None, False
+        self._slipping = None
         self.update_history(self.augments)
         self._growth.commit()
         stiff = self._table
@@ -242,7 +240,7 @@ class PairWork(PointWork):
         self.rewind()
 
     def rewind(self) -> None:
-        self._slipping, self._clung = None, False
+        self._slipping = None
         self._growth.rewind()
         self.regularise(1.0)
         self._put_history(self._committed.copy())
@@ -281,8 +279,6 @@ class PairWork(PointWork):
         the narrow range of elastic slip, back and forth. With a tangent and a force that stick it lands there, as
         active sets do that know of sticking and slipping (Hueeber, Stadler and Wohlmuth 2008).
         """
-        if self._clings():
-            return True
         if not self._slips:
             return False
         state, before = self.evaluate(), self._slipping
@@ -291,19 +287,6 @@ class PairWork(PointWork):
             return False
         held = self._table.copy()
         held[turned, 2] = STICKING
-        self._law.give(self._data_of_history + 1, held)
-        return True
-
-    def _clings(self) -> bool:
-        """Let pairs with multipliers stay closed for one iteration of a solution that opens all of them.
-
-        A stiffness that has grown meets gaps that a softer one has left, and a structure that nothing else holds.
-        """
-        pressed = self._history[:, 0] > 0
-        if self._clung or not (self.augments and self.sticks and pressed.any()) or self._acting()[0][pressed].any():
-            return False
-        held, self._clung = self._table.copy(), True
-        held[pressed, 4] = CLINGING
         self._law.give(self._data_of_history + 1, held)
         return True
 
@@ -326,7 +309,6 @@ class PairWork(PointWork):
         deepest = max(-gap.min(initial=0.0), gap[pressed].max(initial=0.0))
         if deepest <= self.pairs.tolerance and slips.max(initial=0.0) <= self._slip_left and self._growth.suffices:
             return True
-        self._clung = False
         self._put_history(self._updated(True, slips=False))
         self._growth.go_on(deepest)
         self.regularise(1.0)
