@@ -61,13 +61,13 @@ def require_work(segment: Segment, earlier: State | None) -> None:
     allowed = tracer.control.unbalanced * steepest + WAVER * abs(after.factor)
     exact, *_ = tracer.snes.getTolerances()
     allowed = allowed * max(abs(way.step[1]), ASIDE * farthest) + SAFETY * exact * gross
-    if abs(change - _even(way, share)) <= allowed or tracer.stands_still(after):
+    if abs(change - _even(way, share)) <= allowed:
         return
     if way.is_straight and abs(change - _even(way, 0.0)) <= allowed:
         return
     corner, work = _cornered(way)
     matches = abs(change - work) <= allowed
-    if matches and not 1 - SHORT_OF <= corner <= SHORT_OF:
+    if (matches and not 1 - SHORT_OF <= corner <= SHORT_OF) or tracer.stands_still(after):
         return
     sound = segment[corner * after.length] if matches and segment.reach(corner * after.length) else None
     raise Jump("the work done along the step is not what is stored and dissipated", sound)

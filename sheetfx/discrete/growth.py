@@ -35,7 +35,7 @@ class Growth:
 
     @property
     def reached(self) -> float:
-        """That at the end of a step, at least."""
+        """Factor on the stiffness at the end of a step, at least."""
         return STIFFER**max(self.begun, self._least)
 
     @property

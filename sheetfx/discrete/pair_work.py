@@ -55,7 +55,7 @@ class PairWork(PointWork):
         points = self._law_of([unknowns.fields[t.field].components for t in traces])
         super().__init__(unknowns, traces, points, smooth=False, conservative=not self._slips)
         self._growth = Growth(self._least)
-        self.rubs = bool(self._slips)
+        self.rubs = pairs.rubs
         self.augments = pairs.augmented
         self._slip_left = pairs.tolerance * pairs.parameters[0] / pairs.parameters[1]
         self.tolerance = (self._slip_left if self.rubs else pairs.tolerance) if pairs.augmented else 0.0
@@ -197,8 +197,10 @@ class PairWork(PointWork):
 
     def _kept_slips(self, strains: np.ndarray) -> np.ndarray:
         """Slips of pairs that stick, which augmentation takes back: they would add up to creeping from step to step."""
-        sticks = self.augments & (self.evaluate().status == STICK)
-        return np.where(sticks[:, None], strains[:, 1:1 + self._slips], 0.0)
+        slips = strains[:, 1:1 + self._slips]
+        if not self.augments:
+            return np.zeros_like(slips)
+        return np.where((self.evaluate().status == STICK)[:, None], slips, 0.0)
 
     def update_history(self, pressures: bool = False) -> bool:
         history, slipping = self._updated(pressures, slips=True), self.evaluate().status == SLIP
@@ -332,8 +334,7 @@ class PairWork(PointWork):
             return None
         (strains, resultants), n = self._now(), self._slips
         trial = self._history[:, 0] - self._table[:, 0] * strains[:, 0]
-        return np.column_stack((strains[:, 0], trial, resultants[:, 1:1 + n],
-                                strains[:, 1:1 + n] + self._history[:, 1 + n:1 + 2 * n]))
+        return np.column_stack((strains[:, 0], trial, resultants[:, 1:1 + n], self._slip(strains)[:, :n]))
 
     def work_between(self, start: np.ndarray, end: np.ndarray) -> float:
         return float((self.pairs.weights * self._here) @ self.pairs.work(start, end, self._growth.reached, self._slack))
