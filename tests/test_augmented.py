@@ -32,7 +32,7 @@ def below(case, share, number=0):
     (lambda: von_mises_truss.case(), 4, 0.0), (lambda: von_mises_truss.case(), 4, 20.0),
     (lambda: roof.case(cells=4), 6, 0.0), (lambda: roof.case(cells=4), 6, 20.0),
     pytest.param(lambda: dome.case(divisions=4), 6, 0.0, marks=pytest.mark.slow),
-    (lambda: dome.case(divisions=4), 6, 20.0)],
+    pytest.param(lambda: dome.case(divisions=4), 6, 20.0, marks=pytest.mark.slow)],
     ids=["truss", "truss-tilted", "roof", "roof-tilted", "dome", "dome-tilted"])
 def test_from_a_guess_5_percent_below(case, most, tilt):
     """The mode is given, exactly or 20 degrees off: the path's point within 1e-8, in few factorisations."""

@@ -73,6 +73,7 @@ def test_signs_without_extremes_of_the_displacement(sign):
     assert limits(shallow(sign=sign)) == pytest.approx(np.array(limits(shallow())), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_determinant_turns_back_at_a_bifurcation():
     """The whole, higher arch bifurcates on its way down, at 32 mm; the determinant is positive again behind it."""
     case = arch.case(no_punch=True, elements=10, full=True, half_angle=12.0, to=45.0)

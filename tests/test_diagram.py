@@ -91,6 +91,7 @@ def test_a_closed_path_ends_where_it_began(here, tmp_path):
         assert out_of_balance(row)[0] == pytest.approx([0, 0], abs=1e-7)
 
 
+@pytest.mark.slow
 def test_branches_of_branches(here, tmp_path):
     """A mast with nearly equal stays sways along the weaker ones, then askew, from where its geometry says so.
 

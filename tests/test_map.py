@@ -47,12 +47,12 @@ def cell(folder):
 @pytest.mark.parametrize(("trap", "method", "outcome", "words"), [
     (TRAPS["lee-frame"], "default", PASSED, ""),
     (TRAPS["lee-frame"], "load", STALLED, "load 18557"),  # the first limit
-    (TRAPS["lee-frame"], "displacement", STALLED, "deflection 61"),  # its first extreme
-    (TRAPS["lee-frame"], "determinant", PASSED, ""),
+    pytest.param(TRAPS["lee-frame"], "displacement", STALLED, "deflection 61", marks=pytest.mark.slow),  # an extreme
+    pytest.param(TRAPS["lee-frame"], "determinant", PASSED, "", marks=pytest.mark.slow),
     (TRAPS["lee-frame"], "current-stiffness", BACK, "deflection 6"),  # the same extreme
     (TRAPS["lee-frame"], "displacement-extremes", PASSED, ""),
-    (TRAPS["roof-6.35"], "displacement", JUMPED, "-383.75"),  # where the crown moves back
-    (TRAPS["punch-arch"], "load", JUMPED, "205.6"),  # over the limit, to the stable state behind it
+    pytest.param(TRAPS["roof-6.35"], "displacement", JUMPED, "-383.75", marks=pytest.mark.slow),  # the crown moves back
+    pytest.param(TRAPS["punch-arch"], "load", JUMPED, "205.6", marks=pytest.mark.slow),  # over the limit, to a stable state
     (TRAPS["punch-arch"], "penalty-small", WRONG, "drifts"),  # by its penetration
     (TRAPS["punch-arch"], "penalty", PASSED, ""),
     (TRAPS["contact-stick-slip"], "default", PASSED, ""),  # behind a stage whose load begins at zero too
@@ -168,6 +168,7 @@ def test_failures_of_one_kind_have_one_letter():
                        (STALLED, "is still at a state after … s"): "c"}
 
 
+@pytest.mark.slow
 def test_map_of_the_command_line(tmp_path):
     command = [sys.executable, "-m", "sheetfx", "map", "--traps", "von-mises-truss", "--methods",
                "default,load,uzawa"]

@@ -505,6 +505,7 @@ def test_condensed_pairs_take_fewer_factorisations(friction):
     assert spent[1] < spent[0] / 2
 
 
+@pytest.mark.slow
 def test_plate_lifts_its_corners_off_a_frame():
     """Pairs open one after another from the corners within the first iteration: that took 72 factorisations.
 

@@ -29,7 +29,7 @@ def tied_sheet():
 
 STEPS = fx.LoadControl(step=0.2, fixed=True)
 CASES = {
-    "cubic shell": lambda: replace(roof.case(cells=3), control=fx.ArcLength(0.02)),
+    "cubic shell": lambda: replace(roof.case(cells=2), control=fx.ArcLength(0.02)),
     "history of layers": lambda: replace(plastic_cylinder.case(cells=4), control=fx.ArcLength(0.1)),
     "multipliers at points": lambda: Case(tied_sheet(), STEPS),
     "multipliers of contact": lambda: replace(arch.case(elements=8, enforcement="uzawa"),

@@ -71,7 +71,7 @@ def test_roof_keeps_its_path_for_steps_over_a_factor_of_16(thickness, limits):
     (slit_annulus, {"cells": 15, "steps": 20}, 5e-3),
     (hemisphere, {"cells": 8, "steps": 20}, 1.2e-2),
     pytest.param(pull_out, {"cells": 8, "steps": 20}, 1e-2, marks=pytest.mark.slow),
-    (semi_cylinder, {"cells": 8, "step": 0.01}, 1.5e-2),
+    pytest.param(semi_cylinder, {"cells": 8, "step": 0.01}, 1.5e-2, marks=pytest.mark.slow),
 ])
 def test_published_points_lie_on_the_path(module, parameters, tolerance):
     """All points of Sze, Liu and Lo (2004), within a part of the largest reading.

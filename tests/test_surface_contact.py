@@ -286,6 +286,7 @@ def test_slides_off_the_edge():
     assert np.abs(record.displacement("north-east")).max() < 1e-9
 
 
+@pytest.mark.slow
 def test_few_augmentations_where_the_softer_part_is_stiff_where_it_is_touched():
     """A rod pressed and drawn across a clamped cylindrical panel of 4 mm; all lengths in metres.
 

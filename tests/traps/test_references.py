@@ -32,7 +32,8 @@ def test_von_mises_truss():
     assert loads("von-mises-truss") == pytest.approx([*expected, *(-p for p in reversed(expected))], rel=1e-9)
 
 
-@pytest.mark.parametrize("name, ring", [("star-dome", 0.0), ("star-dome-all-nodes", 1.0)])
+@pytest.mark.parametrize("name, ring", [
+    ("star-dome", 0.0), pytest.param("star-dome-all-nodes", 1.0, marks=pytest.mark.slow)])
 def test_star_dome(name, ring):
     nodes, members = star_dome.dome()
     names, places = list(nodes), np.array(list(nodes.values()))
