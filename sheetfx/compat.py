@@ -18,6 +18,7 @@ import numpy as np
 import ufl
 from dolfinx.common import IndexMap
 from dolfinx.graph import adjacencylist
+from mpi4py import MPI
 from petsc4py import PETSc
 
 try:
@@ -93,6 +94,12 @@ def gmsh_mesh(comm, kind, cells, x, partitioner):
     """
     domain, cells = _gmshio.ufl_mesh(kind, x.shape[1], x.dtype), gmsh_cells(kind, cells)[1]
     return dolfinx.mesh.create_mesh(comm, cells=cells, x=x, e=domain, partitioner=partitioner, **_JUNCTIONS)
+
+
+def serial_mesh(mesh, cells, x):
+    """A mesh of cells like those of another one, with their order of nodes, on this process alone."""
+    return dolfinx.mesh.create_mesh(MPI.COMM_SELF, cells=cells, x=np.ascontiguousarray(x),
+                                    e=ufl.Mesh(mesh.ufl_domain().ufl_coordinate_element()), **_JUNCTIONS)
 
 
 def gmsh_cells(kind, cells):
@@ -171,14 +178,15 @@ def create_coo_matrix(comm, size, rows, columns, matrix=None):
     rows, columns = (np.array(x, dtype=PETSc.IntType) for x in (rows, columns))
     _check(_petsc.MatSetPreallocationCOO(ctypes.c_void_p(matrix.handle), ctypes.c_ssize_t(len(rows)),
                                          rows.ctypes.data_as(ctypes.c_void_p), columns.ctypes.data_as(ctypes.c_void_p)))
+    matrix.setAttr("patterns", (matrix.getAttr("patterns") or 0) + 1)  # on several processes PETSc's own may stay
     return matrix
 
 
 def nonzero_state(matrix):
-    """A number that changes whenever entries of a matrix get other places (petsc4py does not tell)."""
+    """Numbers that change whenever entries of a matrix get other places (petsc4py does not tell)."""
     state = ctypes.c_int64()
     _check(_petsc.MatGetNonzeroState(ctypes.c_void_p(matrix.handle), ctypes.byref(state)))
-    return state.value
+    return matrix.getAttr("patterns"), state.value
 
 
 def set_coo_values(matrix, values):

@@ -74,7 +74,7 @@ class Elimination:
         """
         system = self._system
         system.configure(x, factor)
-        self._x, self._factor, self._base, self._size = x, factor, step.array.copy(), size
+        self._x, self._factor, self._base, self._size = x, factor, system.everywhere(step), size
         self._unit, self._normal, self._exact = unit, normal, exact
         self._linearise()
         self._rows, self._loads = np.empty(0, dtype=np.int64), np.empty(0)
@@ -86,7 +86,7 @@ class Elimination:
         if forces is None:
             raise ArithmeticError("contact forces are not found")
         self._found += len(forces) > 0
-        step.array[:] = self._moved(forces)
+        step.array[:] = system.own(self._moved(forces))
         return -float(self._loads @ forces)
 
     def found_since(self) -> int:
@@ -217,9 +217,10 @@ class Elimination:
 
     def _respond(self, units: csc_matrix) -> tuple[np.ndarray, np.ndarray]:
         """Responses to forces that keep to the control's equation, as rows, and the changes of load in them."""
-        responses, (along, of_load) = self._linear.responses(units), self._normal
+        (along, of_load), everywhere = self._normal, self._system.everywhere
+        responses = self._linear.responses(units)
         if along is None:
             return responses, np.zeros(units.shape[1])
-        loads = -(responses @ along.array) / (along.dot(self._unit) + of_load)
-        responses += np.outer(loads, self._unit.array)
+        loads = -(responses @ everywhere(along)) / (along.dot(self._unit) + of_load)
+        responses += np.outer(loads, everywhere(self._unit))
         return responses, loads

@@ -54,7 +54,7 @@ class UnstableModes:
         self._start: State | None = None
         self._tangent: PETSc.Mat | None = None
         self._sticking: DirectSolver | None = None
-        self._pattern: int | None = None
+        self._pattern: tuple | None = None
         self.critical: State | None = None
 
     def start_from(self, state: State, increment: PETSc.Vec) -> None:

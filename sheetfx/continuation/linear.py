@@ -11,6 +11,7 @@ from scipy.sparse import csc_matrix, issparse
 
 from .. import compat
 from ..communicators import lasting
+from ..communicators import lasting
 
 TOGETHER = 128  # right-hand sides in one block of MUMPS; more gain little
 SPARE, MOST_SPARE = 20, 2000  # percent of working space for pivots that are put off, beyond what analysis estimates
@@ -29,7 +30,7 @@ class DirectSolver:
     def __init__(self, ksp: PETSc.KSP, matrix: PETSc.Mat, symmetric: bool):
         self.ksp, self.matrix, self.symmetric = ksp, matrix, symmetric
         self.factorisations, self._spare = 0, SPARE
-        self._pattern: int | None = None
+        self._pattern: tuple | None = None
         self._analysed = self._has_zeros_on_diagonal = False
         self._set_up()
 
@@ -111,11 +112,13 @@ class DirectSolver:
             solution.array[:] = row
 
     def responses(self, rights: np.ndarray | csc_matrix) -> np.ndarray:
-        """Solutions for the columns of an array, as rows, on one process.
+        """Solutions for the columns of an array, as rows; both have the rows of all processes.
 
-        Of a sparse one MUMPS leaves out what of its forward substitution stays zero.
+        Of a sparse one MUMPS leaves out on one process what of its forward substitution stays zero.
         """
         comm, pc = self.ksp.comm, self.ksp.getPC()
+        if comm.size > 1:
+            return self._responses_everywhere(rights)
         if issparse(rights) and pc.getFactorSolverType() == PETSc.Mat.SolverType.MUMPS:
             rows = rights.T.tocsr()
             rows.sum_duplicates()
@@ -127,6 +130,15 @@ class DirectSolver:
         found = np.empty(rights.shape, order="F")
         pc.getFactorMatrix().matSolve(right, PETSc.Mat().createDense(rights.shape, array=found, comm=comm))
         return found.T
+
+    def _responses_everywhere(self, rights: np.ndarray | csc_matrix) -> np.ndarray:
+        begin, end = self.matrix.getOwnershipRange()
+        own = rights.tocsr()[begin:end].toarray() if issparse(rights) else rights[begin:end]
+        sizes, found = ((end - begin, None), (None, rights.shape[1])), np.empty(own.shape, order="F")
+        right, solution = (PETSc.Mat().createDense(sizes, array=array, comm=self.ksp.comm)
+                           for array in (np.asfortranarray(own), found))
+        self.ksp.getPC().getFactorMatrix().matSolve(right, solution)
+        return np.concatenate(lasting(self.ksp.comm.tompi4py()).allgather(found.T), axis=1)
 
     def solve_transposed(self, right: PETSc.Vec, solution: PETSc.Vec) -> None:
         self.ksp.getPC().applyTranspose(right, solution)

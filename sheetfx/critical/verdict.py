@@ -28,7 +28,7 @@ def searched(discretisation: Problem, control: StepRule, flutter: bool) -> list[
     if not system.conservative and system.smooth:
         found.append(f"flutter: where frequencies meet, of the {COUNT} nearest to zero beside those that have met"
                      if flutter else f"flutter: not looked for ({discretisation.massless})")
-    if grazing := system.comm.allreduce(sum(_grazing(pairs) for pairs in pairs_of(system.contributions))):
+    if grazing := sum(_grazing(pairs) for pairs in pairs_of(system.contributions)):
         found.append(f"bifurcations: pairs of points ({grazing}) touch without pressure now, and count as closed: "
                      "modes that take them apart are not seen (give a gap or an imperfection)")
     if not control.guarded:

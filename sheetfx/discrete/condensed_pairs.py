@@ -34,12 +34,12 @@ class CondensedPairs(PairWork):
         return super().pattern(layout)
 
     def motions(self) -> csr_matrix:
-        """Derivatives of gaps and slips by increments, pair by pair, on one process."""
+        """Derivatives of gaps and slips by the increments of all processes, pair by pair."""
         matrix = self._law.slopes(self.values())[:, :1 + self._slips] @ self._derivatives()
         columns = np.broadcast_to(self._numbers(self._layout)[:, None, :], matrix.shape)
         free = columns >= 0
         ends = np.append(0, np.cumsum(free.sum(axis=2)))
-        return csr_matrix((matrix[free], columns[free], ends), shape=(len(ends) - 1, self._layout.size))
+        return csr_matrix((matrix[free], columns[free], ends), shape=(len(ends) - 1, self._layout.global_size))
 
     def law_of_changes(self) -> Callable[[np.ndarray], tuple[np.ndarray, bsr_matrix]]:
         """Function from changes of gaps and slips to forces on these, and their derivatives; partners stay."""

@@ -15,6 +15,7 @@ from ..mesh.meeting import Side
 from ..mesh.projection import Cells, cells_at
 from ..mesh.reader import NamedMesh
 from ..mesh.samples import Samples
+from ..mesh.whole import whole
 from ..model.scene import Scene
 from .condensed_pairs import CondensedPairs
 from .gaping import refuse_apart, tell_gaping
@@ -23,7 +24,7 @@ from .load_factors import LoadFactors
 from .nodal_field import AdditiveField
 from .number import NumberField, shared_by_all
 from .obstacle_work import ObstacleWork
-from .origins import components
+from .origins import components, of_nodes
 from .pair_work import Pairs, PairWork
 from .partners import Partners
 from .point_law import PointLaw
@@ -32,6 +33,7 @@ from .sharing import Sharing, same_places
 from .surface_partners import SurfacePartners
 from .surface_work import SurfaceWork
 from .unknowns import Block, Unknowns
+from .whole import WholeField
 
 QUANTITIES = "displacement", "rotation"
 SAME_PLACE = 1e-6  # distance of nodes that are joined, over the size of their mesh
@@ -57,6 +59,7 @@ class Fields:
         self._own: dict[tuple, NumberField | AdditiveField] = {}
         self._factors = LoadFactors(scene.parts[0].mesh.domain, len(scene.all_stages))
         self._names: dict[str, int] = {}
+        self._wholes: dict[AdditiveField, WholeField] = {}
         self.blocks: list[Block] = [k.block for k in self._kinematics.values()]
         self.unknowns: Unknowns | None = None
         self.stage = 0
@@ -117,7 +120,7 @@ class Fields:
         self._add(owner, name, Block.of_numbers(field))
 
     def add_numbers(self, owner, mesh: NamedMesh, name: str, origins: np.ndarray, count: int,
-                    without: Sequence[int] = ()) -> None:
+                    without: Sequence[int] = (), whole: bool = False) -> None:
         """Add Lagrange multipliers at the points of this process.
 
         Parameters
@@ -125,9 +128,13 @@ class Fields:
         origins : of the points: numbers that tell them from each other on any number of processes
         count : of multipliers at each point
         without : those that are none, since supports hold what they would
+        whole : whether each process has all points; process 0 answers for them
         """
         numbers = components(origins, count)
-        field = NumberField(self._unique(name), IndexMap(mesh.comm, len(numbers)), np.inf, True, origins=numbers)
+        own = numbers[:0] if whole and mesh.comm.rank else numbers
+        field = NumberField(self._unique(name), IndexMap(mesh.comm, len(own)), np.inf, True, origins=own)
+        if whole and mesh.comm.size > 1:
+            self._wholes[field] = WholeField(field, numbers)
         block = Block.of_numbers(field)
         self._add(owner, name, block)
         self.fixed[block] = [field.dofs[np.asarray(without, dtype=int)]]
@@ -236,20 +243,34 @@ class Fields:
     def _field(self, mesh: NamedMesh, quantity: str) -> AdditiveField:
         return self._kinematics[mesh].block.fields[QUANTITIES.index(quantity)]
 
+    def _whole(self, mesh: NamedMesh, quantity: str) -> WholeField | None:
+        """A field of a mesh on all processes; None where there is one."""
+        field = self._field(mesh, quantity)
+        if mesh.comm.size > 1 and field not in self._wholes:
+            space = fem.functionspace(whole(mesh).domain, field.space.ufl_element())
+            self._wholes[field] = WholeField(field, of_nodes(space), space)
+        return self._wholes.get(field)
+
     def trace(self, mesh: NamedMesh, nodes: np.ndarray, quantity: str = "displacement") -> Trace:
         """Values of displacement or rotation at nodes."""
         return Trace.at_nodes(self.unknowns.fields.index(self._field(mesh, quantity)), nodes)
 
     def trace_in(self, mesh: NamedMesh, cells: np.ndarray, reference: np.ndarray,
                  quantity: str = "displacement") -> Trace:
-        """Values of displacement or rotation at reference points of cells, one in each."""
-        field = self._field(mesh, quantity)
-        return Trace.in_cells(self.unknowns.fields.index(field), field.value.function_space, cells, reference)
+        """Values of displacement or rotation at reference points of cells of the whole mesh, one in each.
+
+        Each process has all points; see `mesh.whole.whole`.
+        """
+        field, everywhere = self._field(mesh, quantity), self._whole(mesh, quantity)
+        space = (everywhere or field).space
+        return Trace.in_cells(self.unknowns.fields.index(field), space, cells, reference, everywhere)
 
     def own_trace(self, owner, name: str, nodes: np.ndarray, weights: np.ndarray | None = None) -> Trace:
         """Values of numbers that an owner has added, or of sums of them."""
-        number = self.unknowns.fields.index(self._own[owner, name])
-        return Trace.at_nodes(number, nodes) if weights is None else Trace(number, nodes, weights)
+        field = self._own[owner, name]
+        number, everywhere = self.unknowns.fields.index(field), self._wholes.get(field)
+        return Trace(number, nodes, weights, everywhere) if weights is not None else Trace.at_nodes(
+            number, nodes, everywhere)
 
     def point_work(self, traces: Sequence[Trace], strains: Callable, law: Callable, data: Sequence[np.ndarray] = (),
                    stage: int | None = None, weights: np.ndarray | None = None) -> PointWork:
@@ -272,8 +293,8 @@ class Fields:
         traces = [self.trace_in(owner.mesh, first.cells, first.reference, q) for q in quantities]
         partner: Trace | Partners = self.trace_in(to, second.cells, second.reference)
         if owner.moving:
-            field, cells = self._field(to, QUANTITIES[0]), Cells(to, cells_at(*owner.to))
-            partner = Partners(field, self.unknowns.fields.index(field), cells,
+            field, cells = self._field(to, QUANTITIES[0]), Cells(whole(to), cells_at(whole(to), owner.to[1]))
+            partner = Partners(self._whole(to, QUANTITIES[0]) or field, self.unknowns.fields.index(field), cells,
                                np.searchsorted(cells.cells, second.cells), second.reference)
         kind = PairWork if owner.enforcement == "penalty" else CondensedPairs
         return kind(self.unknowns, traces, partner, Pairs(first.places, **how), owner, self._unique("contact"))
@@ -289,7 +310,8 @@ class Fields:
         """
         first = self.trace_in(owner.mesh, samples.cells, samples.reference)
         field = self._field(owner.to[0], QUANTITIES[0])
-        partners = SurfacePartners(field, self.unknowns.fields.index(field), *second, owner.border(self))
+        partners = SurfacePartners(self._whole(owner.to[0], QUANTITIES[0]) or field,
+                                   self.unknowns.fields.index(field), *second, owner.border(self))
         return SurfaceWork(self.unknowns, [first], partners, Pairs(samples.places, **how), owner,
                            self._unique("contact"))
 
@@ -299,8 +321,12 @@ class Fields:
         See `pair_work`; the owner is an ObstacleContact.
         """
         first = self.trace_in(owner.mesh, samples.cells, samples.reference)
-        travel = (self.own_trace(owner.obstacle, "travel", np.zeros(len(samples.places), dtype=np.int64))
-                  if self.has(owner.obstacle, "travel") else None)
+        travel = None
+        if self.has(owner.obstacle, "travel"):
+            field = self.own_field(owner.obstacle, "travel")
+            if self.comm.size > 1 and field not in self._wholes:
+                self._wholes[field] = WholeField(field, field.origins)
+            travel = self.own_trace(owner.obstacle, "travel", np.zeros(len(samples.places), dtype=np.int64))
         return ObstacleWork(self.unknowns, [first], travel, Pairs(samples.places, **how), owner,
                             self._unique("contact"))
 

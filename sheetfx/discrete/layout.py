@@ -78,6 +78,16 @@ class Layout:
             arrays[block][dofs] = arrays[of_block][of_dofs]
         return arrays
 
+    def everywhere(self, vector: PETSc.Vec) -> np.ndarray:
+        """Entries of a vector of all processes, by their global numbers."""
+        own = vector.array_r
+        return own.copy() if self.comm.size == 1 else np.concatenate(self.comm.allgather(own))
+
+    @cached_property
+    def global_size(self) -> int:
+        """Number of rows of all processes."""
+        return self.comm.allreduce(self.size)
+
     def put(self, arrays: Sequence[np.ndarray], vector: PETSc.Vec) -> None:
         """Write arrays of increments into a vector and its ghosts on this process."""
         for block, dofs, _, _ in self._shared:

@@ -11,7 +11,8 @@ from functools import cached_property
 
 import numpy as np
 import ufl
-from dolfinx.fem import Function
+from dolfinx.common import IndexMap
+from dolfinx.fem import Function, FunctionSpace
 
 from . import origins
 from .partly_fixed import PartlyFixed
@@ -67,6 +68,24 @@ class AdditiveField:
     def table(self) -> np.ndarray:
         """Values of the nodes of this process and its ghosts, shape (nodes, components)."""
         return self.value.x.array.reshape(-1, self.components)
+
+    @property
+    def space(self) -> FunctionSpace:
+        """Function space of the value."""
+        return self.value.function_space
+
+    @property
+    def index_map(self) -> IndexMap:
+        """Distribution of the nodes over the processes."""
+        return self.space.dofmap.index_map
+
+    def seen(self, rows: np.ndarray) -> np.ndarray:
+        """Rows for the nodes that traces may have: those of this process and its ghosts."""
+        return rows
+
+    def add(self, total: np.ndarray, nodes: np.ndarray, values: np.ndarray) -> None:
+        """Add values at nodes to an array of the nodes of this process and its ghosts."""
+        np.add.at(total, nodes, values)
 
     @cached_property
     def count(self) -> int:

@@ -50,7 +50,7 @@ class NumberField(AdditiveField):
                  origins: np.ndarray | None = None):
         count = index_map.size_local + index_map.num_ghosts
         self.value, self.previous = Number(name, count), Number(name, count)
-        self.dofs, self.scale, self.multiplier, self.index_map = np.arange(count), scale, multiplier, index_map
+        self.dofs, self.scale, self.multiplier, self._index_map = np.arange(count), scale, multiplier, index_map
         if origins is not None:
             self.origins = origins
         self.symbol = None
@@ -59,8 +59,12 @@ class NumberField(AdditiveField):
             self.symbol = ufl.variable(self._now)
 
     @property
+    def index_map(self) -> IndexMap:
+        return self._index_map
+
+    @property
     def count(self) -> int:
-        return self.index_map.size_global
+        return self._index_map.size_global
 
     def advance(self, block_increment):
         super().advance(block_increment)

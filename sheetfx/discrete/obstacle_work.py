@@ -57,7 +57,7 @@ class ObstacleWork(PairWork):
         ValueError
             If points are inside the obstacle at the start, or it does not travel towards them.
         """
-        gaps, tolerance, field = self.place(), self.pairs.tolerance, self._fields[-1]
+        gaps, tolerance, field = self.place(), self.pairs.tolerance, self._unknowns.fields[self._traces[-1].field]
         moved = isinstance(field, NumberField) and field.value.x.array[0] != 0
         if gaps.min(initial=0.0) < -tolerance and not moved:
             place = ", ".join(f"{x:.6g}" for x in self.pairs.points[gaps.argmin()])

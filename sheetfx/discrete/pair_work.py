@@ -233,6 +233,9 @@ class PairWork(PointWork):
             kept[f"{self._name} stiffness"] = np.array([self._growth.begun])
         return kept
 
+    def origins(self) -> dict[str, np.ndarray]:
+        return {name: np.arange(len(rows)) for name, rows in self.snapshot().items()}
+
     def restore(self, snapshot: dict[str, np.ndarray]) -> None:
         self._committed = snapshot[self._name].copy()
         if self._partners:

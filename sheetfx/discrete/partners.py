@@ -9,6 +9,7 @@ from ..mesh.track import SmoothRows, Track, at_places
 from ..rounding import SAME
 from .nodal_field import AdditiveField
 from .points import Trace
+from .whole import WholeField
 
 ITERATIONS = 60
 STEEP = 1e-3  # cosine of the angle between a curve and the direction in which its point is looked for
@@ -33,9 +34,11 @@ class Partners:
     travelled : shape (n,), arc length in the reference configuration from the first partners
     """
 
-    def __init__(self, field: AdditiveField, number: int, cells: Cells, which: np.ndarray, reference: np.ndarray):
+    def __init__(self, field: AdditiveField | WholeField, number: int, cells: Cells, which: np.ndarray,
+                 reference: np.ndarray):
         self._field, self._number, self._track = field, number, Track(cells)
-        space = field.value.function_space
+        self._whole = field if isinstance(field, WholeField) else None
+        space = field.space
         self._rows = SmoothRows(self._track, space.ufl_element().basix_element)
         shape = SmoothRows(self._track, cells.shape)
         self._nodes = self._rows.gathered(space.dofmap.list[cells.cells].astype(np.int64))
@@ -132,7 +135,8 @@ class Partners:
     def traces(self) -> list[Trace]:
         """Rows of the displacement, and of its first and second derivative by arc length."""
         table = self._rows.table(self._which, self._reference)
-        return [Trace(self._number, self.nodes, weights) for weights in (table[0], *self._by_length(*table[1:]))]
+        return [Trace(self._number, self.nodes, weights, self._whole)
+                for weights in (table[0], *self._by_length(*table[1:]))]
 
     def geometry(self) -> list[np.ndarray]:
         """Places in the reference configuration, and their first and second derivative by arc length."""

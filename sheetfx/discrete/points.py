@@ -20,6 +20,7 @@ from .layout import Layout
 from .nodal_field import AdditiveField
 from .point_law import EVERY, PointLaw
 from .unknowns import Unknowns
+from .whole import WholeField
 
 NOTHING = 1e-14  # values of shape functions that are rounding
 
@@ -31,32 +32,36 @@ class Trace:
     Attributes
     ----------
     field : number in `Unknowns.fields`
-    nodes : shape (points, k), local numbers of nodes
+    nodes : shape (points, k), local numbers of nodes, or of those of the whole field
     weights : shape (points, k)
+    whole : the field on all processes, each of which has all points; None: each process has points of its own
     """
 
     field: int
     nodes: np.ndarray
     weights: np.ndarray
+    whole: WholeField | None = None
 
     @classmethod
-    def at_nodes(cls, field: int, nodes: np.ndarray) -> Trace:
+    def at_nodes(cls, field: int, nodes: np.ndarray, whole: WholeField | None = None) -> Trace:
         """The nodal values themselves."""
         nodes = np.asarray(nodes, dtype=np.int64).reshape(-1, 1)
-        return cls(field, nodes, np.ones(nodes.shape))
+        return cls(field, nodes, np.ones(nodes.shape), whole)
 
     @classmethod
-    def in_cells(cls, field: int, space: fem.FunctionSpace, cells: np.ndarray, reference: np.ndarray) -> Trace:
+    def in_cells(cls, field: int, space: fem.FunctionSpace, cells: np.ndarray, reference: np.ndarray,
+                 whole: WholeField | None = None) -> Trace:
         """Values at reference points of cells, one in each."""
         if not len(cells):
-            return cls.at_nodes(field, cells)
+            return cls.at_nodes(field, cells, whole)
         element = space.ufl_element().basix_element
         weights = element.tabulate(0, np.ascontiguousarray(reference))[0, :, :, 0]
         weights = np.where(np.abs(weights) > NOTHING, weights, 0.0)
         nodes = space.dofmap.list[cells].astype(np.int64)
         most = (weights != 0).sum(axis=1).max(initial=0)
         order = np.sort(np.argsort(-np.abs(weights), axis=1, kind="stable")[:, :most], axis=1)
-        return cls(field, np.take_along_axis(nodes, order, axis=1), np.take_along_axis(weights, order, axis=1))
+        nodes, weights = (np.take_along_axis(array, order, axis=1) for array in (nodes, weights))
+        return cls(field, nodes, weights, whole)
 
 
 class PointWork(Contribution):
@@ -75,7 +80,8 @@ class PointWork(Contribution):
     def __init__(self, unknowns: Unknowns, traces: Sequence[Trace], law: Callable, *, load: Callable | None = None,
                  smooth: bool = True, conservative: bool = True, stage: int | None = None):
         self._traces, self._law, self._load = list(traces), law, load
-        self._fields: list[AdditiveField] = [unknowns.fields[t.field] for t in traces]
+        self._fields: list[AdditiveField | WholeField] = [t.whole or unknowns.fields[t.field] for t in traces]
+        self._is_whole = any(t.whole for t in traces)
         self._unknowns, self._held = unknowns, None
         self._stiff: np.ndarray | slice = EVERY
         self.smooth, self.conservative, self.stage = smooth, conservative, stage
@@ -103,13 +109,13 @@ class PointWork(Contribution):
     def energy(self) -> float | None:
         if not (self.smooth and isinstance(self._law, PointLaw)):
             return None
-        return lasting(self._unknowns.blocks[0].index_map.comm).allreduce(self._law.energy(self.values()))
+        energy = self._law.energy(self.values())
+        return energy if self._is_whole else lasting(self._unknowns.blocks[0].index_map.comm).allreduce(energy)
 
     def _add(self, forces: Forces, values: np.ndarray, curved_only: bool = False) -> None:
         for trace, field, part in zip(self._traces, self._fields, self._parts, strict=True):
             if field.curved or not curved_only:
-                np.add.at(forces.on(trace.field), trace.nodes,
-                          trace.weights[:, :, None] * values[:, None, part])
+                field.add(forces.on(trace.field), trace.nodes, trace.weights[:, :, None] * values[:, None, part])
 
     def _groups(self) -> list[tuple[int, np.ndarray, list[int]]]:
         """Traces that have the same nodes of one field: its number, the nodes, and the numbers of the traces."""
@@ -126,18 +132,21 @@ class PointWork(Contribution):
     def pattern(self, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
         own, self._same = np.unique(self._numbers(layout)[self._stiff], axis=0, return_inverse=True)
         self._same = self._same.ravel()
-        shape = (*own.shape, own.shape[1])
-        return np.broadcast_to(own[:, :, None], shape).ravel(), np.broadcast_to(own[:, None, :], shape).ravel()
+        rows, shape = own, (*own.shape, own.shape[1])
+        if self._is_whole:  # each process has all points, and its own rows
+            rows = np.where((own >= layout.start) & (own < layout.start + layout.size), own, -1)
+        return np.broadcast_to(rows[:, :, None], shape).ravel(), np.broadcast_to(own[:, None, :], shape).ravel()
 
     def _numbers(self, layout: Layout) -> np.ndarray:
         """Numbers of the increments that points depend on, in the order of `_derivatives`, (points, increments)."""
-        chosen = [layout.free_numbers[field][nodes] for field, nodes, _ in self._groups()]
+        chosen = [self._fields[members[0]].seen(layout.free_numbers[field])[nodes]
+                  for field, nodes, members in self._groups()]
         return np.concatenate([n.reshape(len(n), n.shape[1] * n.shape[2]) for n in chosen], axis=1)
 
     def extrapolate_stress(self) -> None:
         held = self._unknowns.changes
         if held is not None and isinstance(self._law, PointLaw):
-            changes = [held[t.field].x.array.reshape(-1, f.components)
+            changes = [f.seen(held[t.field].x.array.reshape(-1, f.components))
                        for t, f in zip(self._traces, self._fields, strict=True)]
             self._held = self._law.extrapolated(self.values(), self._interpolated(changes))
 
@@ -158,9 +167,10 @@ class PointWork(Contribution):
     def _derivatives(self, points: np.ndarray | slice = EVERY) -> np.ndarray:
         """Derivative of z by increments of the nodes, in the order of `pattern`, shape (points, m, increments)."""
         columns = []
-        for field, nodes, members in self._groups():
-            f, nodes = self._unknowns.fields[field], nodes[points]
-            variations = np.broadcast_to(f.variations(), (len(f.table), f.components, f.width))[nodes]
+        for _, nodes, members in self._groups():
+            f, nodes = self._fields[members[0]], nodes[points]
+            variations = f.variations()
+            variations = variations[nodes if len(variations) > 1 else np.zeros_like(nodes)]
             rows = np.zeros((len(nodes), self._parts[-1].stop, nodes.shape[1] * f.width))
             for number in members:
                 varied = self._traces[number].weights[points, :, None, None] * variations

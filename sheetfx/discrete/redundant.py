@@ -69,7 +69,8 @@ def _constraints(works: Sequence[Contribution], unknowns: Unknowns, layout: Layo
     here = np.isin(row, rows) & ~np.isin(column, rows) & (column >= 0) & (value != 0)
     columns, column = np.unique(column[here], return_inverse=True)
     turns = [layout.free_numbers[unknowns.fields.index(f)].ravel() for b in unknowns.blocks for f in b.fields[1:]]
-    scales = np.where(np.isin(columns, np.concatenate([none[0], *turns])), 1 / cell, 1.0)
+    turns = layout.comm.allgather(np.concatenate([none[0], *turns]))
+    scales = np.where(np.isin(columns, np.concatenate(turns)), 1 / cell, 1.0)
     return coo_array((value[here] * scales[column], (np.searchsorted(rows, row[here]), column)),
                      shape=(len(rows), len(columns))).tocsr()
 

@@ -12,6 +12,7 @@ from ..mesh.taylor import SIZES
 from ..rounding import SAME
 from .nodal_field import AdditiveField
 from .points import Trace
+from .whole import WholeField
 
 ITERATIONS = 60
 LONGEST = 0.5  # step in reference coordinates
@@ -47,10 +48,11 @@ class SurfacePartners:
     side : shape (n,), as above, for the present cell
     """
 
-    def __init__(self, field: AdditiveField, number: int, cells: Cells, which: np.ndarray, reference: np.ndarray,
-                 side: np.ndarray, overhang: float):
+    def __init__(self, field: AdditiveField | WholeField, number: int, cells: Cells, which: np.ndarray,
+                 reference: np.ndarray, side: np.ndarray, overhang: float):
         self._field, self._number, self._patch, self._cells = field, number, Patch(cells), cells
-        surface, space, domain = SmoothSurface(self._patch), field.value.function_space, cells.mesh.domain
+        self._whole = field if isinstance(field, WholeField) else None
+        surface, space, domain = SmoothSurface(self._patch), field.space, cells.mesh.domain
         self._blends, self._extended = surface.blends, np.where(surface.smooth, *EXTENDED)
         self._shapes = surface.shapes(space.ufl_element().basix_element, space.dofmap.list[cells.cells])
         self._undeformed = surface.shapes(cells.shape, geometry_nodes(domain)[cells.cells])
@@ -199,4 +201,4 @@ class SurfacePartners:
 
     def traces(self) -> list[Trace]:
         """Rows of the displacement, and of its first and second derivatives."""
-        return [Trace(self._number, self.nodes, weights) for weights in self._weights()[0][:SIZES[2]]]
+        return [Trace(self._number, self.nodes, weights, self._whole) for weights in self._weights()[0][:SIZES[2]]]

@@ -117,6 +117,14 @@ class System:
         """A vector of increments, zero or with this process's part given."""
         return self._layout.create_vector(values)
 
+    def everywhere(self, vector: PETSc.Vec) -> np.ndarray:
+        """Entries of a vector of all processes, by their global numbers."""
+        return self._layout.everywhere(vector)
+
+    def own(self, entries: np.ndarray) -> np.ndarray:
+        """Of entries of all processes this process's part."""
+        return entries[self._layout.start:self._layout.start + self._layout.size]
+
     def configure(self, x: PETSc.Vec, factor: float) -> None:
         """Put all fields to the last converged state followed by the increments x, and the load factor to a value."""
         self.factors.set(factor)

@@ -9,10 +9,9 @@ import basix
 import numpy as np
 from scipy.spatial import cKDTree
 
-from .lines import SAME, Piece
+from .lines import Piece
 from .projection import Cells
 from .quadrature import gauss
-from .reader import NamedMesh
 from .segments import Pair, Segment, Side, divided
 
 SHORT = 0.5  # pieces of the multipliers' grid are at least this part of a cell
@@ -42,7 +41,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Meeting:
-    """Points of an interface that this process answers for.
+    """Points of an interface.
 
     Attributes
     ----------
@@ -69,7 +68,7 @@ def at_points(first: Cells, second: Cells, points: np.ndarray, others: np.ndarra
 
     Parameters
     ----------
-    points : places on the first part, the same on all processes
+    points : places on the first part
     others : places on the second part, one for a single point, or one close to each; None: the closest
     reach : distance that rigid arms may bridge; of a single point with another one it does not matter
     name : of the joint, for messages
@@ -77,9 +76,9 @@ def at_points(first: Cells, second: Cells, points: np.ndarray, others: np.ndarra
     Raises
     ------
     ValueError
-        If points are off a part, or the cells of both parts are on different processes.
+        If points are off a part.
     """
-    pair, comm = Pair(first, second, reach, name), first.mesh.comm
+    pair = Pair(first, second, reach, name)
     if others is None:
         others = points
     elif not len(points) == len(others) == 1:
@@ -90,18 +89,11 @@ def at_points(first: Cells, second: Cells, points: np.ndarray, others: np.ndarra
         pair.check(points, [apart])
         others = others[order]
     found = [part.closest(p) for part, p in zip(pair.parts, (points, others), strict=True)]
-    least = [np.min(comm.allgather(distances), axis=0) for *_, distances in found]
-    pair.check(points, least)
-    here = np.all([f[2] <= d + SAME * first.mesh.size for f, d in zip(found, least, strict=True)], axis=0)
-    ranks = np.array(comm.allgather(here))
-    if not ranks.any(axis=0).all():
-        raise ValueError(f"{name}: its parts stand on different ones of the {comm.size} processes, which is not "
-                         "possible yet; take one process")
-    own = np.flatnonzero(ranks.argmax(axis=0) == comm.rank)
-    sides = tuple(pair.side(n, which[own], reference[own]) for n, (which, reference, _) in enumerate(found))
-    every = np.arange(len(own))[:, None]
+    pair.check(points, [distances for *_, distances in found])
+    sides = (pair.side(n, which, reference) for n, (which, reference, _) in enumerate(found))
+    every = np.arange(len(points))[:, None]
     size = min((c.sizes.mean() for c in pair.parts if len(c.cells)), default=1.0)
-    return Meeting(sides, np.ones(len(own)), every, np.ones(every.shape), own, float(size))
+    return Meeting(tuple(sides), np.ones(len(points)), every, np.ones(every.shape), every[:, 0], float(size))
 
 
 def along_lines(first: Cells, second: Cells, lines: Sequence[Sequence[Piece]], reach: float, degree: int,
@@ -243,13 +235,6 @@ def _merged_sides(sides: Sequence[Side]) -> Side:
     normals = None if sides[0].normals is None else np.concatenate([s.normals for s in sides])
     return Side(*(np.concatenate([getattr(s, name) for s in sides]) for name in ("cells", "reference", "places")),
                 normals)
-
-
-def refuse_processes(mesh: NamedMesh, name: str) -> None:
-    """Refuse a joint along a line, of which each process would have a part."""
-    comm = mesh.comm
-    if comm.size > 1:
-        raise ValueError(f"{name}: a joint along a line on {comm.size} processes is not possible yet; take one process")
 
 
 def _grid(borders: np.ndarray, length: float, size: float) -> np.ndarray:

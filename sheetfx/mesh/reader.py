@@ -54,6 +54,7 @@ class NamedMesh:
     model : the same object in meshes that are made of one gmsh model, and in imperfect ones of these
     reading : how it is read again; None: a file tells no more than its cells, or nodes have been moved
     size : diagonal of the box around the structure; known to each process, so that any may ask alone
+    gathered : what `mesh.whole.whole` has made of it; None: nothing yet
     """
 
     domain: Mesh
@@ -66,6 +67,7 @@ class NamedMesh:
     _rules: list = field(default_factory=list)
     _measures: dict = field(default_factory=dict)
     size: float = field(init=False)
+    gathered: NamedMesh | None = field(init=False, default=None)
 
     def __post_init__(self):
         x, comm = self.domain.geometry.x, self.comm

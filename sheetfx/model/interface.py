@@ -129,7 +129,7 @@ class Interface(Joint):
 
     def unknowns(self, fields) -> None:
         if self.held and self.enforcement == "multiplier":
-            fields.add_numbers(self, self.mesh, "tie", self.meeting.origins, len(self.held))
+            fields.add_numbers(self, self.mesh, "tie", self.meeting.origins, len(self.held), whole=True)
 
     def contributions(self, fields):
         meeting, names = self.meeting, self.held

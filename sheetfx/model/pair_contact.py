@@ -16,6 +16,7 @@ from ..mesh.meeting import Meeting, Side, along_lines, at_pairs
 from ..mesh.projection import Cells, cells_at
 from ..mesh.reader import NamedMesh
 from ..mesh.track import Track
+from ..mesh.whole import whole
 from .interface import stiffness_over
 from .joints import Joint
 from .places import Place, each_of, meeting_of, require_places, title_of
@@ -138,7 +139,7 @@ class PairContact(Joint):
             out = normals * self._sign(normals, arms)
         else:
             out = np.cross(along, normals)
-            inside = Cells(self.mesh, one.cells).middles - one.places
+            inside = Cells(whole(self.mesh), one.cells).middles - one.places
             out *= -np.sign((out * inside).sum(axis=1, keepdims=True))
         return np.stack([out, along, np.cross(out, along)], axis=1)
 
@@ -152,7 +153,7 @@ class PairContact(Joint):
 
     def _directions(self) -> np.ndarray:
         """Unit vectors along the lines, at points along the second part."""
-        two, (mesh, group) = self.meeting.sides[1], self.to
+        two, mesh, group = self.meeting.sides[1], whole(self.to[0]), self.to[1]
         cells = np.sort(cells_at(mesh, group))
         return Track(Cells(mesh, cells)).tangents(np.searchsorted(cells, two.cells), two.reference)
 

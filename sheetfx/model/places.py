@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from ..mesh.lines import Piece, Stretch, lines_of, places_of
-from ..mesh.meeting import Meeting, at_points, merged, refuse_processes
+from ..mesh.meeting import Meeting, at_points, merged
 from ..mesh.projection import Cells, cells_at
 from ..mesh.reader import NamedMesh
+from ..mesh.whole import whole
 
 Place = str | Stretch | Sequence[str | Stretch]  # on a part: a named point, edge or group of curves, a line
 Ends = tuple[NamedMesh, str | None]  # a mesh and what is named on it; None: all
@@ -57,7 +58,7 @@ def meeting_of(mesh: NamedMesh, places: Sequence[str | Stretch], to: Ends, reach
 
     Parameters
     ----------
-    mesh, places : of the first part
+    mesh, places : of the first part; each process has all points, in cells of the whole meshes
     to : mesh of the second part, and the name of a point, an edge or a group of cells of it
     reach : distance of the parts that may be bridged
     name : of the joint, for messages
@@ -66,8 +67,9 @@ def meeting_of(mesh: NamedMesh, places: Sequence[str | Stretch], to: Ends, reach
     Raises
     ------
     ValueError
-        If a place is a surface, a line is joined to a point, points are off a part, or a line is on several processes.
+        If a place is a surface, a line is joined to a point, or points are off a part.
     """
+    mesh, to = whole(mesh), (whole(to[0]), to[1])
     second = Cells(to[0], cells_at(*to))
     return merged([_meeting_at(mesh, at, second, to, reach, title_of(name, at), along_lines) for at in places])
 
@@ -84,7 +86,6 @@ def _meeting_at(mesh: NamedMesh, at: str | Stretch, second: Cells, to: Ends, rea
         raise ValueError(f"{title}: a line cannot be joined to the point {there!r}; name an edge or a group of cells")
     if isinstance(at, str) and mesh.domain.topology.dim == 2 and at not in mesh.edges:
         raise ValueError(f"{title}: is a surface; give an edge, or a Stretch of a line on it")
-    refuse_processes(mesh, title)
     lines = at.lines(mesh) if isinstance(at, Stretch) else lines_of(mesh, at)
     return along_lines(first, second, lines, title)
 

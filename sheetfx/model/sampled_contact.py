@@ -10,6 +10,7 @@ import numpy as np
 from ..mesh.projection import Cells
 from ..mesh.reader import NamedMesh
 from ..mesh.samples import Samples, samples_at
+from ..mesh.whole import whole
 from .beam import Bar, Beam
 from .interface import stiffness_over
 from .joints import Joint
@@ -20,7 +21,7 @@ from .varying import require_uniform
 
 
 class SampledContact(Joint):
-    """A contact of samples of a part, on one process.
+    """A contact of samples of a part.
 
     Attributes
     ----------
@@ -44,11 +45,8 @@ class SampledContact(Joint):
     smooth = False
 
     def _require_part(self) -> None:
-        """Refuse places that the part does not have, and several processes."""
+        """Refuse places that the part does not have."""
         require_places(self.name, self.mesh, each_of(self.at))
-        if (processes := self.mesh.comm.size) > 1:
-            raise ValueError(f"{self._title}: {type(self).__name__} is not possible on {processes} processes yet; take "
-                             "one process")
 
     @property
     def _title(self) -> str:
@@ -60,12 +58,12 @@ class SampledContact(Joint):
 
     @cached_property
     def _samples(self) -> Samples:
-        return samples_at(self.mesh, each_of(self.at), self.samples, self._title)
+        return samples_at(whole(self.mesh), each_of(self.at), self.samples, self._title)
 
     @property
     def _cell_size(self) -> float:
         """Of the cells with samples."""
-        return float(Cells(self.mesh, np.unique(self._samples.cells)).sizes.mean())
+        return float(Cells(whole(self.mesh), np.unique(self._samples.cells)).sizes.mean())
 
     @property
     def _normals(self) -> np.ndarray | None:
@@ -73,7 +71,7 @@ class SampledContact(Joint):
         if self.mesh.domain.topology.dim < 2:
             return None
         cells, which = np.unique(self._samples.cells, return_inverse=True)
-        return Cells(self.mesh, cells).normals(which, self._samples.reference)
+        return Cells(whole(self.mesh), cells).normals(which, self._samples.reference)
 
     def _pairs(self, arms: np.ndarray, apart: np.ndarray, stiffness: float, size: float) -> dict:
         """Attributes of `discrete.pairs.Pairs` but for the points.
@@ -125,7 +123,7 @@ def faces(parts: Sequence[Shell | Beam | Bar], cells: np.ndarray, normals: np.nd
     """
     found = np.full(len(cells), -np.inf)
     for part in parts:
-        here = np.isin(cells, part.mesh.group(part.group))
+        here = np.isin(cells, whole(part.mesh).group(part.group))
         own = np.full(here.sum(), half_thickness([part]) if thick else 0.0)
         if isinstance(part, Shell) and part.offset and normals is not None:
             own = own + part.offset * (normals[here] * toward[here]).sum(axis=1)

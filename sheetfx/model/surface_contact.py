@@ -13,6 +13,7 @@ from ..checks import NONZERO, Choice, Count, NotNegative, Positive, check
 from ..mesh.lines import Stretch
 from ..mesh.projection import Cells, cells_at
 from ..mesh.reader import NamedMesh
+from ..mesh.whole import whole
 from .pair_contact import PARALLEL, PENETRATION
 from .sampled_contact import SampledContact, faces, half_thickness, parts_on, touch_stiffness
 
@@ -78,7 +79,8 @@ class SurfaceContact(SampledContact):
         return [(self.mesh, None), (self.to[0], None)]
 
     def contributions(self, fields):
-        samples, cells = self._samples, Cells(self.to[0], cells_at(*self.to))
+        samples, to = self._samples, whole(self.to[0])
+        cells = Cells(to, cells_at(to, self.to[1]))
         which, reference, _ = cells.closest(samples.places)
         normals = cells.normals(which, reference)
         arms = samples.places - cells.places(which, reference)
