@@ -104,19 +104,16 @@ def test_resume_with_other_parameters_is_refused(tmp_path):
         run(case, "arch", SMALL | {"elements": 41}, tmp_path, resume=True)
 
 
-@pytest.mark.parametrize("friction, to, rows", [
-    pytest.param(0.3, 6, slice(None), marks=pytest.mark.slow), (0.0, 12, -1)], ids=["friction", "smooth"])
-def test_two_processes_give_the_same_path(tmp_path, friction, to, rows):
-    """To solver tolerance (relative residual 1e-8), with a punch whose travel all processes share.
-
-    Without friction contact forces are eliminated on one process only, so that steps differ but for the last state.
-    """
+@pytest.mark.parametrize("friction, to", [
+    pytest.param(0.3, 6, marks=pytest.mark.slow), (0.0, 12)], ids=["friction", "smooth"])
+def test_two_processes_give_the_same_path(tmp_path, friction, to):
+    """To solver tolerance (relative residual 1e-8), with a punch whose travel all processes share."""
     options = ["run", "arch", "--elements", 40, "--layer", 10.8, "--to", to, "--friction", friction, "--no-pictures",
                "-o"]
     for processes in (1, 2):
         result = sheetfx(*options, tmp_path / str(processes), processes=processes)
         assert result.returncode == 0, result.stderr
-    np.testing.assert_allclose(table(tmp_path / "2")[rows], table(tmp_path / "1")[rows], rtol=1e-6, atol=1e-8)
+    np.testing.assert_allclose(table(tmp_path / "2"), table(tmp_path / "1"), rtol=1e-6, atol=1e-8)
 
 
 def test_new_run_clears_the_falls_of_an_earlier_one(tmp_path):

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from helpers import on_two_processes
 from mpi4py import MPI
+from test_pair_contact import sliding_tip
 
 import sheetfx as fx
 from sheetfx.archive.folder import Archive
@@ -34,6 +35,7 @@ CASES = {
     "multipliers at points": lambda: Case(tied_sheet(), STEPS),
     "multipliers of contact": lambda: replace(arch.case(elements=8, enforcement="uzawa"),
                                               control=fx.DisplacementControl(0.4)),
+    "pairs that slide": lambda: sliding_tip(0.2),
 }
 
 

@@ -344,10 +344,14 @@ def test_overlap_and_curves_are_named():
                               joints=[*scene.joints, pairs]), pairs)
 
 
-def strips(cells):
+def strips_case(cells):
     """The double plate as strips: no lateral contraction, the modulus of a plate, a line load, middle lines touch."""
     modulus = double_plate.MODULUS / (1 - double_plate.POISSON**2)
-    case = double_plate.plates(fx.Elastic(modulus, 0.0), 0.0, 20.0, 40.0, cells, True, 0.01, 0.0)
+    return double_plate.plates(fx.Elastic(modulus, 0.0), 0.0, 20.0, 40.0, cells, True, 0.01, 0.0)
+
+
+def strips(cells):
+    case = strips_case(cells)
     record = fx.trace(case)
     first = next(i for i, s in enumerate(record.states) if s.contact_points)
     loads, deflections = np.array([(s.load, s.deflection) for s in record.states]).T

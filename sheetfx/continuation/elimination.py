@@ -100,7 +100,7 @@ class Elimination:
 
     def _forces(self) -> np.ndarray:
         self._system.residual_of(self._system.steep, self._out)
-        return self._out.array.copy()
+        return self._system.everywhere(self._out)
 
     @property
     def _is_patient(self) -> bool:
@@ -198,7 +198,7 @@ class Elimination:
         """Forces after a step beyond those that are linear in it, at all rows there are."""
         system, trial = self._system, self._trial
         self._x.copy(trial)
-        self._column.array[:] = step
+        self._column.array[:] = system.own(step)
         system.retract(trial, self._column)
         system.configure(trial, self._factor)
         return self._forces() - self._before - self._stiff @ step

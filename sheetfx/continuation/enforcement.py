@@ -11,18 +11,13 @@ from .linear import DirectSolver
 
 
 class Enforcement:
-    """Solves a step: approach through stronger regularisation, then augmentation, until all contributions hold.
-
-    Attributes
-    ----------
-    condenses : whether contact forces are those of pairs alone, which all processes know
-    """
+    """Solves a step: approach through stronger regularisation, then augmentation, until all contributions hold."""
 
     def __init__(self, system: System):
         self._system = system
         self._rough = [c for c in system.contributions if not c.smooth]
-        self.condenses = bool(self._rough) and all(c.condenses for c in self._rough)
-        self._eliminates = self.condenses or (bool(self._rough) and all(c.steep for c in self._rough))
+        self._condenses = bool(self._rough) and all(c.condenses for c in self._rough)
+        self._eliminates = self._condenses or (bool(self._rough) and all(c.steep for c in self._rough))
 
     def approaches(self, eliminates: bool, again: bool, begins: bool) -> list[tuple[bool, list[float]]]:
         """Ways to try: whether contact forces are eliminated, and multiples of the regularisation, the last one is 1.
@@ -44,7 +39,7 @@ class Enforcement:
 
     def elimination(self, linear: DirectSolver) -> Elimination:
         """Solver for the contact forces within iterations that use a factor."""
-        kind = Condensation if self.condenses else Elimination
+        kind = Condensation if self._condenses else Elimination
         return kind(self._system, linear, self.regularise, self._multiples)
 
     @property

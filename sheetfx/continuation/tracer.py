@@ -105,9 +105,8 @@ class Tracer(Measuring):
                    guess: tuple[float, np.ndarray] | None = None, sign: float | None = None) -> State | None:
         start, before, spent = self.state, self.total_factorisations, self.iterations
         self._count.start_from(start, self.x)
-        alone = self.control.newton == "full" and (self.system.comm.size == 1 or self.enforcement.condenses)
-        again = self._stuck is start
-        for eliminates, multiples in self.enforcement.approaches(alone, again, not start.length):
+        anew, again = self.control.newton == "full", self._stuck is start
+        for eliminates, multiples in self.enforcement.approaches(anew, again, not start.length):
             self._most, self.failure, self.stepper.patient = 0, "", again and not start.length and len(multiples) > 1
             self.stepper.elimination = self._elimination if eliminates else None
             if eliminates:

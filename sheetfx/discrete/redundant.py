@@ -76,8 +76,12 @@ def _constraints(works: Sequence[Contribution], unknowns: Unknowns, layout: Layo
 
 
 def _dependent(constraints: csr_array, rounding: float) -> np.ndarray:
-    """Numbers of rows of which others leave, or is free, no more than rounding, a squared length."""
-    products = (constraints @ constraints.T).tocsr()
+    """Numbers of rows of which others leave, or is free, no more than rounding, a squared length.
+
+    Of rows that are alike the first ones stay, so that any number of processes keeps the same.
+    """
+    order = diags_array(1 - SAME * np.arange(constraints.shape[0]) / max(constraints.shape[0], 1))
+    products = (order @ constraints @ constraints.T @ order).tocsr()
     free = products.diagonal() > rounding  # LAPACK takes the first pivot, however small
     rows, found = np.flatnonzero(free), [np.flatnonzero(~free)]
     products = products[rows][:, rows]

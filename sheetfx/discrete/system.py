@@ -7,6 +7,7 @@ from contextlib import contextmanager, nullcontext
 from itertools import zip_longest
 
 import numpy as np
+from mpi4py import MPI
 from petsc4py import PETSc
 from scipy.sparse import csr_matrix
 
@@ -220,17 +221,18 @@ class System:
             return self.matrix
 
     def tangent_of_steep(self) -> csr_matrix:
-        """Share of the steep contributions in the tangent of this process's unknowns."""
+        """Share of the steep contributions in the tangent, with the rows and columns of all processes."""
         with self.clock("assembly"):
-            held, size = self._forces(), self._layout.size
-            if self._steep_pattern is None or any(c.moved for c in self.steep):
+            held, size = self._forces(), self._layout.global_size
+            if self._steep_pattern is None or self.comm.allreduce(any(c.moved for c in self.steep), op=MPI.LOR):
                 parts = [c.pattern(self._layout) for c in self.steep]
-                self._steep_pattern = [np.concatenate(numbers) - self._layout.start
-                                       for numbers in zip(*parts, strict=True)]
+                self._steep_pattern = [np.concatenate(numbers) for numbers in zip(*parts, strict=True)]
             rows, columns = self._steep_pattern
             values = np.concatenate([array for c in self.steep for array in c.tangent(held)])
-            inside = (values != 0) & (np.minimum(rows, columns) >= 0) & (np.maximum(rows, columns) < size)
-            return csr_matrix((values[inside], (rows[inside], columns[inside])), shape=(size, size))
+            inside = (values != 0) & (np.minimum(rows, columns) >= 0)
+            values, rows, columns = (np.concatenate(parts) for parts in zip(*self.comm.allgather(
+                (values[inside], rows[inside], columns[inside])), strict=True))
+            return csr_matrix((values, (rows, columns)), shape=(size, size))
 
     def _forces(self) -> Forces:
         return Forces(self.unknowns, self._layout)
