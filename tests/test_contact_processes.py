@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from helpers import on_two_processes
 from test_contact_by_steps import node_on_a_rough_floor
@@ -51,8 +50,8 @@ CASES = {
 def followed(name):
     """Loads, deflections, points in contact, factorisations and critical points of all states of a path."""
     record = fx.trace(CASES[name]())
-    return [[[s.load, s.deflection, *(p.load for p in s.critical)], [s.contact_points, s.factorisations, len(s.critical)]]
-            for s in record.states]
+    return [[[s.load, s.deflection, *(p.load for p in s.critical)],
+             [s.contact_points, s.factorisations, len(s.critical)]] for s in record.states]
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -69,3 +68,24 @@ if MPI.COMM_WORLD.rank == 0:
     assert [counts for _, counts in found] == [counts for _, counts in alone]
     for (numbers, _), (others, _) in zip(found, alone, strict=True):
         assert numbers == pytest.approx(others, rel=1e-8, abs=1e-12)
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_whole_meshes_are_those_of_one_process(order):
+    """Names of all kinds, places and nodes, on two processes and on one."""
+    lines = on_two_processes(f"""
+import json
+from mpi4py import MPI
+from test_contact_processes import described
+found = described({order})
+if MPI.COMM_WORLD.rank == 0:
+    print(json.dumps(found))
+""")
+    assert json.loads(lines[-1]) == described(order)
+
+
+def described(order):
+    mesh = whole(fx.read(lambda: fx.meshes.rectangle((3, 5), (1.0, 2.0)), 3, order))
+    named = [{name: numbers.tolist() for name, numbers in kind.items()} for kind in (
+        mesh.cells, mesh.edges, mesh.points)]
+    return [*named, mesh.domain.geometry.x.tolist(), mesh.domain.topology.original_cell_index.tolist()]

@@ -1,7 +1,10 @@
 """Branches of corners, where pairs that open together need not."""
 
+import json
+
 import numpy as np
 import pytest
+from helpers import on_two_processes
 from test_pair_contact import SECTION, line
 
 import sheetfx as fx
@@ -10,8 +13,7 @@ from sheetfx.critical.branches import NoBranch
 COUNT = 3
 
 
-@pytest.fixture(scope="module")
-def columns():
+def propped():
     """Clamped columns side by side, each pressed against a prop that lets go at four times what it bears alone."""
     parts, supports, props, presses, loads = [], [], [], [], []
     for i in range(COUNT):
@@ -24,6 +26,17 @@ def columns():
     scene = fx.Scene(parts, supports, loads, fx.Monitor(parts[0].mesh, "end", "y"), joints=props,
                      stages=[fx.Stage(presses)])
     return fx.trace(fx.Case(scene, until=fx.Until(deflection=0.01)))
+
+
+@pytest.fixture(scope="module")
+def columns():
+    return propped()
+
+
+def sets_of_branches(record) -> list[list[bool]]:
+    """For each branch of its corner which props let go."""
+    corner, = (p for p in record.critical_points if p.name == "corner")
+    return [(branch.direction > 0).tolist() for branch in record.branches(corner)]
 
 
 def deflections(record, state) -> np.ndarray:
@@ -48,6 +61,18 @@ def test_every_set_of_props_may_let_go(columns):
             assert state.unstable_modes == free.sum() and state.factor < corner.load / COUNT
             assert np.abs(moved[~free]).max(initial=0.0) < 1e-6
             assert moved[free] == pytest.approx((0.01 - 1 / state.factor) * (np.tan(k) / k - 1), rel=0.02, abs=1e-5)
+
+
+def test_two_processes_find_the_same_sets(columns):
+    lines = on_two_processes("""
+import json
+from mpi4py import MPI
+from test_corner_branches import propped, sets_of_branches
+found = sets_of_branches(propped())
+if MPI.COMM_WORLD.rank == 0:
+    print(json.dumps(found))
+""")
+    assert json.loads(lines[-1]) == sets_of_branches(columns)
 
 
 def test_corners_whose_branches_are_not_known_say_so(columns, monkeypatch):

@@ -7,7 +7,7 @@ from math import cosh, radians, sinh, sqrt, tan
 
 import numpy as np
 import pytest
-from helpers import distance, move_at_random, on_two_processes, tangents
+from helpers import distance, move_at_random, tangents
 from scipy.spatial.transform import Rotation
 
 import sheetfx as fx
@@ -420,18 +420,3 @@ def flat():
 def test_wrong_interfaces_are_named(make, words):
     with pytest.raises(ValueError, match=words):
         make(flat(), bar((0.2, 0.5, 0.3), (0.8, 0.5, 0.3), 2))
-
-
-def test_a_weld_on_two_processes():
-    """A line is refused clearly; a point is welded where one process has both parts."""
-    lines = on_two_processes('''
-import sheetfx as fx
-from test_interface import panel, bar
-for at in ("east", fx.Stretch("south-east", along="east", length=0.3)):
-    try:
-        fx.weld(panel((2, 2)), at, (panel((2, 3), (1.0, 0.0, 0.0)), "west"))
-    except ValueError as error:
-        print(error)
-''')
-    for line, where in zip(lines, ("at 'east'", "from 'south-east'"), strict=True):
-        assert f"weld {where}: a joint along a line on 2 processes is not possible yet; take one process" in line

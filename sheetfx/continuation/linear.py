@@ -11,9 +11,8 @@ from scipy.sparse import csc_matrix, issparse
 
 from .. import compat
 from ..communicators import lasting
-from ..communicators import lasting
 
-TOGETHER = 128  # right-hand sides in one block of MUMPS; more gain little
+TOGETHER = 128
 SPARE, MOST_SPARE = 20, 2000  # percent of working space for pivots that are put off, beyond what analysis estimates
 
 
@@ -114,31 +113,25 @@ class DirectSolver:
     def responses(self, rights: np.ndarray | csc_matrix) -> np.ndarray:
         """Solutions for the columns of an array, as rows; both have the rows of all processes.
 
-        Of a sparse one MUMPS leaves out on one process what of its forward substitution stays zero.
+        Of a sparse one MUMPS leaves out what of its forward substitution stays zero.
         """
-        comm, pc = self.ksp.comm, self.ksp.getPC()
-        if comm.size > 1:
-            return self._responses_everywhere(rights)
+        comm, pc, (begin, end) = self.ksp.comm, self.ksp.getPC(), self.matrix.getOwnershipRange()
+        count, columns = end - begin, rights.shape[1]
         if issparse(rights) and pc.getFactorSolverType() == PETSc.Mat.SolverType.MUMPS:
             rows = rights.T.tocsr()
             rows.sum_duplicates()
+            if comm.rank:  # MUMPS takes all from process 0
+                rows = rows[:0, :0]
             entries = rows.indptr.astype(PETSc.IntType), rows.indices.astype(PETSc.IntType), rows.data
-            right = PETSc.Mat().createTranspose(PETSc.Mat().createAIJ(rows.shape, csr=entries, comm=comm))
+            sizes = (rows.shape[0], columns), (rows.shape[1], rights.shape[0])
+            right = PETSc.Mat().createTranspose(PETSc.Mat().createAIJ(sizes, csr=entries, comm=comm))
         else:
-            columns = np.asfortranarray(rights.toarray() if issparse(rights) else rights)
-            right = PETSc.Mat().createDense(rights.shape, array=columns, comm=comm)
-        found = np.empty(rights.shape, order="F")
-        pc.getFactorMatrix().matSolve(right, PETSc.Mat().createDense(rights.shape, array=found, comm=comm))
-        return found.T
-
-    def _responses_everywhere(self, rights: np.ndarray | csc_matrix) -> np.ndarray:
-        begin, end = self.matrix.getOwnershipRange()
-        own = rights.tocsr()[begin:end].toarray() if issparse(rights) else rights[begin:end]
-        sizes, found = ((end - begin, None), (None, rights.shape[1])), np.empty(own.shape, order="F")
-        right, solution = (PETSc.Mat().createDense(sizes, array=array, comm=self.ksp.comm)
-                           for array in (np.asfortranarray(own), found))
-        self.ksp.getPC().getFactorMatrix().matSolve(right, solution)
-        return np.concatenate(lasting(self.ksp.comm.tompi4py()).allgather(found.T), axis=1)
+            own = rights[begin:end] if isinstance(rights, np.ndarray) else rights.tocsr()[begin:end].toarray()
+            right = PETSc.Mat().createDense(((count, None), (None, columns)), array=np.asfortranarray(own), comm=comm)
+        found = np.empty((count, columns), order="F")
+        solution = PETSc.Mat().createDense(((count, None), (None, columns)), array=found, comm=comm)
+        pc.getFactorMatrix().matSolve(right, solution)
+        return found.T if comm.size == 1 else np.concatenate(lasting(comm.tompi4py()).allgather(found.T), axis=1)
 
     def solve_transposed(self, right: PETSc.Vec, solution: PETSc.Vec) -> None:
         self.ksp.getPC().applyTranspose(right, solution)

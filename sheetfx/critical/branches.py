@@ -91,7 +91,7 @@ def branches(path, states: Sequence[State], point: CriticalPoint, amplitude: flo
     ValueError
         For a limit point, if the amplitude is not positive, or if the states around the point are not given.
     NoBranch
-        If none converges, or those of a corner are not known: with friction, on several processes, with pairs that are
+        If none converges, or those of a corner are not known: with friction, with pairs that are
         not condensed, or where more than 14 change together.
     """
     require("branches", amplitude=(amplitude, Positive))

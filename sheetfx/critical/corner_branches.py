@@ -66,14 +66,13 @@ class Corner:
     def __init__(self, tracer, state: State):
         self._tracer, self._state, system = tracer, state, tracer.system
         pairs = [c for c in system.contributions if c.condenses]
-        if not pairs or not system.conservative or system.comm.size > 1:
-            raise Unsettled("branches of corners are known of pairs that are condensed, without friction, on one "
-                            "process")
+        if not pairs or not system.conservative:
+            raise Unsettled("branches of corners are known of pairs that are condensed, without friction")
         tracer.factorise_at(state)
         self._pairs = pairs
         gaps, motions = self._gaps(), vstack([c.motions() for c in pairs], format="csr")
-        self._load = system.create_vector(state.response)
-        self._chosen = self._about_to_change(gaps, motions @ state.response * np.sign(state.load_rate))
+        self._load = system.everywhere(system.create_vector(state.response))
+        self._chosen = self._about_to_change(gaps, motions @ self._load * np.sign(state.load_rate))
         self._closed, self._motions = gaps[self._chosen] <= 0, motions[self._chosen]
         self._stiffness = self._stiffnesses(gaps)[self._chosen] * np.where(self._closed, 1, -1)
         self._responses = tracer.stepper.linear.responses(self._motions.T.tocsc())
@@ -105,7 +104,7 @@ class Corner:
 
     def ways(self) -> Iterator[Way]:
         """All but the one that leads back, by the number of pairs that change."""
-        along, count = np.asarray(self._motions @ self._load.array), len(self._chosen)
+        along, count = np.asarray(self._motions @ self._load), len(self._chosen)
         back = -np.sign(self._state.load_rate)
         for sense in (back, -back):
             for number in range(int(sense == back), count + 1):
@@ -119,8 +118,9 @@ class Corner:
                         stiffness[:, 0] * sense * along[members])
                     rates = sense * along + self._flexibility @ forces
                     if np.array_equal(rates > 0, self._closed == changes):
-                        yield Way(changes, self._tracer.system.create_vector(
-                            self._load.array + sense * (forces @ self._responses)), sense)
+                        system = self._tracer.system
+                        yield Way(changes, system.create_vector(
+                            system.own(self._load + sense * (forces @ self._responses))), sense)
 
     def changed(self, state: State) -> np.ndarray:
         """For each pair that may open or close whether it has, up to a state; the tracer ends there."""

@@ -6,6 +6,8 @@ and each takes the forces on its own nodes. So partners may stand, and slide, an
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from dolfinx import fem
 
@@ -27,7 +29,8 @@ class WholeField:
 
     def __init__(self, field: AdditiveField, origins: np.ndarray, space: fem.FunctionSpace | None = None):
         self._field, self._own, self._comm = field, field.index_map.size_local, lasting(field.index_map.comm)
-        self.components, self.width, self.curved, self.space = field.components, field.width, field.curved, space
+        self.components, self.width, self.curved = field.components, field.width, field.curved
+        self.space: Any = space
         self._counts = np.array(self._comm.allgather(self._own))
         known = self._gathered(field.origins)
         order = np.argsort(known)

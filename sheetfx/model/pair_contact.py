@@ -57,8 +57,8 @@ class PairContact(Joint):
     tangential : stiffness against slip before the cone is reached; None: a hundredth of `stiffness`, with which
         Newton's steps do not jump from slip to slip the other way
     enforcement : "condensed": forces of the penalty, found within each Newton iteration on the flexibility of the
-        structure at the pairs that open, close or slip; "penalty": the same without that, as it is on several
-        processes, with two to three times as many factorisations; or "uzawa": found as "condensed" ones, but pressures
+        structure at the pairs that open, close or slip; "penalty": the same without that, with two to three times
+        as many factorisations, which pays on several processes; or "uzawa": found as "condensed" ones, but pressures
         are augmented until no pair penetrates by more than a millionth of a cell (and slips where it sticks by more
         than that times `stiffness` over `tangential`), with a stiffness that grows along the path from the given one
         as long as this is slow
