@@ -179,3 +179,17 @@ def test_command(tmp_path):
     assert (tmp_path / "out" / "study.png").stat().st_size > 500
     summary = json.loads((tmp_path / "out" / "runs" / "windy=False" / "summary.json").read_text())
     assert summary["parameters"] == {"rise": 0.5, "windy": False}
+
+
+@pytest.mark.parametrize(("words", "file", "columns"), [
+    (["study", "von-mises-truss", "--vary", "rise=0.4,0.5"], "study.csv", ["rise", "status", "limit_load"]),
+    pytest.param(["diagram", "star-dome", "--levels", "1", "--max-deflection", "3"], "diagram.csv", None,
+                 marks=pytest.mark.slow)], ids=["study", "diagram"])
+def test_processes_of_mpirun_give_the_same_table(words, file, columns, tmp_path):
+    for name, launcher in (("alone", []), ("mpirun", ["mpirun", "-n", "3"])):
+        command = [*launcher, sys.executable, "-m", "sheetfx", *words, "-o", str(tmp_path / name)]
+        result = subprocess.run(command, capture_output=True, text=True, timeout=300)
+        assert result.returncode == 0, result.stderr
+    found, alone = (table(tmp_path / name / file) for name in ("mpirun", "alone"))
+    assert len(found) > 1 and [[row[c] for c in columns or row] for row in found] == [
+        [row[c] for c in columns or row] for row in alone]

@@ -11,10 +11,9 @@ from __future__ import annotations
 
 import csv
 import json
-import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from concurrent.futures import Executor, as_completed
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path as Folder
 from typing import Any
@@ -26,8 +25,8 @@ from scipy.interpolate import CubicHermiteSpline, PPoly
 from ..archive.folder import Archive
 from ..case import Case
 from ..interrupts import call
-from .chart import ONE_THREAD
 from .diagram_branch import Bounds
+from .pool import alone, pool
 
 PRIMARY = "0"
 SAME = 1e-4  # relative difference of loads and nodal displacements of one point found on two branches
@@ -106,7 +105,7 @@ def bounds_of(case: Case, load: float | None, deflection: float | None, steps: i
 
 
 def trace_diagram(plan: Plan, folder: Folder, resume: bool = False,
-                  say: Callable[[Traced, int], None] = lambda branch, left: None) -> Traced:
+                  say: Callable[[Traced, int], None] = lambda branch, left: None) -> Traced | None:
     """Trace all branches, write `diagram.json` and `diagram.csv`, and return the primary path with its tree.
 
     Parameters
@@ -114,14 +113,21 @@ def trace_diagram(plan: Plan, folder: Folder, resume: bool = False,
     folder : gets a folder for each branch; to resume, finished ones are not traced again
     say : called with each branch that has ended and the number of those of its generation still to come
 
+    Returns
+    -------
+    primary path on process 0, None on others
+
     Raises
     ------
     ValueError
         Where the folder holds files of others or another run, or no run of these parameters to resume.
     """
-    if MPI.COMM_WORLD.size > 1:
-        raise ValueError(f"diagram: {MPI.COMM_WORLD.size} MPI processes, but the diagram starts processes of its own; "
-                         "leave mpirun out and say --processes")
+    with pool(plan.processes) as executor:
+        return _diagram(executor, plan, folder, resume, say) if executor else None
+
+
+def _diagram(executor: Executor, plan: Plan, folder: Folder, resume: bool,
+             say: Callable[[Traced, int], None]) -> Traced:
     archive = Archive(folder, MPI.COMM_SELF, ("branches/*", "diagram.json", "diagram.csv", "diagram.png"),
                       lambda: f"{sum(1 for _ in Folder(folder).glob('branches/*/result.json'))} paths")
     primary = Traced(PRIMARY)
@@ -131,7 +137,7 @@ def trace_diagram(plan: Plan, folder: Folder, resume: bool = False,
         for level in range(plan.levels + 1):
             known = [{"label": label(branch, point), "load": point["load"], "file": f"../{_magnitudes(branch, point)}"}
                      for branch in listed for point in branch.bifurcations if "same_as" not in point]
-            _trace_all(plan, folder, generation, known, level < plan.levels, say)
+            _trace_all(executor, plan, folder, generation, known, level < plan.levels, say)
             for branch in generation:
                 branch.reverse_of = next((other.name for other in listed if reversed_of(branch, other)), None)
                 if not branch.reverse_of:
@@ -165,14 +171,13 @@ def everything(branch: Traced) -> Iterator[Traced]:
         yield from everything(child)
 
 
-def _trace_all(plan: Plan, folder: Folder, branches: Sequence[Traced], known: Sequence[dict], split: bool,
-               say: Callable[[Traced, int], None]) -> None:
+def _trace_all(executor: Executor, plan: Plan, folder: Folder, branches: Sequence[Traced], known: Sequence[dict],
+               split: bool, say: Callable[[Traced, int], None]) -> None:
     """Results of a generation, each by a process of its own."""
-    with ThreadPoolExecutor(plan.processes) as pool:
-        futures = {pool.submit(_traced, plan, folder, branch, known, split): branch for branch in branches}
-        for left, future in zip(reversed(range(len(futures))), as_completed(futures), strict=True):
-            futures[future].result = future.result()
-            say(futures[future], left)
+    futures = {executor.submit(_traced, plan, folder, branch, known, split): branch for branch in branches}
+    for left, future in zip(reversed(range(len(futures))), as_completed(futures), strict=True):
+        futures[future].result = future.result()
+        say(futures[future], left)
 
 
 def _traced(plan: Plan, folder: Folder, branch: Traced, known: list[dict], split: bool) -> dict[str, Any]:
@@ -196,7 +201,7 @@ def _traced(plan: Plan, folder: Folder, branch: Traced, known: list[dict], split
 def _process(home: Folder) -> str:
     """Do the task in a folder by a process of its own, and return why it fails."""
     command = [sys.executable, "-m", "sheetfx.studies.diagram_branch", str(home)]
-    process = call(command, os.environ | ONE_THREAD)
+    process = call(command, alone())
     lines = process.stderr.strip().splitlines() or [f"exit status {process.returncode}"]
     return lines[-1] if process.returncode else ""
 

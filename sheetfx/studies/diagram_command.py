@@ -16,7 +16,8 @@ OWN = [
     option("max_deflection", float | None, None, "Deflection at which every path ends, likewise.", "--max-deflection",
            rules=[POSITIVE]),
     option("max_steps", int, 200, "Steps of each path.", "--max-steps", min=1),
-    option("processes", int, len(os.sched_getaffinity(0)), "Branches traced at a time.", "--processes", min=1),
+    option("processes", int, len(os.sched_getaffinity(0)), "Branches traced at a time; under mpirun one on each "
+           "further process.", "--processes", min=1),
     option("output", str | None, None, "Folder of the results; default results/NAME-diagram.", "-o", "--output",
            metavar="PATH", rules=[OF_A_FOLDER]),
     RESUME,
@@ -47,6 +48,7 @@ def diagram_group() -> None:
 def draw_scene(name: str, function, parameters: dict, levels: int, max_load: float | None,
                max_deflection: float | None, max_steps: int, processes: int, output: str | None, resume: bool) -> None:
     """Trace and draw a diagram with progress on the terminal; exit status 1 where a path failed."""
+    from mpi4py import MPI
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
     from .diagram import Plan, bounds_of, everything, trace_diagram
@@ -55,7 +57,7 @@ def draw_scene(name: str, function, parameters: dict, levels: int, max_load: flo
     folder, case = folder_of(name, output, "-diagram"), function(**parameters)
     plan = Plan(name, parameters, bounds_of(case, max_load, max_deflection, max_steps), levels, processes)
     layout = TextColumn("branches"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
-    with Progress(*layout, transient=True) as progress:
+    with Progress(*layout, transient=True, disable=MPI.COMM_WORLD.rank > 0) as progress:
         task, ended = progress.add_task("", total=1), 0
 
         def say(branch, left: int) -> None:
@@ -65,6 +67,8 @@ def draw_scene(name: str, function, parameters: dict, levels: int, max_load: flo
             progress.update(task, completed=ended, total=ended + left)
 
         primary = trace_diagram(plan, folder, resume, say)
+    if primary is None:
+        return
     if primary.result["states"]:
         draw_diagram(primary, case.axes).savefig(folder / "diagram.png", dpi=150)
     for branch in everything(primary):

@@ -7,10 +7,9 @@ pictures. A run that fails is named and leaves the others alone.
 from __future__ import annotations
 
 import json
-import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from concurrent.futures import Executor, as_completed
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import product
@@ -23,7 +22,7 @@ from ..archive.folder import Archive
 from ..continuation.state import CriticalPoint, State
 from ..interrupts import call
 from ..scenes import load_case
-from .chart import ONE_THREAD
+from .pool import alone, pool
 
 FINISHED, STOPPED, FAILED = "finished", "stopped", "failed"
 
@@ -125,9 +124,13 @@ def trace_study(study: Study, folder: Folder, jobs: int = 1, resume: bool = Fals
     ----------
     folder : gets a folder `runs` with one for each run; to resume, finished runs are not traced again, interrupted ones
         go on where they were, and those that are new or failed begin
-    jobs : runs at a time, each on one thread
+    jobs : runs at a time, each on one thread; under mpirun one on each further process
     pictures : whether each run draws those of its scene
     say : called with each run that has ended
+
+    Returns
+    -------
+    runs; on process 0 with how they have ended
 
     Raises
     ------
@@ -135,9 +138,6 @@ def trace_study(study: Study, folder: Folder, jobs: int = 1, resume: bool = Fals
         Where a scene cannot be made with some of the values, or the folder holds files of others or another study; then
         nothing has run.
     """
-    if MPI.COMM_WORLD.size > 1:
-        raise ValueError(f"study: {MPI.COMM_WORLD.size} MPI processes, but the study starts processes of its own; "
-                         "leave mpirun out and say --jobs")
     runs = study.runs(folder)
     for run in runs:
         try:
@@ -146,22 +146,23 @@ def trace_study(study: Study, folder: Folder, jobs: int = 1, resume: bool = Fals
             raise ValueError(f"study, run {run.name}: {error}") from None
     archive = Archive(folder, MPI.COMM_SELF, ("runs/*", "study.csv", "critical_points.csv", "study.png"),
                       lambda: f"{sum(run.finished for run in runs)} of {len(runs)} runs")
-    with archive.opened({"command": "study", "scene": study.scene} | study.fixed, resume):
-        for run in _ended(study, [run for run in runs if not run.finished], jobs, pictures):
-            say(run)
+    with pool(jobs) as executor:
+        if executor:
+            with archive.opened({"command": "study", "scene": study.scene} | study.fixed, resume):
+                for run in _ended(executor, study, [run for run in runs if not run.finished], pictures):
+                    say(run)
     return runs
 
 
-def _ended(study: Study, runs: Sequence[Run], jobs: int, pictures: bool) -> Iterator[Run]:
+def _ended(executor: Executor, study: Study, runs: Sequence[Run], pictures: bool) -> Iterator[Run]:
     """Runs as they end; where one looks no further, those that wait are called off."""
-    with ThreadPoolExecutor(jobs) as pool:
-        futures = {pool.submit(_process, _task(study, run, pictures)): run for run in runs}
-        try:
-            for future in as_completed(futures):
-                futures[future].reason = future.result()
-                yield futures[future]
-        finally:
-            pool.shutdown(wait=False, cancel_futures=True)
+    futures = {executor.submit(_process, _task(study, run, pictures)): run for run in runs}
+    try:
+        for future in as_completed(futures):
+            futures[future].reason = future.result()
+            yield futures[future]
+    finally:
+        executor.shutdown(wait=False, cancel_futures=True)
 
 
 def _task(study: Study, run: Run, pictures: bool) -> dict[str, Any]:
@@ -173,6 +174,6 @@ def _task(study: Study, run: Run, pictures: bool) -> dict[str, Any]:
 def _process(task: dict[str, Any]) -> str:
     """Do a run by a process of its own, and return why it fails."""
     command = [sys.executable, "-m", "sheetfx.studies.study_run", json.dumps(task)]
-    process = call(command, os.environ | ONE_THREAD)
+    process = call(command, alone())
     lines = process.stderr.strip().splitlines() or [f"exit status {process.returncode}"]
     return lines[-1] if process.returncode else ""

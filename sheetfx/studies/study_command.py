@@ -15,7 +15,8 @@ from .run import OF_A_FOLDER, RESUME, Scenes, folder_of, option, run_app, with_o
 OWN = [
     option("vary", list[str] | None, None, "An option of the scene and its values, separated by commas; repeat it for "
            "all combinations with those of another option.", "--vary", metavar="OPTION=VALUE,..."),
-    option("jobs", int, len(os.sched_getaffinity(0)), "Runs at a time, each on one thread.", "--jobs", min=1),
+    option("jobs", int, len(os.sched_getaffinity(0)), "Runs at a time, each on one thread; under mpirun "
+           "one on each further process.", "--jobs", min=1),
     option("pictures", bool, False, "Let every run draw the pictures of its scene too.", "--pictures"),
     option("output", str | None, None, "Folder of the results; default results/NAME-study.", "-o", "--output",
            metavar="PATH", rules=[OF_A_FOLDER]),
@@ -91,6 +92,7 @@ def study_scene(name: str, function, parameters: dict[str, Any], vary: list[str]
     """Trace a study and compare its runs, with progress on the terminal; exit status 1 where one failed."""
     from pathlib import Path
 
+    from mpi4py import MPI
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
@@ -101,7 +103,7 @@ def study_scene(name: str, function, parameters: dict[str, Any], vary: list[str]
     study = Study(name, {key: value for key, value in parameters.items() if key not in varied}, varied)
     folder = folder_of(name, output, "-study")
     layout = TextColumn("runs"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
-    with Progress(*layout, transient=True) as progress:
+    with Progress(*layout, transient=True, disable=MPI.COMM_WORLD.rank > 0) as progress:
         task = progress.add_task("", total=len(study.runs(folder)))
 
         def say(run) -> None:
@@ -109,12 +111,14 @@ def study_scene(name: str, function, parameters: dict[str, Any], vary: list[str]
             progress.advance(task)
 
         runs = trace_study(study, folder, jobs, resume, pictures, say)
+    axes = function(**study.fixed | runs[0].chosen).axes
+    if MPI.COMM_WORLD.rank:
+        return
     write_table(runs, folder / "study.csv")
     write_points(runs, folder / "critical_points.csv")
     print_table(runs, Console(highlight=False))
     if any(run.states for run in runs):
-        draw_study(runs, Path(name).stem, function(**study.fixed | runs[0].chosen).axes).savefig(
-            folder / "study.png", dpi=150)
+        draw_study(runs, Path(name).stem, axes).savefig(folder / "study.png", dpi=150)
     unfinished = [run for run in runs if run.status != FINISHED]
     typer.echo(f"{len(runs)} runs, {len(unfinished)} failed; results in {folder}")
     if unfinished:
