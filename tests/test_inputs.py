@@ -144,6 +144,7 @@ LEGITIMATE = [
     Right("without friction, hardening, an offset or the like", (0,), "*.friction *.cohesion *.strength *.gap *.reach "
           "*.root *.toe *.inertia *.inner *.warping Box.radius GivenSection.product "
           "*.hardening *.kinematic *.poisson *.near *.layer *.distance *.overhang *.offset *.angle *.own *.panels "
+          "*.adjust "
           "random_field.seed imperfect.amplitude dome.offset star-dome.ring arch.imperfection"),
     Right("either side or sign has a sense of its own: contraction in plies, which way a thing lies, acts or turns; "
           "springs and moments that push away", (-1,), "Ply.poisson *.offset *.angle *.side *.way Monitor.sign "

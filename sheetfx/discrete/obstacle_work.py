@@ -13,7 +13,7 @@ from .pair_work import PairWork
 from .point_law import PointLaw
 
 CLOSE, STEPS = 1e-6, 200  # of the tolerance, by which a free obstacle is moved past first touch, in so many steps
-BEFORE, SLIPPED = 2, 3  # numbers of data of the law: places and slips at the last accepted state
+DISTANCE, BEFORE, SLIPPED = 1, 2, 3  # numbers of data of the law: where points touch, places and slips accepted last
 
 
 class ObstacleWork(PairWork):
@@ -47,6 +47,12 @@ class ObstacleWork(PairWork):
 
         return PointLaw(strains, resultants, sizes, data, pairs.count, lambda: 0.0, pairs.weights)
 
+    def adjust(self, most: float) -> None:
+        """Let points that are inside the obstacle by so much at most touch where they are."""
+        gaps = self.place()
+        self.pairs.gap = self.pairs.gap + np.where(gaps >= -most, np.minimum(gaps, 0.0), 0.0)
+        self._law.give(DISTANCE, self.pairs.gap[:, None])
+
     def first_touch(self, title: str) -> None:
         """Move an obstacle that may travel to where it touches first, as stiffly as at the end of a step.
 
@@ -62,7 +68,8 @@ class ObstacleWork(PairWork):
         if gaps.min(initial=0.0) < -tolerance and not moved:
             place = ", ".join(f"{x:.6g}" for x in self.pairs.points[gaps.argmin()])
             raise ValueError(f"{title}: the face at ({place}) starts {-gaps.min():.6g} inside the "
-                             f"{type(self.contact.obstacle).__name__}; move one of them, or give a smaller distance")
+                             f"{type(self.contact.obstacle).__name__}; move one of them, give a smaller distance, or "
+                             "adjust= where it is an imperfection")
         if isinstance(field, NumberField) and not (moved and gaps.min(initial=0.0) > 0):
             self._approach(field, title)
         self._mark()

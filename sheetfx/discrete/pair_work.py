@@ -271,7 +271,7 @@ class PairWork(PointWork):
             self._apart = strains[:, 0]
             return
         apart, closing, history = self._apart, self._apart - strains[:, 0], self._history.copy()
-        part = np.divide(apart, closing, out=np.ones_like(apart), where=closing > apart)
+        part = np.divide(apart, closing, out=np.ones_like(apart), where=closing > np.maximum(apart, 0.0))
         part[apart <= self.pairs.tolerance] = 0.0
         history[:, 1 + n:1 + 2 * n] += part[:, None] * strains[:, 1:1 + n]
         self._return_partners()

@@ -41,6 +41,7 @@ class ObstacleContact(SampledContact):
     enforcement : "uzawa": pressures are augmented until nothing penetrates by more than a millionth of a cell, nor
         slips where it sticks by more than that times `stiffness` over `tangential`; or "penalty", which needs a higher
         stiffness
+    adjust : overlap at the start up to which points touch where they are, such as that of imperfect parts; 0: none
     law : function like `forms.contact.mohr_coulomb`, see `SurfaceContact`; it has a slip for each direction of space
     name : what messages call it
     """
@@ -54,6 +55,7 @@ class ObstacleContact(SampledContact):
     stiffness: Positive | None = None
     tangential: Positive | None = None
     enforcement: Annotated[str, Choice(("penalty", "uzawa"))] = "uzawa"
+    adjust: NotNegative = 0.0
     law: Callable = forms.contact.mohr_coulomb
     name: str = field(default="ObstacleContact", kw_only=True)
 
@@ -87,5 +89,6 @@ class ObstacleContact(SampledContact):
         stiffness = touch_stiffness([parts], (size * max(size, samples.size)) ** 0.5, samples.extent)
         apart = self._faces(parts)
         work = fields.obstacle_work(self, samples, self._pairs(np.zeros_like(samples.places), apart, stiffness, size))
+        work.adjust(self.adjust)
         work.first_touch(self._title)
         yield work

@@ -64,6 +64,8 @@ class PairContact(Joint):
         as long as this is slow
     law : function like `forms.contact.mohr_coulomb`
     reach : distance between the lines of both parts that may be filled
+    adjust : overlap at the start (a negative `gap`) up to which pairs touch where they are, such as that of imperfect
+        parts; 0: none
     name : what messages call it
     """
 
@@ -83,6 +85,7 @@ class PairContact(Joint):
     enforcement: Annotated[str, Choice(ENFORCEMENTS)] = "condensed"
     law: Callable = forms.contact.mohr_coulomb
     reach: NotNegative = 0.0
+    adjust: NotNegative = 0.0
     name: str = field(default="PairContact", kw_only=True)
 
     smooth = False
@@ -169,10 +172,11 @@ class PairContact(Joint):
         meeting = self.meeting
         one, two = meeting.sides
         gap = self.gap(one.places) if callable(self.gap) else np.full(len(meeting.weights), float(self.gap))
-        if gap.min(initial=0.0) < 0:
+        if gap.min(initial=0.0) < -self.adjust:
             worst = ", ".join(f"{x:.6g}" for x in one.places[gap.argmin()])
-            raise ValueError(f"{self._title}: the parts overlap by {-gap.min():.6g} at ({worst}); move one of them, or "
-                             "make the gap larger")
+            raise ValueError(f"{self._title}: the parts overlap by {-gap.min():.6g} at ({worst}); move one of them, "
+                             "make the gap larger, or adjust= where it is an imperfection")
+        gap = np.maximum(gap, 0.0)
         stiffness = self.stiffness or self._default_stiffness(fields)
         tangential = self.tangential or ELASTIC_SLIP * stiffness
         yield fields.pair_work(self, one, two, {

@@ -30,6 +30,7 @@ class SampledContact(Joint):
     samples : Gauss points on each piece of a line, and along each side of a cell
     stiffness, tangential : pressure over penetration, and against slip; None: chosen
     enforcement : "uzawa": pressures are augmented; or "penalty"
+    adjust : overlap at the start up to which points touch where they are, such as that of imperfect parts; 0: none
     name : what messages call it
     """
 
@@ -40,6 +41,7 @@ class SampledContact(Joint):
     stiffness: float | None
     tangential: float | None
     enforcement: str
+    adjust: float
     name: str
 
     smooth = False
@@ -47,6 +49,13 @@ class SampledContact(Joint):
     def _require_part(self) -> None:
         """Refuse places that the part does not have."""
         require_places(self.name, self.mesh, each_of(self.at))
+
+    def _refuse_overlap(self, gaps: np.ndarray, places: np.ndarray, what: str, rounding: float) -> None:
+        """Refuse gaps at places that are less than rounding and `adjust` allow."""
+        if gaps.min(initial=0.0) < -max(rounding, self.adjust):
+            place = ", ".join(f"{x:.6g}" for x in places[gaps.argmin()])
+            raise ValueError(f"{self._title}: {what} {-gaps.min():.6g} at ({place}); move one of them, give a smaller "
+                             "distance, or adjust= where it is an imperfection")
 
     @property
     def _title(self) -> str:

@@ -46,6 +46,7 @@ class SurfaceContact(SampledContact):
     enforcement : "uzawa": pressures are augmented until nothing penetrates by more than a millionth of a cell, nor
         slips where it sticks by more than that times `stiffness` over `tangential`; or "penalty", which needs a higher
         stiffness
+    adjust : overlap at the start up to which points touch where they are, such as that of imperfect parts; 0: none
     law : function like `forms.contact.mohr_coulomb`, whose pressures are forces per area, per length along lines, and
         forces at points
     name : what messages call it
@@ -62,6 +63,7 @@ class SurfaceContact(SampledContact):
     stiffness: Positive | None = None
     tangential: Positive | None = None
     enforcement: Annotated[str, Choice(("penalty", "uzawa"))] = "uzawa"
+    adjust: NotNegative = 0.0
     law: Callable = forms.contact.mohr_coulomb
     name: str = field(default="SurfaceContact", kw_only=True)
 
@@ -89,10 +91,10 @@ class SurfaceContact(SampledContact):
         along = side * (normals * arms).sum(axis=1)
         size = min(float(cells.sizes.mean()), self._cell_size)
         beside = np.linalg.norm(arms - (side * along)[:, None] * normals, axis=1) > PENETRATION * size
-        if (gaps := np.where(beside, 0.0, along - apart)).min(initial=0.0) < -PENETRATION * size:
-            place = ", ".join(f"{x:.6g}" for x in samples.places[gaps.argmin()])
-            raise ValueError(f"{self._title}: the parts overlap by {-gaps.min():.6g} at ({place}); move one of them, "
-                             "or give a smaller distance")
+        gaps = np.where(beside, 0.0, along - apart)
+        self._refuse_overlap(gaps, samples.places, "the parts overlap by", PENETRATION * size)
+        if self.adjust:
+            apart = apart + np.minimum(gaps, 0.0)
         sides = [parts_on(fields, mesh) for mesh in (self.mesh, self.to[0])]
         stiffness = touch_stiffness(sides, max(size, samples.size), samples.extent)
         yield fields.surface_work(self, samples, (cells, which, reference, side),

@@ -22,7 +22,8 @@ TRIVIAL = 0.0, 1.0, -1.0, 0.5, 2.0
 OPTIONS = "continuation/options.py", "continuation/control.py", "events/until.py", "model/"
 # Sizes and indices that follow from a formulation, and what a user says: a load, a number of repeated parts.
 NO_CONSTANTS = ("discrete/closest_point.py:ROWS",
-                "discrete/obstacle_work.py:BEFORE", "discrete/obstacle_work.py:SLIPPED",
+                "discrete/obstacle_work.py:DISTANCE", "discrete/obstacle_work.py:BEFORE",
+                "discrete/obstacle_work.py:SLIPPED",
                 "discrete/zones.py:SAMPLES", "discrete/zones.py:POINTS", "continuation/work.py:POINTS",
                 "critical/descent.py:POINTS", "critical/descent.py:WEIGHTS", "critical/branches.py:TURN",
                 "continuation/control.py:LoadControl.target")
