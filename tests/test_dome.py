@@ -92,13 +92,8 @@ def test_wrong_options_are_named():
         case(to=-1.0)
 
 
-SPLIT = pytest.mark.xfail(strict=True, reason="short steps beside the first bifurcation leave the symmetric path by "
-                          "1e-6 of it: the pair at 1667 kN is named as two simple points 4e-6 apart")
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("divisions, step", [
-    (5, None), pytest.param(5, 0.004, marks=SPLIT), (6, 0.004), (8, None)])
+@pytest.mark.parametrize("divisions, step", [(5, None), (5, 0.004), (6, 0.004), (8, None)])
 def test_double_points_of_the_dome_stay_double(divisions, step):
     """Six panels alike have pairs of modes, which rounding splits by some millionths, up the path and down.
 
