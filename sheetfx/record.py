@@ -273,7 +273,7 @@ class Record:
         return plastic_share(self._structure)
 
     def pairs(self, contact) -> PairState:
-        """State of the pairs of a `PairContact` in the shown state, on this process."""
+        """State of the pairs of a `PairContact` in the shown state, the same on all processes."""
         works = [w for w in pairs_of(self._structure.system.contributions) if w.contact is contact]
         if not works:
             raise ValueError(f"pairs: {type(contact).__name__} is no contact of pairs of this scene; give one of its "

@@ -14,7 +14,7 @@ STRETCHES = 16  # of a step, in which the work of friction is added up
 
 @dataclass(frozen=True)
 class PairState(ContactState):
-    """State of the pairs of a contact on this process, one row for each.
+    """State of the pairs of a contact on all processes, one row for each.
 
     Attributes
     ----------

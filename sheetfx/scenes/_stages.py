@@ -12,7 +12,7 @@ from ..continuation.state import State
 from ..mesh.reader import NamedMesh
 from ..record import Record
 from ..show.curves import curve_points
-from ..show.evaluate import last_state_kept
+from ..show.evaluate import communicator, last_state_kept
 from ..show.pictures import state_of
 
 COLOURS = "#0b4f8a", "#c4432b", "#1b8a5a", "#8e44ad", "#0097a7"
@@ -42,7 +42,9 @@ def touches(record: Record) -> list[Touch]:
 
 def stages(record: Record, folder: Folder, name: str = "stages.png") -> None:
     """Draw stages.png."""
-    draw_stages(record).savefig(Folder(folder) / name)
+    figure = draw_stages(record)
+    if communicator(record).rank == 0:
+        figure.savefig(Folder(folder) / name)
 
 
 def draw_stages(record: Record, figure=None):

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..discrete.contact import OPEN, SLIP, STICK
 from ..discrete.pair_work import PairState, pairs_of
-from .evaluate import last_state_kept, most_telling, unit_of, with_unit
+from .evaluate import communicator, last_state_kept, most_telling, unit_of, with_unit
 from .saving import save_picture
 from .shown import Shown
 
@@ -18,7 +18,7 @@ MOST = 3  # states drawn in plan
 
 
 def pair_states(record: Shown) -> list[list[PairState]]:
-    """For each state of a path the state of the pairs of each contact, on this process."""
+    """For each state of a path the state of the pairs of each contact, the same on all processes."""
     works = pairs_of(record.path.discretisation.system.contributions)
     found = []
     with last_state_kept(record):
@@ -37,6 +37,8 @@ def pair_history(record: Shown, folder: Folder) -> None:
     if not pairs_of(record.path.discretisation.system.contributions):
         return
     history, folder = pair_states(record), Folder(folder)
+    if communicator(record).rank > 0:  # each process has all pairs
+        return
     arrays = {"load": np.array([s.load for s in record.states]),
               "deflection": np.array([s.deflection for s in record.states])}
     for number, along in enumerate(zip(*history, strict=True)):
