@@ -266,9 +266,9 @@ class PairWork(PointWork):
 
     def foresee(self, ahead: bool) -> None:
         """Let open pairs slip from where they will touch, which lies on the line to where the tangent leads."""
-        strains, n = self._law.strains(self.values()), self._slips
+        (strains, resultants), n = self._now(), self._slips
         if not ahead:
-            self._apart = strains[:, 0]
+            self._apart = np.where(resultants[:, 0] == 0.0, strains[:, 0], 0.0)  # tension may hold pairs that gape
             return
         apart, closing, history = self._apart, self._apart - strains[:, 0], self._history.copy()
         part = np.divide(apart, closing, out=np.ones_like(apart), where=closing > np.maximum(apart, 0.0))
