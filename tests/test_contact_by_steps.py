@@ -187,7 +187,8 @@ def test_pairs_that_tension_holds_remember_no_slip(enforcement):
     scene = stacked(False, enforcement, friction=0.3, cohesion=1e6, strength=1e6, stiffness=10.0, tangential=10.0)
     beam = scene.parts[0]
     scene = replace(scene, monitor=fx.Monitor(beam.mesh, "end", "x"))
-    pulled = replace(scene, loads=[fx.LineForce(beam, (0.5, -3.0))], stages=[fx.Stage([fx.LineForce(beam, (0.0, 2.0))])])
+    lift = fx.Stage([fx.LineForce(beam, (0.0, 2.0))])
+    pulled = replace(scene, loads=[fx.LineForce(beam, (0.5, -3.0))], stages=[lift])
     at_once = replace(scene, loads=[fx.LineForce(beam, (0.5, -1.0))])
     ends = [fx.trace(fx.Case(one, fx.LoadControl(0.25))).states[-1].deflection for one in (pulled, at_once)]
     assert ends[0] == pytest.approx(ends[1], rel=1e-6)
