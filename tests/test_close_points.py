@@ -134,6 +134,7 @@ def test_springs_that_are_almost_equal_snap_one_after_the_other(times):
     assert [p.load for p in record.critical_points] == pytest.approx(exact, rel=1e-8)
 
 
+@pytest.mark.slow
 def test_springs_that_are_equal_end_at_a_multiple_point_that_is_found_directly():
     """Where one mode is sought it takes more factorisations; the deflection is known to the root of that."""
     with pytest.raises(fx.PathFailure, match=r"[2-4] modes .* fx.critical\(path, state, kind") as failure:
@@ -150,7 +151,7 @@ def is_multiple_point_of_four(found, most):
     assert found.factorisations <= most
 
 
-@pytest.mark.parametrize("count", [2, 3, pytest.param(5, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [2, *(pytest.param(n, marks=pytest.mark.slow) for n in (3, 5))])
 def test_springs_that_are_equal(count):
     """A path ends at a multiple point and says so, or finds all modes there, in one point or more at the same load."""
     path = fx.Path(springs_in_series(count * [1.0]), until=fx.Until(load=3.5))

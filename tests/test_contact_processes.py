@@ -54,7 +54,8 @@ def followed(name):
              [s.contact_points, s.factorisations, len(s.critical)]] for s in record.states]
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", [
+    pytest.param(name, marks=[pytest.mark.slow] * (name == "surfaces")) for name in CASES])
 def test_two_processes_follow_the_path_of_one(name):
     lines = on_two_processes(f"""
 import json

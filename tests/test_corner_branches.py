@@ -63,6 +63,7 @@ def test_every_set_of_props_may_let_go(columns):
             assert moved[free] == pytest.approx((0.01 - 1 / state.factor) * (np.tan(k) / k - 1), rel=0.02, abs=1e-5)
 
 
+@pytest.mark.slow
 def test_two_processes_find_the_same_sets(columns):
     lines = on_two_processes("""
 import json

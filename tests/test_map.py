@@ -45,7 +45,7 @@ def cell(folder):
 
 
 @pytest.mark.parametrize(("trap", "method", "outcome", "words"), [
-    (TRAPS["lee-frame"], "default", PASSED, ""),
+    pytest.param(TRAPS["lee-frame"], "default", PASSED, "", marks=pytest.mark.slow),
     (TRAPS["lee-frame"], "load", STALLED, "load 18557"),  # the first limit
     pytest.param(TRAPS["lee-frame"], "displacement", STALLED, "deflection 61", marks=pytest.mark.slow),  # an extreme
     pytest.param(TRAPS["lee-frame"], "determinant", PASSED, "", marks=pytest.mark.slow),
