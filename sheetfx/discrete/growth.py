@@ -17,8 +17,7 @@ class Growth:
 
     Parameters
     ----------
-    least : how often it grows within a step at least
-    anew : whether each step begins with the one that is given
+    least : how often it grows within a step at least; each step then begins with the one that is given
 
     Attributes
     ----------
@@ -26,8 +25,8 @@ class Growth:
     begun : how often it had by the last accepted state
     """
 
-    def __init__(self, least: int, anew: bool):
-        self._least, self._anew, self.times, self.begun, self._deepest = least, anew, 0, 0, inf
+    def __init__(self, least: int):
+        self._least, self.times, self.begun, self._deepest = least, 0, 0, inf
 
     @property
     def factor(self) -> float:
@@ -62,7 +61,7 @@ class Growth:
 
     def commit(self) -> None:
         """Let the next step begin with what this one has ended with."""
-        self.restore(0 if self._anew else self.times)
+        self.restore(0 if self._least else self.times)
 
     def rewind(self) -> None:
         """Forget what a step has changed."""

@@ -25,7 +25,7 @@ class ObstacleWork(PairWork):
 
     _without = 0
     _slack = 1e-5
-    _least, _anew = 3, True
+    _least = 3
 
     def _law_of(self, sizes):
         pairs, obstacle, slips = self.pairs, self.contact.obstacle, self._slips

@@ -38,7 +38,7 @@ class PairWork(PointWork):
 
     called, detours = "contact", (1e2, 1e1)
     _without = 1  # directions along which no slip is counted: that out of the first part's face
-    _least, _anew = 0, False  # as of `Growth`
+    _least = 0  # how often the stiffness grows within a step at least, see `Growth`
     _slack = 0.0  # part of the bound of friction by which tractions may be off where they slip
     _apart: np.ndarray  # gaps where a step starts
     _slipping: np.ndarray | None = None  # tractions of pairs that slipped at the last iterate, zero at others
@@ -54,7 +54,7 @@ class PairWork(PointWork):
         self._slips, self._history = n if pairs.rubs else 0, np.zeros((pairs.count, 1 + 2 * n))
         points = self._law_of([unknowns.fields[t.field].components for t in traces])
         super().__init__(unknowns, traces, points, smooth=False, conservative=not self._slips)
-        self._growth = Growth(self._least, self._anew)
+        self._growth = Growth(self._least)
         self.rubs = pairs.rubs
         self.augments = pairs.augmented
         self._slip_left = pairs.tolerance * pairs.parameters[0] / pairs.parameters[1]

@@ -85,9 +85,9 @@ class SurfaceWork(PairWork):
     `Pairs.gap` are the distances at which they touch; arms and axes of pairs do not count. Slips are those of the
     partners along the undeformed surface, on axes of their own.
 
-    Where pressures are augmented the first step begins with a low stiffness, with which points that touch go on
-    touching while Newton's iteration moves them, and ends with a high one, with which others begin: few augmentations
-    are needed then, and the tangent has no flexibility of its own.
+    Where pressures are augmented each step begins with a low stiffness, with which points that touch go on touching
+    while Newton's iteration moves them, and ends with a high one, so that few augmentations are needed and the tangent
+    has no flexibility of its own.
     """
 
     _partners: SurfacePartners
