@@ -12,7 +12,7 @@ from scipy.sparse import csc_matrix, issparse
 from .. import compat
 from ..communicators import lasting
 
-TOGETHER = 128
+TOGETHER = 128  # right-hand sides in one block of MUMPS; more gain little
 SPARE, MOST_SPARE = 20, 2000  # percent of working space for pivots that are put off, beyond what analysis estimates
 
 

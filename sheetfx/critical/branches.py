@@ -91,8 +91,8 @@ def branches(path, states: Sequence[State], point: CriticalPoint, amplitude: flo
     ValueError
         For a limit point, if the amplitude is not positive, or if the states around the point are not given.
     NoBranch
-        If none converges, or those of a corner are not known: with friction, with pairs that are
-        not condensed, or where more than 14 change together.
+        If none converges, or those of a corner are not known: with friction, with pairs that are not
+        condensed, or where more than 14 change together.
     """
     require("branches", amplitude=(amplitude, Positive))
     tracer = tracer_of(path)

@@ -133,8 +133,8 @@ class Fields:
         numbers = components(origins, count)
         own = numbers[:0] if whole and mesh.comm.rank else numbers
         field = NumberField(self._unique(name), IndexMap(mesh.comm, len(own)), np.inf, True, origins=own)
-        if whole and mesh.comm.size > 1:
-            self._wholes[field] = WholeField(field, numbers)
+        if whole:
+            self._everywhere(field, numbers)
         block = Block.of_numbers(field)
         self._add(owner, name, block)
         self.fixed[block] = [field.dofs[np.asarray(without, dtype=int)]]
@@ -243,13 +243,20 @@ class Fields:
     def _field(self, mesh: NamedMesh, quantity: str) -> AdditiveField:
         return self._kinematics[mesh].block.fields[QUANTITIES.index(quantity)]
 
-    def _whole(self, mesh: NamedMesh, quantity: str) -> WholeField | None:
-        """A field of a mesh on all processes; None where there is one."""
+    def _whole(self, mesh: NamedMesh, quantity: str = QUANTITIES[0]) -> AdditiveField | WholeField:
+        """A field of a mesh on all processes."""
         field = self._field(mesh, quantity)
-        if mesh.comm.size > 1 and field not in self._wholes:
-            space = fem.functionspace(whole(mesh).domain, field.space.ufl_element())
-            self._wholes[field] = WholeField(field, of_nodes(space), space)
-        return self._wholes.get(field)
+        if mesh.comm.size == 1 or field in self._wholes:
+            return self._wholes.get(field, field)
+        space = fem.functionspace(whole(mesh).domain, field.space.ufl_element())
+        return self._everywhere(field, of_nodes(space), space)
+
+    def _everywhere(self, field: AdditiveField, origins: np.ndarray,
+                    space: fem.FunctionSpace | None = None) -> AdditiveField | WholeField:
+        """A field with its nodes on all processes, see `WholeField`; itself where there is one process."""
+        if self.comm.size > 1 and field not in self._wholes:
+            self._wholes[field] = WholeField(field, origins, space)
+        return self._wholes.get(field, field)
 
     def trace(self, mesh: NamedMesh, nodes: np.ndarray, quantity: str = "displacement") -> Trace:
         """Values of displacement or rotation at nodes."""
@@ -261,16 +268,14 @@ class Fields:
 
         Each process has all points; see `mesh.whole.whole`.
         """
-        field, everywhere = self._field(mesh, quantity), self._whole(mesh, quantity)
-        space = (everywhere or field).space
-        return Trace.in_cells(self.unknowns.fields.index(field), space, cells, reference, everywhere)
+        number, everywhere = self.unknowns.fields.index(self._field(mesh, quantity)), self._whole(mesh, quantity)
+        return Trace.in_cells(number, everywhere.space, cells, reference, everywhere)
 
     def own_trace(self, owner, name: str, nodes: np.ndarray, weights: np.ndarray | None = None) -> Trace:
         """Values of numbers that an owner has added, or of sums of them."""
         field = self._own[owner, name]
-        number, everywhere = self.unknowns.fields.index(field), self._wholes.get(field)
-        return Trace(number, nodes, weights, everywhere) if weights is not None else Trace.at_nodes(
-            number, nodes, everywhere)
+        number, of = self.unknowns.fields.index(field), self._wholes.get(field)
+        return Trace.at_nodes(number, nodes, of) if weights is None else Trace(number, nodes, weights, of)
 
     def point_work(self, traces: Sequence[Trace], strains: Callable, law: Callable, data: Sequence[np.ndarray] = (),
                    stage: int | None = None, weights: np.ndarray | None = None) -> PointWork:
@@ -294,7 +299,7 @@ class Fields:
         partner: Trace | Partners = self.trace_in(to, second.cells, second.reference)
         if owner.moving:
             field, cells = self._field(to, QUANTITIES[0]), Cells(whole(to), cells_at(whole(to), owner.to[1]))
-            partner = Partners(self._whole(to, QUANTITIES[0]) or field, self.unknowns.fields.index(field), cells,
+            partner = Partners(self._whole(to), self.unknowns.fields.index(field), cells,
                                np.searchsorted(cells.cells, second.cells), second.reference)
         kind = PairWork if owner.enforcement == "penalty" else CondensedPairs
         return kind(self.unknowns, traces, partner, Pairs(first.places, **how), owner, self._unique("contact"))
@@ -310,8 +315,8 @@ class Fields:
         """
         first = self.trace_in(owner.mesh, samples.cells, samples.reference)
         field = self._field(owner.to[0], QUANTITIES[0])
-        partners = SurfacePartners(self._whole(owner.to[0], QUANTITIES[0]) or field,
-                                   self.unknowns.fields.index(field), *second, owner.border(self))
+        partners = SurfacePartners(self._whole(owner.to[0]), self.unknowns.fields.index(field), *second,
+                                   owner.border(self))
         return SurfaceWork(self.unknowns, [first], partners, Pairs(samples.places, **how), owner,
                            self._unique("contact"))
 
@@ -324,8 +329,7 @@ class Fields:
         travel = None
         if self.has(owner.obstacle, "travel"):
             field = self.own_field(owner.obstacle, "travel")
-            if self.comm.size > 1 and field not in self._wholes:
-                self._wholes[field] = WholeField(field, field.origins)
+            self._everywhere(field, field.origins)
             travel = self.own_trace(owner.obstacle, "travel", np.zeros(len(samples.places), dtype=np.int64))
         return ObstacleWork(self.unknowns, [first], travel, Pairs(samples.places, **how), owner,
                             self._unique("contact"))

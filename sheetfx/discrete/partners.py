@@ -37,7 +37,6 @@ class Partners:
     def __init__(self, field: AdditiveField | WholeField, number: int, cells: Cells, which: np.ndarray,
                  reference: np.ndarray):
         self._field, self._number, self._track = field, number, Track(cells)
-        self._whole = field if isinstance(field, WholeField) else None
         space = field.space
         self._rows = SmoothRows(self._track, space.ufl_element().basix_element)
         shape = SmoothRows(self._track, cells.shape)
@@ -135,7 +134,7 @@ class Partners:
     def traces(self) -> list[Trace]:
         """Rows of the displacement, and of its first and second derivative by arc length."""
         table = self._rows.table(self._which, self._reference)
-        return [Trace(self._number, self.nodes, weights, self._whole)
+        return [Trace(self._number, self.nodes, weights, self._field)
                 for weights in (table[0], *self._by_length(*table[1:]))]
 
     def geometry(self) -> list[np.ndarray]:

@@ -34,26 +34,26 @@ class Trace:
     field : number in `Unknowns.fields`
     nodes : shape (points, k), local numbers of nodes, or of those of the whole field
     weights : shape (points, k)
-    whole : the field on all processes, each of which has all points; None: each process has points of its own
+    of : the field; a whole one: each process has all points; None: that of `Unknowns.fields`
     """
 
     field: int
     nodes: np.ndarray
     weights: np.ndarray
-    whole: WholeField | None = None
+    of: AdditiveField | WholeField | None = None
 
     @classmethod
-    def at_nodes(cls, field: int, nodes: np.ndarray, whole: WholeField | None = None) -> Trace:
+    def at_nodes(cls, field: int, nodes: np.ndarray, of: AdditiveField | WholeField | None = None) -> Trace:
         """The nodal values themselves."""
         nodes = np.asarray(nodes, dtype=np.int64).reshape(-1, 1)
-        return cls(field, nodes, np.ones(nodes.shape), whole)
+        return cls(field, nodes, np.ones(nodes.shape), of)
 
     @classmethod
     def in_cells(cls, field: int, space: fem.FunctionSpace, cells: np.ndarray, reference: np.ndarray,
-                 whole: WholeField | None = None) -> Trace:
+                 of: AdditiveField | WholeField | None = None) -> Trace:
         """Values at reference points of cells, one in each."""
         if not len(cells):
-            return cls.at_nodes(field, cells, whole)
+            return cls.at_nodes(field, cells, of)
         element = space.ufl_element().basix_element
         weights = element.tabulate(0, np.ascontiguousarray(reference))[0, :, :, 0]
         weights = np.where(np.abs(weights) > NOTHING, weights, 0.0)
@@ -61,7 +61,7 @@ class Trace:
         most = (weights != 0).sum(axis=1).max(initial=0)
         order = np.sort(np.argsort(-np.abs(weights), axis=1, kind="stable")[:, :most], axis=1)
         nodes, weights = (np.take_along_axis(array, order, axis=1) for array in (nodes, weights))
-        return cls(field, nodes, weights, whole)
+        return cls(field, nodes, weights, of)
 
 
 class PointWork(Contribution):
@@ -80,8 +80,8 @@ class PointWork(Contribution):
     def __init__(self, unknowns: Unknowns, traces: Sequence[Trace], law: Callable, *, load: Callable | None = None,
                  smooth: bool = True, conservative: bool = True, stage: int | None = None):
         self._traces, self._law, self._load = list(traces), law, load
-        self._fields: list[AdditiveField | WholeField] = [t.whole or unknowns.fields[t.field] for t in traces]
-        self._is_whole = any(t.whole for t in traces)
+        self._fields: list[AdditiveField | WholeField] = [t.of or unknowns.fields[t.field] for t in traces]
+        self._is_whole = any(isinstance(f, WholeField) for f in self._fields)
         self._unknowns, self._held = unknowns, None
         self._stiff: np.ndarray | slice = EVERY
         self.smooth, self.conservative, self.stage = smooth, conservative, stage
@@ -90,7 +90,8 @@ class PointWork(Contribution):
 
     def values(self) -> np.ndarray:
         """z at all points of this process."""
-        return self._interpolated([f.table for f in self._fields])
+        tables = {f: f.table for f in dict.fromkeys(self._fields)}  # those of whole fields are gathered once
+        return self._interpolated([tables[f] for f in self._fields])
 
     def _interpolated(self, tables: Sequence[np.ndarray]) -> np.ndarray:
         return np.concatenate([np.einsum("nk,nkc->nc", t.weights, table[t.nodes])

@@ -51,7 +51,6 @@ class SurfacePartners:
     def __init__(self, field: AdditiveField | WholeField, number: int, cells: Cells, which: np.ndarray,
                  reference: np.ndarray, side: np.ndarray, overhang: float):
         self._field, self._number, self._patch, self._cells = field, number, Patch(cells), cells
-        self._whole = field if isinstance(field, WholeField) else None
         surface, space, domain = SmoothSurface(self._patch), field.space, cells.mesh.domain
         self._blends, self._extended = surface.blends, np.where(surface.smooth, *EXTENDED)
         self._shapes = surface.shapes(space.ufl_element().basix_element, space.dofmap.list[cells.cells])
@@ -201,4 +200,4 @@ class SurfacePartners:
 
     def traces(self) -> list[Trace]:
         """Rows of the displacement, and of its first and second derivatives."""
-        return [Trace(self._number, self.nodes, weights, self._whole) for weights in self._weights()[0][:SIZES[2]]]
+        return [Trace(self._number, self.nodes, weights, self._field) for weights in self._weights()[0][:SIZES[2]]]

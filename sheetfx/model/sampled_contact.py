@@ -50,13 +50,6 @@ class SampledContact(Joint):
         """Refuse places that the part does not have."""
         require_places(self.name, self.mesh, each_of(self.at))
 
-    def _refuse_overlap(self, gaps: np.ndarray, places: np.ndarray, what: str, rounding: float) -> None:
-        """Refuse gaps at places that are less than rounding and `adjust` allow."""
-        if gaps.min(initial=0.0) < -max(rounding, self.adjust):
-            place = ", ".join(f"{x:.6g}" for x in places[gaps.argmin()])
-            raise ValueError(f"{self._title}: {what} {-gaps.min():.6g} at ({place}); move one of them, give a smaller "
-                             "distance, or adjust= where it is an imperfection")
-
     @property
     def _title(self) -> str:
         return title_of(self.name, each_of(self.at)[0])

@@ -92,7 +92,10 @@ class SurfaceContact(SampledContact):
         size = min(float(cells.sizes.mean()), self._cell_size)
         beside = np.linalg.norm(arms - (side * along)[:, None] * normals, axis=1) > PENETRATION * size
         gaps = np.where(beside, 0.0, along - apart)
-        self._refuse_overlap(gaps, samples.places, "the parts overlap by", PENETRATION * size)
+        if gaps.min(initial=0.0) < -max(PENETRATION * size, self.adjust):
+            place = ", ".join(f"{x:.6g}" for x in samples.places[gaps.argmin()])
+            raise ValueError(f"{self._title}: the parts overlap by {-gaps.min():.6g} at ({place}); move one of them, "
+                             "give a smaller distance, or adjust= where it is an imperfection")
         if self.adjust:
             apart = apart + np.minimum(gaps, 0.0)
         sides = [parts_on(fields, mesh) for mesh in (self.mesh, self.to[0])]

@@ -128,6 +128,7 @@ def trace_diagram(plan: Plan, folder: Folder, resume: bool = False,
 
 def _diagram(executor: Executor, plan: Plan, folder: Folder, resume: bool,
              say: Callable[[Traced, int], None]) -> Traced:
+    """As `trace_diagram`, on process 0."""
     archive = Archive(folder, MPI.COMM_SELF, ("branches/*", "diagram.json", "diagram.csv", "diagram.png"),
                       lambda: f"{sum(1 for _ in Folder(folder).glob('branches/*/result.json'))} paths")
     primary = Traced(PRIMARY)
