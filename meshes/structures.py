@@ -22,8 +22,8 @@ def structure(table: Table, divisions: Count, triangles: bool = True,
     """Straight bars and flat panels of a table, which share nodes where they meet.
 
     Groups of curves: each bar ("bar 1-2"), all "bars", and edges of panels without a bar ("edge 1-2"). Groups of
-    surfaces: each panel ("panel 1-2-3") and all "panels". Points: the nodes and sets of nodes of the table. To be
-    read by `read_mixed(lambda: structure(table, 5), bars=["bars"])`; without bars by `read`.
+    surfaces: each panel ("panel 1-2-3") and all "panels"; of both those of the table. Points: the nodes and sets of
+    nodes of the table. To be read by `read_mixed(lambda: structure(table, 5), bars=["bars"])`; without bars by `read`.
 
     Parameters
     ----------
@@ -61,8 +61,9 @@ def structure(table: Table, divisions: Count, triangles: bool = True,
     geo.synchronize()
     sets = {name: [points[n] for n in row if n in points] for name, row in table.sets.items()}
     _name(0, {name: [tag] for name, tag in points.items()} | sets)
-    _name(1, curves | {"bars": [tag for name in bars for tag in curves[name]]})
-    _name(2, surfaces | {"panels": [tag for tags in surfaces.values() for tag in tags]})
+    for dimension, members, all_of_them in ((1, curves, {"bars": list(bars)}), (2, surfaces, {"panels": list(panels)})):
+        _name(dimension, members | {name: [tag for one in among for tag in members[one]] for name, among in
+                                    (all_of_them | dict(table.groups)).items() if set(among) <= set(members)})
 
 
 def _corner(node: str, panel: str, separate: bool | str) -> str:

@@ -15,7 +15,9 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 SAME_PLACE = 1e-6  # over the size of the structure
-DOMES = {file.stem.removeprefix("d0_"): file for file in sorted((Path(__file__).parent / "domes").glob("d0_*.json"))}
+_FILES = sorted((Path(__file__).parent / "domes").glob("*.json"))
+DOMES = {file.stem.removeprefix("d0_"): file for file in _FILES if file.stem.startswith("d0_")}
+STRUCTURES = {file.stem: file for file in _FILES if not file.stem.startswith("d0_")}
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,6 +30,7 @@ class Table:
     bars : pairs of nodes
     panels : three or four nodes in order around each panel
     sets : name -> nodes, to be found together under this name
+    groups : name -> bars, or panels, by names like "bar 1-2", to be found together under this name
 
     Raises
     ------
@@ -39,6 +42,7 @@ class Table:
     bars: Sequence[Sequence[str]] = ()
     panels: Sequence[Sequence[str]] = ()
     sets: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    groups: Mapping[str, Sequence[str]] = field(default_factory=dict)
 
     def __post_init__(self):
         for name, x in self.nodes.items():
@@ -71,7 +75,8 @@ def read_table(file: str | Path, coordinates: str = "ideal") -> Table:
 
     JSON: an object with `nodes`, `bars`, `panels` and `sets` of a `Table`; what else is there are notes. Nodes are
     an object from names to coordinates, or a list of objects with an `id` and one or more named places, such as
-    `{"id": 1, "ideal": [0, 0, 1], "measured": [0, 0, 0.98]}`. Names may be numbers.
+    `{"id": 1, "ideal": [0, 0, 1], "measured": [0, 0, 0.98]}`. Names may be numbers. Bars and panels may stand by their
+    kinds, as `read_structure` takes them: `{"ribs": {"ends": [[1, 2]]}}` and `{"roof": {"corners": [[1, 2, 3]]}}`.
 
     CSV: a line for each thing, which begins with its kind; empty lines and those that begin with # are notes::
 
@@ -136,10 +141,15 @@ def _from_json(text: str, coordinates: str) -> Table:
             places = ", ".join(key for key, x in node.items() if isinstance(x, list)) or "none"
             raise ValueError(f"node {node.get('id')} has no coordinates {coordinates!r}; it has {places}")
     _refuse_twice(str(node["id"]) for node in nodes)
-    bars, panels = (_names(data.get(kind, ())) for kind in ("bars", "panels"))
+    bars, panels = (_names(_of_all_kinds(data.get(kind, ()), of)) for kind, of in (("bars", "ends"),
+                                                                                    ("panels", "corners")))
     sets = data.get("sets", {})
     return Table({str(n["id"]): n[coordinates] for n in nodes}, bars, panels,
                  dict(zip(sets, _names(sets.values()), strict=True)))
+
+
+def _of_all_kinds(rows, of: str):
+    return [row for kind in rows.values() for row in kind.get(of, ())] if isinstance(rows, dict) else rows
 
 
 def _text(content: bytes) -> str:
@@ -223,6 +233,9 @@ def _check_members(table: Table) -> None:
         _check_known(f"set {name}", nodes, table.nodes)
         if name in table.nodes:
             raise ValueError(f"set {name} has the name of a node; give it another")
+    for name, among in table.groups.items():
+        if not (set(among) <= set(table.named_bars) or set(among) <= set(table.named_panels)):
+            raise ValueError(f"group {name} is {', '.join(among)}; give bars alone or panels alone, like 'bar 1-2'")
     uses = Counter(node for _, row, _ in rows for node in row)
     if lost := [node for node in table.nodes if node not in uses]:
         raise ValueError(f"node {lost[0]} belongs to no bar and no panel; remove it, or add what it belongs to")

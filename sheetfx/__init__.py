@@ -42,6 +42,8 @@ _ROOMS = {
     "model.profiles": "Box CSection ISection LSection TSection ZSection",
     "model.section": "Elastic FibreList Flanged Rectangle Tube effective_width round_bar",
     "model.shell": "Shell ShellForm",
+    "model.assembled": "Cells Joining coupled skeleton touching",
+    "model.structure": "Members Sheets Structure read_structure",
     "model.stresses": "von_mises",
     "model.supports": "Support clamp pin symmetry",
     "discrete.contribution": "Contribution",

@@ -11,7 +11,8 @@ import pytest
 from helpers import on_two_processes
 
 import sheetfx as fx
-from sheetfx.scenes.dome import BAR, case, flange_width
+from sheetfx.model.assembled import flange_width
+from sheetfx.scenes.dome import BAR, case, dome
 
 SOFTER = 0.08  # our loads against those of an independent study that found its first load at 12 divisions
 
@@ -42,8 +43,9 @@ def test_flange_in_closed_form():
     assert section.centroid == pytest.approx(centroid)
     assert section.second_moments == pytest.approx((pi / 64 * (40**4 - 36**4) + 10 * 160**3 / 12, about_binormal))
     assert section.depth == 50.0
-    table = fx.meshes.dome("hex")
-    assert {flange_width(table, ends) for ends in table.bars} == {160.0}, "own width and six thicknesses on each side"
+    structure = dome(fx.meshes.dome("hex"))
+    widths = {flange_width(structure, kind, ends) for kind in structure.bars.values() for ends in kind.ends}
+    assert widths == {160.0}, "own width and six thicknesses on each side"
     assert fx.effective_width(300.0, 10.0, 40.0, 500.0) == 100.0, "a third of the span"
     assert fx.effective_width(900.0, 10.0, 40.0, 50.0) == 90.0, "the panels themselves"
 
@@ -80,7 +82,7 @@ def test_welds_that_are_short_for_their_cells_are_told():
 
 
 def test_wrong_options_are_named():
-    with pytest.raises(ValueError, match="dome: faces is 'both', but shared edges of panels do not push against bars"):
+    with pytest.raises(ValueError, match="Joining: faces is 'both', but shared edges of panels do not push"):
         case(model="contact", edges="shared", divisions=2)
     with pytest.raises(ValueError, match="dome: model is 'shell'; it must be one of coupled, contact, flange, bars"):
         case(model="shell")

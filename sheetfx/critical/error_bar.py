@@ -93,7 +93,7 @@ def _reason(path) -> str:
     system = path.discretisation.system
     if not isinstance(path.discretisation, Discretisation):
         return "a plain form has no richer one"
-    if not system.smooth:
+    if system.rough:
         return "contact or friction"
     if any(contribution.remembers for contribution in system.contributions):
         return "laws with history"

@@ -55,9 +55,14 @@ def _of_loads(discretisation: Problem) -> list[str]:
 
 
 def _of_points(system) -> list[str]:
-    if not system.smooth:
+    if system.rough:
         return ["limit points: where the load turns from one step to the next (contact makes its rate waver)",
                 *_of_bifurcations_with_contact(system)]
+    if not system.smooth:
+        return ["limit points: where the load turns from one step to the next (yielding makes its rate jump)",
+                "bifurcations: unstable modes compared at the ends of steps, and between where the load turns; where "
+                "something yields or is unloaded eigenvalues jump, and may jump past zero" if system.conservative else
+                "bifurcations: not looked for (yielding beside loads without a potential)"]
     counted = ("by the inertia of the tangent" if system.conservative else
                "by the real eigenvalues that pass zero between the tangents of neighbouring states")
     return ["limit points: by the rate of the load",

@@ -10,7 +10,7 @@ from typing import Annotated
 import basix
 import numpy as np
 
-from ..checks import NONZERO, Positive, check
+from ..checks import NONZERO, NotNegative, Positive, check
 from ..compat import geometry_nodes
 from .reader import NamedMesh
 
@@ -84,24 +84,29 @@ class Stretch:
     """A stretch of a line: a weld that is shorter than an edge or a bar.
 
     It goes straight from `start` to `end`, or for a `length` from `start` in a direction, or for that length from
-    `start` along an edge or group of curves of the first part that begins there.
+    `start`, or from where is a length `after` it, along an edge or group of curves of the first part that begins there.
 
     Attributes
     ----------
     start, end : names of points of the first part's mesh, or places
     along : name of an edge or group of curves, or a direction
     length : length
+    after : length between `start` and its beginning, along a name
     """
 
     start: str | Vector
     end: str | Vector | None = None
     along: str | Annotated[Vector, NONZERO] | None = None
     length: Positive | None = None
+    after: NotNegative = 0.0
 
     def __post_init__(self):
         check(self)
         if (self.end is None) == (self.along is None) or (self.along is None) != (self.length is None):
             raise ValueError(f"Stretch from {self.start!r}: give either its end, or what it goes along and its length")
+        if self.after and not isinstance(self.along, str):
+            raise ValueError(f"Stretch from {self.start!r}: after is {self.after:g} along no edge or curves; name "
+                             "them in along")
 
     def lines(self, mesh: NamedMesh) -> list[list[Piece]]:
         """Its line, as `lines_of` gives them.
@@ -136,15 +141,23 @@ class Stretch:
         if len(begin) != 1:
             found = "does not touch its start" if not begin else f"leaves its start in {len(begin)} directions"
             raise ValueError(f"Stretch from {self.start!r}: {self.along!r} {found}; give a direction, or an end")
-        part, left = [], self.length
+        part, before, left = [], self.after, self.length
         for piece in begin[0]:
             length = piece.length()
+            if length <= before * (1 + LONGER):
+                before -= length
+                continue
+            if before > length * LONGER:
+                piece = piece.turned().until(length - before).turned()
+                length -= before
+            before = 0.0
             if length >= left * (1 - LONGER):
                 return [*part, piece if length <= left * (1 + LONGER) else piece.until(left)]
             part.append(piece)
             left -= length
-        raise ValueError(f"Stretch from {self.start!r}: its length {self.length:.6g} is more than the "
-                         f"{self.length - left:.6g} of {self.along!r}; shorten it")
+        there = self.after + self.length - left - before
+        raise ValueError(f"Stretch from {self.start!r}: its length {self.after + self.length:.6g} is more than the "
+                         f"{there:.6g} of {self.along!r}; shorten it")
 
 
 SAME = 1e-6  # distance of places that count as one, over the size of the mesh

@@ -9,8 +9,6 @@ the welds are decides the answer (demos/dome_contact.md); the thesis gives neith
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import partial
 from typing import Annotated
 
 import numpy as np
@@ -20,17 +18,12 @@ from .. import meshes
 from ..case import Case
 from ..checks import AT_LEAST_1, NOT_NEGATIVE, POSITIVE, Choice
 from ..continuation.control import ArcLength
-from ..mesh.mixed import read_mixed
-from ..mesh.reader import NamedMesh, read
+from ..model.assembled import EDGES, FACES_OF_PANELS, TIES, Cells, Joining, coupled, skeleton, touching
 from ..model.beam import Beam
-from ..model.joints import Compatible, Joint
-from ..model.loads import PointForce
 from ..model.pair_contact import ENFORCEMENTS
 from ..model.plate import Plate
-from ..model.scene import Monitor, Scene
-from ..model.section import Elastic, Flanged, Tube, effective_width
-from ..model.shell import TRIANGLE, Shell, named_form
-from ..model.supports import Support
+from ..model.section import Elastic, Tube
+from ..model.structure import Members, Sheets, Structure
 from ..path import Until
 from ..record import Record
 from ..show.critical_modes import draw_critical_modes
@@ -39,26 +32,10 @@ from ..show.pairs import pair_history
 from ..show.standard import STANDARD
 from . import looked_at
 from ._benchmark import Form
-from ._dome_contact import EDGES, FACES_OF_PANELS, TIES, joints, separate_panels
 
 BAR, PANEL = Tube(40.0, 2.0), Plate(10.0)
 STEEL = Elastic(2.1e5, 0.3, density=7.85e-9)
 MODELS = "coupled", "contact", "flange", "bars"
-
-
-@dataclass(frozen=True, eq=False)
-class Dome:
-    """Parts of a dome.
-
-    Attributes
-    ----------
-    bars : mesh that has the apex and the corners
-    parts, joints : of the scene
-    """
-
-    bars: NamedMesh
-    parts: list[Beam | Shell]
-    joints: list[Joint]
 
 
 @looked_at
@@ -98,76 +75,30 @@ def case(
     step: Annotated[float | None, POSITIVE, Option(help="first arc length; default chosen by the structure")] = None,
 ) -> Case:
     """Dome of panels on bars: the load at which its rising path bifurcates, and where it goes from there."""
-    table = meshes.dome(geometry)
-    for name in ("apex", "corners"):
-        if name not in table.sets:
-            raise ValueError(f"dome: the geometry {geometry!r} has no set of nodes {name!r}; add it to the table")
+    structure, cells = dome(meshes.dome(geometry), held), Cells(divisions, grading, form)
     if model == "coupled":
-        dome = coupled(table, divisions, form, offset, grading)
+        scene = coupled(structure, cells, offset)
     elif model == "contact":
-        dome = touching(table, divisions, form, offset, faces, weld, pairs, stiffness, grading, tie=tie, gap=gap,
-                        friction=friction, enforcement=enforcement, edges=edges)
+        if stiffness is not None and pairs is not None:
+            stiffness *= pairs / structure.mean_span
+        scene = touching(structure, cells, Joining(weld, tie=tie, faces=faces, edges=edges, gap=gap, friction=friction,
+                                                   pairs=pairs, stiffness=stiffness, enforcement=enforcement), offset)
     else:
-        dome = skeleton(table, divisions, offset if model == "flange" else None, grading)
-    bars = dome.bars
+        scene = skeleton(structure, cells, offset if model == "flange" else None)
     return Case(
-        scene=Scene(dome.parts, [Support(bars, "corners", held)], [PointForce(bars, "apex", (0.0, 0.0, -1.0))],
-                    Monitor(bars, "apex", "z", -1.0), joints=dome.joints),
-        control=ArcLength() if step is None else ArcLength(step=step), until=Until(deflection=to),
+        scene=scene, control=ArcLength() if step is None else ArcLength(step=step), until=Until(deflection=to),
         quantities=quantities, pictures=[*STANDARD, draw_critical_modes, pair_history],
         axes=("deflection of the apex (mm)", "load (N)"))
 
 
-def coupled(table: meshes.Table, divisions: int, form: str, offset: float = 0.0, grading: float = 1.0) -> Dome:
-    """Panels and bars that share all nodes along their edges."""
-    discrete = named_form(form)
-    panels_and_bars = partial(meshes.structure, table, divisions, discrete.cell == TRIANGLE, grading=grading)
-    mesh = read_mixed(panels_and_bars, ["bars"])
-    beams = Beam(mesh.curves, BAR, STEEL, degree=discrete.displacement[1])
-    return Dome(mesh.curves, [beams, Shell(mesh.surfaces, PANEL, STEEL, form=form, offset=offset)],
-                [Compatible(mesh.curves, mesh.surfaces)])
-
-
-def touching(table: meshes.Table, divisions: int, form: str, offset: float, faces: str, weld: float,
-             pairs: int | None, stiffness: float | None, grading: float = 1.0, edges: str = "own", **joined) -> Dome:
-    """Panels that are welded to the bars near their corners, and touch them elsewhere."""
-    discrete = named_form(form)
-    mesh = separate_panels(table, divisions, discrete, edges, grading)
-    if stiffness is not None and pairs is not None:
-        lengths = [np.linalg.norm(np.subtract(table.nodes[a], table.nodes[b])) for a, b in table.bars]
-        stiffness *= pairs / float(np.mean(lengths))
-    beams = Beam(mesh.curves, BAR, STEEL, degree=discrete.displacement[1])
-    return Dome(mesh.curves, [beams, Shell(mesh.surfaces, PANEL, STEEL, form=form, offset=offset)],
-                joints(mesh, table, faces, weld, edges=edges, pairs=pairs, stiffness=stiffness, **joined))
-
-
-def skeleton(table: meshes.Table, divisions: int, offset: float | None, grading: float = 1.0) -> Dome:
-    """Bars alone (offset None), or with the effective width of panels that stand so far above their axes as flanges."""
-    alone = meshes.Table(table.nodes, table.bars, (), table.sets)
-    mesh = read(partial(meshes.structure, alone, divisions, grading=grading), 3)
-    if offset is None:
-        return Dome(mesh, [Beam(mesh, BAR, STEEL)], [])
-    alike: dict[str, list[str]] = {}
-    for name, ends in table.named_bars.items():
-        alike.setdefault(f"{flange_width(table, ends):.9g}", []).append(name)
-    parts: list[Beam | Shell] = []
-    for width, names in alike.items():
-        mesh.cells[f"flange {width}"] = np.sort(np.concatenate([mesh.cells[name] for name in names]))
-        section = Flanged(BAR, float(width), PANEL.thickness, offset)
-        parts.append(Beam(mesh, section, STEEL, group=f"flange {width}", offset=(section.centroid, 0.0)))
-    return Dome(mesh, parts, [])
-
-
-def flange_width(table: meshes.Table, ends) -> float:
-    """Effective width of the panels at a bar, whose halves reach to a third of their heights, as their centroids do."""
-    places = {name: np.array(x, dtype=float) for name, x in table.nodes.items()}
-    first, last = (places[name] for name in ends)
-    span, heights = float(np.linalg.norm(last - first)), []
-    for panel in table.panels:
-        if set(ends) <= set(panel):
-            across = np.mean([places[name] for name in panel], axis=0) - first
-            heights.append(float(np.linalg.norm(np.cross(across, (last - first) / span))))
-    return effective_width(span, PANEL.thickness, BAR.diameter, sum(heights))
+def dome(table: meshes.Table, held: str = "x y z") -> Structure:
+    """The dome of a table's nodes, bars and panels, held at its corners and pushed at its apex."""
+    for name in ("apex", "corners"):
+        if name not in table.sets:
+            raise ValueError(f"dome: the geometry has no set of nodes {name!r}; add it to the table")
+    return Structure(table.nodes, {"dome": Members(table.bars, BAR, STEEL)},
+                     {"dome": Sheets(table.panels, PANEL, STEEL)}, {"corners": held}, {"apex": (0.0, 0.0, -1.0)},
+                     ("apex", "z", -1.0), table.sets)
 
 
 def quantities(record: Record) -> dict[str, float]:
