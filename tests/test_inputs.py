@@ -74,7 +74,13 @@ def examples() -> dict[str, dict]:
         "ZSection": {"depth": 2.0, "width": 1.0, "web": 0.1, "flange": 0.1},
         "GivenSection": {"area": 1.0, "second_moments": (1.0, 2.0), "torsion": 1.0},
         "PolygonSection": {"corners": ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))},
-        "Case": {"scene": p.scene}, "Compatible": {"mesh": p.space, "to": p.plate},
+        "Case": {"scene": p.scene}, "Cells": {}, "Joining": {"weld": 1.0},
+        "Members": {"ends": [("a", "b")], "section": p.section, "material": p.material},
+        "Sheets": {"corners": [("a", "b", "c")], "plate": fx.Plate(0.1), "material": p.material},
+        "Structure": {"nodes": {"a": (0.0, 0.0, 0.0), "b": (1.0, 0.0, 0.0)}, "panels": {}, "supports": {"a": "x y z"},
+                      "bars": {"bar": fx.Members([("a", "b")], p.section, p.material)},
+                      "loads": {"b": (0.0, 0.0, 1.0)}, "monitor": ("b", "z", 1.0)},
+        "Compatible": {"mesh": p.space, "to": p.plate},
         "Contact": {"beam": p.beam, "obstacle": p.cylinder},
         "EdgeFoundation": {"mesh": p.plate, "at": "east", "stiffness": (1.0, 1.0, 1.0)},
         "EdgeForce": {"mesh": p.plate, "at": "east", "force": (0.0, 0.0, 1.0)}, "Elastic": {"modulus": 1.0},
@@ -139,10 +145,10 @@ class Right:
 
 LEGITIMATE = [
     Right("a switch can be on", (True,), "*.rotations *.follower *.fixed *.moving *.facets *.mixed_points *.triangles "
-          "arch.no-punch *.full bend.plain-tangent bend.polar deep-arch.hinged *.elastic *.line-load "
+          "arch.no-punch *.full *.eccentric bend.plain-tangent bend.polar deep-arch.hinged *.elastic *.line-load "
           "roll-up.spatial Case.error"),
     Right("without friction, hardening, an offset or the like", (0,), "*.friction *.cohesion *.strength *.gap *.reach "
-          "*.root *.toe *.inertia *.inner *.warping Box.radius GivenSection.product "
+          "*.screws *.after *.root *.toe *.inertia *.inner *.warping Box.radius GivenSection.product "
           "*.hardening *.kinematic *.poisson *.near *.layer *.distance *.overhang *.offset *.angle *.own *.panels "
           "*.adjust "
           "random_field.seed imperfect.amplitude dome.offset star-dome.ring arch.imperfection"),

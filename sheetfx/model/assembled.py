@@ -20,8 +20,8 @@ from .joints import Compatible, Joint
 from .loads import PointForce
 from .pair_contact import ENFORCEMENTS, FACES, PairContact
 from .scene import Monitor, Scene
-from .section import Flanged, effective_width
-from .shell import TRIANGLE, Shell, named_form
+from .section import Flanged, Section, effective_width
+from .shell import FORMS, TRIANGLE, Shell, named_form
 from .structure import Members, Structure
 from .supports import Support
 
@@ -43,11 +43,10 @@ class Cells:
 
     divisions: Count = 4
     grading: Annotated[float, Range(least=1)] = 1.0
-    form: str = "naghdi-q2"
+    form: Annotated[str, Choice(tuple(FORMS))] = "naghdi-q2"
 
     def __post_init__(self):
         check(self)
-        named_form(self.form)
 
 
 @dataclass(frozen=True)
@@ -108,10 +107,10 @@ def _flanged(structure: Structure, height: float) -> dict[str, tuple]:
     for name, kind in structure.bars.items():
         for ends in kind.ends:
             width = f"{flange_width(structure, kind, ends):.9g}"
-            section, offset = kind.section, 0.0
+            section: Section = kind.section
             if float(width):
                 section = Flanged(kind.section, float(width), _plate(structure).thickness, height)
-                offset = (section.centroid, 0.0)
+            offset = getattr(section, "centroid", 0.0), 0.0
             kinds.setdefault(f"flange {width} of {name}", (kind, section, offset, []))[-1].append(ends)
     return kinds
 

@@ -45,6 +45,8 @@ class Members:
 
     def __post_init__(self):
         check(self)
+        if not self.ends:
+            raise ValueError("Members: ends is empty; give at least one pair of nodes")
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +65,8 @@ class Sheets:
 
     def __post_init__(self):
         check(self)
+        if not self.corners:
+            raise ValueError("Sheets: corners is empty; give the nodes of at least one panel")
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,14 +100,17 @@ class Structure:
 
     def __post_init__(self):
         check(self)
-        if not any(kind.ends for kind in self.bars.values()):
-            raise ValueError("Structure: it has no bars; panels alone are a Shell")
+        if not self.bars:
+            raise ValueError("Structure: bars is empty; panels alone are a Shell")
         for what, places in (("supports", self.supports), ("loads", self.loads), ("monitor", self.monitor[:1])):
             require_known(f"Structure: {what}", places, [*self.sets, *self.nodes])
         for place, force in self.loads.items():
             require_components(f"Structure: load at {place!r}", force, 3)
         require_components("Structure: under", self.under, 3)
-        _ = self.table
+        try:
+            _ = self.table
+        except ValueError as error:
+            raise ValueError(f"Structure: {error}") from error
 
     @cached_property
     def table(self) -> meshes.Table:
