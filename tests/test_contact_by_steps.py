@@ -43,9 +43,10 @@ def test_limit_points_of_friction_lie_within_steps(control):
 
 @pytest.mark.silent("t03")
 def test_load_control_stops_where_friction_gives_way():
+    """At 1.5, but for what the stiffness of contact rounds."""
     with pytest.raises(fx.PathFailure) as failure:
         fx.trace(fx.Case(node_on_a_rough_floor(), fx.LoadControl(0.05, target=1.6)))
-    assert 1.45 < failure.value.record.states[-1].load / UNIT < 1.5
+    assert 1.45 < failure.value.record.states[-1].load / UNIT < 1.5 * (1 + 1e-4)
 
 
 def inclined(step, fixed, **how):

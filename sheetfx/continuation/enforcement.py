@@ -31,6 +31,7 @@ class Enforcement:
         begins : whether no step has led to that state
         """
         ways = [(False, self._multiples), (False, [1.0])] if len(self._multiples) > 1 else [(False, [1.0])]
+        ways += [(False, [1.0])] * any(c.retreats for c in self._rough)
         if again and begins and len(self._detours) > 1:
             ways += [(False, self._detours)]
         if not (eliminates and self._eliminates):
@@ -64,13 +65,15 @@ class Enforcement:
             self.regularise(times)
             if not solve():
                 self.regularise(1.0)
-                self._system.history.rewind()
-                return False
-        for _ in range(augmentations):
-            if self._augmented():
-                return True
-            if not solve():
                 break
+        else:
+            for _ in range(augmentations):
+                if self._augmented():
+                    return True
+                if not solve():
+                    break
+        for contribution in self._rough:
+            contribution.retreat()
         self._system.history.rewind()
         return False
 

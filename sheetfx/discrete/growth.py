@@ -17,16 +17,18 @@ class Growth:
 
     Parameters
     ----------
-    least : how often it grows within a step at least; each step then begins with the one that is given
+    least : how often it has grown at the end of a step at least; a step then begins again with the stiffness that is
+        given where it does not converge, and where that helps later ones with half the growth that has failed
 
     Attributes
     ----------
     times : how often it has grown by now
-    begun : how often it had by the last accepted state
+    begun : how often it has where a step begins
     """
 
     def __init__(self, least: int):
-        self._least, self.times, self.begun, self._deepest = least, 0, 0, inf
+        self._least, self.times, self.begun, self._deepest = least, least, least, inf
+        self._bound, self._failed = MOST, 0
 
     @property
     def factor(self) -> float:
@@ -41,7 +43,17 @@ class Growth:
     @property
     def approaches(self) -> tuple[float, ...]:
         """How many times softer pairs are through which a step is approached that fails otherwise, as past a corner."""
-        return (STIFFER, 1.0) if self.begun else (1.0,)
+        return (STIFFER, 1.0) if self.begun and not self._least else (1.0,)
+
+    @property
+    def retreats(self) -> bool:
+        """Whether a step that does not converge begins again with the stiffness that is given."""
+        return bool(self._least and self.begun)
+
+    def retreat(self) -> None:
+        """Begin with the stiffness that is given, or where that has failed as well, with that of before."""
+        if self._least:
+            self.begun, self._failed = self._failed, self.begun
 
     @property
     def suffices(self) -> bool:
@@ -60,14 +72,16 @@ class Growth:
         self._deepest = deepest
 
     def commit(self) -> None:
-        """Let the next step begin with what this one has ended with."""
-        self.restore(0 if self._least else self.times)
+        """Let the next step begin with what this one has ended with, or with half the growth that has failed in it."""
+        if self._failed:
+            self._bound = self._failed // 2
+        self.restore(self.times)
 
     def rewind(self) -> None:
         """Forget what a step has changed."""
-        self.restore(self.begun)
+        self.times, self._deepest = self.begun, inf
 
     def restore(self, begun: int) -> None:
-        """Return to an accepted state by which it had grown so often."""
-        self.times = self.begun = begun
-        self._deepest = inf
+        """Return to an accepted state by which it had grown so often, but to no stiffness that has failed since."""
+        self.begun, self._failed = min(begun, self._bound), 0
+        self.rewind()

@@ -60,7 +60,7 @@ class PairWork(PointWork):
         self._slip_left = pairs.tolerance * pairs.parameters[0] / pairs.parameters[1]
         self.tolerance = (self._slip_left if self.rubs else pairs.tolerance) if pairs.augmented else 0.0
         self.sticks = contact.law is forms.contact.mohr_coulomb
-        self._committed = self._history.copy()
+        self._committed, self._elastic = self._history.copy(), np.zeros((pairs.count, 1 + self._slips))
         self._partners_committed = self._partners.history() if self._partners else None
         self._pattern_nodes = self._seen = None
         self._table = pairs.table()
@@ -212,21 +212,20 @@ class PairWork(PointWork):
         self._slipping = None
         self.update_history(self.augments)
         self._growth.commit()
-        stiff = self._table
-        self.regularise(1.0)
-        if self.augments:
-            slips = self._law.strains(self.values())[:, 1:1 + self._slips]
-            self._history[:, 1:1 + self._slips] += (stiff - self._table)[:, 1:2] * slips
-            pressure = self._history[:, 0]
-            pressure[:] = np.where(pressure > 0, pressure + self._table[:, 0] * self.place(), 0.0)
-            self._put_history(self._history)
         self._committed = self._history.copy()
+        if self.augments:
+            strains, pressed = self._law.strains(self.values()), self._history[:, 0] > 0
+            self._elastic = strains[:, :1 + self._slips] * np.where(np.arange(1 + self._slips), -1.0, 1.0)
+            self._elastic[~pressed, 0] = self._committed[~pressed, 0] = 0.0
+            self._committed[:, 1:1 + self._slips] -= self._table[:, 1:2] * self._elastic[:, 1:]
+        self.regularise(1.0)
+        self._put_history(self._begun())
         if self._partners:
             self._partners.commit()
             self._partners_committed = self._partners.history()
 
     def snapshot(self) -> dict[str, np.ndarray]:
-        kept = {self._name: self._committed.copy()}
+        kept = {self._name: np.column_stack((self._committed, self._elastic))}
         if self._partners:
             kept[f"{self._name} partners"] = self._partners_committed.copy()
         if self.augments:
@@ -236,8 +235,15 @@ class PairWork(PointWork):
     def origins(self) -> dict[str, np.ndarray]:
         return {name: np.arange(len(rows)) for name, rows in self.snapshot().items()}
 
+    @property
+    def retreats(self) -> bool:  # type: ignore[override]
+        return self._growth.retreats
+
+    def retreat(self) -> None:
+        self._growth.retreat()
+
     def restore(self, snapshot: dict[str, np.ndarray]) -> None:
-        self._committed = snapshot[self._name].copy()
+        self._committed, self._elastic = np.hsplit(snapshot[self._name], [self._history.shape[1]])
         if self._partners:
             self._partners_committed = snapshot[f"{self._name} partners"].copy()
         if self.augments:
@@ -248,8 +254,14 @@ class PairWork(PointWork):
         self._slipping = None
         self._growth.rewind()
         self.regularise(1.0)
-        self._put_history(self._committed.copy())
+        self._put_history(self._begun())
         self._return_partners()
+
+    def _begun(self) -> np.ndarray:
+        """History that a step begins with: that of the last accepted state at present stiffnesses."""
+        history, normal_and_along = self._committed.copy(), np.arange(1 + self._slips).clip(max=1)
+        history[:, :1 + self._slips] += self._table[:, normal_and_along] * self._elastic
+        return history
 
     def _return_partners(self) -> None:
         """Have the partners of the last accepted state."""

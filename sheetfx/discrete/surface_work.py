@@ -85,9 +85,10 @@ class SurfaceWork(PairWork):
     `Pairs.gap` are the distances at which they touch; arms and axes of pairs do not count. Slips are those of the
     partners along the undeformed surface, on axes of their own.
 
-    Where pressures are augmented each step begins with a low stiffness, with which points that touch go on touching
-    while Newton's iteration moves them, and ends with a high one, so that few augmentations are needed and the tangent
-    has no flexibility of its own.
+    Where pressures are augmented each step ends with a high stiffness, so that the tangent has no flexibility of its
+    own, and begins with the one that the last step has ended with: few augmentations are needed then. Where that does
+    not converge, it begins with the low one that is given, with which points that touch go on touching while Newton's
+    iteration moves them.
     """
 
     _partners: SurfacePartners
