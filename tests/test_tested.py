@@ -153,3 +153,10 @@ def test_tables_of_the_thesis():
             assert (len(table.nodes), len(table.bars), len(table.panels)) == (nodes, bars, panels)
     radius = np.linalg.norm(np.array([*fx.read_structure(STRUCTURES["m1"]).nodes.values()]) + [0, 0, 843.75], axis=1)
     assert radius == pytest.approx(993.75, rel=1e-3), "on one sphere"
+
+
+def test_feet_of_m3_slide():
+    """On a smooth floor columns spread, on a rough one less; held feet carry most."""
+    loads = [fx.trace(load_case("m3")(model="bars", elastic=True, divisions=2, to=2.0, **feet)).states[-1].load
+             for feet in ({"slide": 0.0}, {"slide": 0.2}, {})]
+    assert 0 < loads[0] < loads[1] < loads[2]

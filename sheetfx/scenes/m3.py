@@ -8,16 +8,21 @@ points of both diagonals; deflections are those of the centre.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated
 
 import numpy as np
 from typer import Option
 
 from ..case import Case
-from ..checks import POSITIVE, Range
+from ..checks import NOT_NEGATIVE, POSITIVE, Range
 from ..model.assembled import Joining
+from ..model.joints import Spring
+from ..model.obstacle_contact import ObstacleContact
+from ..model.obstacles import RigidPlane
 from ..model.plasticity import Plastic
 from ..model.plate import Plate
+from ..model.scene import Scene
 from ..model.section import Rectangle, round_bar
 from ..model.structure import Members, Sheets, Structure
 from . import _structures as with_
@@ -27,6 +32,7 @@ from ._benchmark import Form
 INNER, EDGE, COLUMN, PANEL = Rectangle(8.02, 20.19), Rectangle(10.21, 20.21), round_bar(40.0), Plate(1.0)
 BARS, PANELS = Plastic(2.03e5, 0.3, yield_stress=355.0), Plastic(2.01e5, 0.3, yield_stress=182.0)
 COLUMNS = 37.98, 38.37, 38.15, 38.14
+SOFT = 1.0  # N/mm, against feet that slide: 1 N where the structure carries some 10 kN
 
 
 @looked_at
@@ -35,6 +41,8 @@ def case(
     span: Annotated[float, POSITIVE, Option(help="between columns, mm")] = 800.0,
     rise: Annotated[float, POSITIVE, Option(help="of the centre above the corners, mm")] = 80.0,
     held: Annotated[str, Option(help="components that are held at the feet of the columns")] = "x y z",
+    slide: Annotated[float | None, NOT_NEGATIVE,
+                     Option(help="coefficient of friction of feet on a floor; default: they are held")] = None,
     model: with_.Model = "coupled", eccentric: with_.Eccentric = False, elastic: with_.Unyielding = False,
     divisions: with_.Divisions = 4, grading: with_.Grading = None, form: Form = "naghdi-q2",
     edges: with_.Edges = "shared", faces: with_.Faces = "seat", weld: with_.Weld = 20.0, screws: with_.Screws = 0,
@@ -44,8 +52,18 @@ def case(
 ) -> Case:
     """A plan that M3 of the thesis may have had: its limit load."""
     joining = Joining(weld, screws, radius, tie, faces, edges, gap, friction, pairs, stiffness, enforcement)
-    return with_.case_of(ribs(bays, span, rise, held), model, eccentric, elastic, divisions, grading, form, joining, to,
-                         step)
+    structure = ribs(bays, span, rise, held)
+    case = with_.case_of(structure, model, eccentric, elastic, divisions, grading, form, joining, to, step)
+    return case if slide is None else replace(case, scene=on_floor(structure, case.scene, slide))
+
+
+def on_floor(structure: Structure, scene: Scene, friction: float) -> Scene:
+    """The scene with a rough floor under each foot in the place of supports, and springs, as nothing presses it yet."""
+    mesh = scene.monitor.on
+    joints = [joint for foot in structure.sets["feet"] for joint in (
+        ObstacleContact(mesh, foot, RigidPlane(structure.nodes[foot], (0.0, 0.0, 1.0)), friction=friction,
+                        distance=0.0, name="foot"), Spring(mesh, foot, "x", SOFT), Spring(mesh, foot, "y", SOFT))]
+    return replace(scene, supports=(), joints=[*scene.joints, *joints])
 
 
 def ribs(bays: int, span: float, rise: float, held: str = "x y z") -> Structure:

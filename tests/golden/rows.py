@@ -35,6 +35,7 @@ SWITCHES = {
     "continuation/work.py:require_work": None,
     "events/leaping.py:require_convergence": None,
     "events/heading.py:hides": False,
+    "discrete/growth.py:Growth.retreats": False,
     "path.py:Path._past_corner": None,
     "path.py:Path._by_change": None,
     "path.py:Path._around_corner": None,

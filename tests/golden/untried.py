@@ -18,7 +18,6 @@ import sheetfx as fx
 from sheetfx.scenes import load_case
 
 WRONG = {
-    "column-at-wall": "no bifurcation below 14 pi^2: the tangent of the penalty lacks the moving reaction",
     "dome-contact-lifts": "limits at 282.1 and 271.2 kN, where edges lift; steps go straight past (0.001 finds them)",
 }
 
