@@ -165,10 +165,13 @@ if MPI.COMM_WORLD.rank == 0:
 
 
 def test_two_processes_find_the_same():
+    """Gradients are differences over a millionth of the parameter, of which rounding leaves four to five digits."""
     case = sinusoidal_arch.case(elements=8)
     record = fx.trace(fx.Case(case.scene, case.control, fx.Until(deflection=0.06)))
     (point,) = record.critical_points
     alone = [record.error_bars()[0].error,
              record.gradient(point, lambda v: sinusoidal_arch.case(elements=8, alpha=v).scene, 2.8)]
     (line,) = on_two_processes(TWO)
-    assert [float(value) for value in line.split()] == pytest.approx(alone, rel=1e-5)
+    error, gradient = (float(value) for value in line.split())
+    assert error == pytest.approx(alone[0], rel=1e-5)
+    assert gradient == pytest.approx(alone[1], rel=1e-4)

@@ -148,7 +148,7 @@ LEGITIMATE = [
           "arch.no-punch *.full *.eccentric bend.plain-tangent bend.polar deep-arch.hinged *.elastic *.line-load "
           "roll-up.spatial Case.error"),
     Right("without friction, hardening, an offset or the like", (0,), "*.friction *.cohesion *.strength *.gap *.reach "
-          "*.screws *.after *.root *.toe *.inertia *.inner *.warping Box.radius GivenSection.product "
+          "*.screws *.after *.slide *.root *.toe *.inertia *.inner *.warping Box.radius GivenSection.product "
           "*.hardening *.kinematic *.poisson *.near *.layer *.distance *.overhang *.offset *.angle *.own *.panels "
           "*.adjust "
           "random_field.seed imperfect.amplitude dome.offset star-dome.ring arch.imperfection"),

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import time
 import warnings
+from pathlib import Path
 
 import pytest
-from panel import case
 
 import sheetfx as fx
+from sheetfx.scenes import load_case
+
+PANEL = Path(__file__).parents[1] / "demos" / "panel.py"
 
 
 def traced(**options):
     """End of the path, its largest penetration, and CPU seconds of the path."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        made = case(**options)
+        made = load_case(str(PANEL))(**options)
         start = time.process_time()
         record = fx.trace(made)
     return record, time.process_time() - start

@@ -118,6 +118,21 @@ def test_screws_stiffen(tmp_path, screws, radius):
     assert (found > bounds[0] * (1 + 1e-6)) == (screws > 0)
 
 
+@pytest.mark.parametrize(("after", "length"), [(0.0, 0.5), (0.1, 0.2), (0.25, 0.25), (0.3, 0.7), (0.55, 0.1)])
+def test_a_stretch_begins_behind_the_start_of_an_edge(after, length):
+    """Within cells, at their ends, over several, from both ends of the edge."""
+    mesh = fx.read(lambda: fx.meshes.rectangle((4, 1), (1.0, 1.0)), 3)
+    for start, sign in (("south-west", 1), ("south-east", -1)):
+        line, = fx.Stretch(start, along="south", length=length, after=after).lines(mesh)
+        first, last = line[0].places(np.array([0.0]))[0, 0], line[-1].places(np.array([1.0]))[0, 0]
+        assert [first, last] == pytest.approx([0.5 - sign * (0.5 - after), 0.5 - sign * (0.5 - after - length)])
+        assert sum(piece.length() for piece in line) == pytest.approx(length)
+    with pytest.raises(ValueError, match="its length 1.1 is more than the 1 of 'south'"):
+        fx.Stretch("south-west", along="south", length=0.8, after=0.3).lines(mesh)
+    with pytest.raises(ValueError, match="after is 0.1 along no edge or curves"):
+        fx.Stretch("south-west", end="south-east", after=0.1)
+
+
 @pytest.mark.parametrize("changes, message", [
     ({"materials": {"steel": {"modulus": 2e5, "E": 1.0}}}, "material 'steel': no 'E'; choose from modulus, poisson"),
     ({"materials": {"steel": {"poisson": 0.3}}}, "material 'steel' has no 'modulus'"),
@@ -142,6 +157,10 @@ def test_wrong_joints_are_refused(tmp_path):
         fx.touching(structure, fx.Cells(2), fx.Joining(40.0))
     with pytest.raises(ValueError, match="5 screws with radius 10 overlap on"):
         fx.touching(structure, fx.Cells(2), fx.Joining(5.0, 5, 10.0))
+    bare = {"panels": {}}
+    for scene in (fx.coupled, lambda *given: fx.touching(*given, fx.Joining(1.0))):
+        with pytest.raises(ValueError, match="panels is empty; give some, or take its `skeleton`"):
+            scene(fx.read_structure(written(tmp_path, **bare)), fx.Cells(2))
     with pytest.raises(ValueError, match="give a JSON file"):
         fx.read_structure(tmp_path / "frame.csv")
 

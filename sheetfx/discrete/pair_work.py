@@ -54,7 +54,7 @@ class PairWork(PointWork):
         self._slips, self._history = n if pairs.rubs else 0, np.zeros((pairs.count, 1 + 2 * n))
         points = self._law_of([unknowns.fields[t.field].components for t in traces])
         super().__init__(unknowns, traces, points, smooth=False, conservative=not self._slips)
-        self._growth = Growth(self._least)
+        self._growth = Growth(self._least if pairs.augmented else 0)
         self.rubs = pairs.rubs
         self.augments = pairs.augmented
         self._slip_left = pairs.tolerance * pairs.parameters[0] / pairs.parameters[1]

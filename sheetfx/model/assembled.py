@@ -122,19 +122,23 @@ def coupled(structure: Structure, cells: Cells, offset: float = 0.0) -> Scene:
     ----------
     offset : of the panels' mid-surfaces above the axes of the bars
     """
-    triangles = named_form(cells.form).cell == TRIANGLE
-    mesh = read_mixed(partial(meshes.structure, structure.table, cells.divisions, triangles, grading=cells.grading),
-                      ["bars"])
+    mesh = _mesh(structure, cells, separate=False)
     return _scene(structure, mesh.curves, _parts(structure, mesh, cells, offset),
                   [Compatible(mesh.curves, mesh.surfaces)])
 
 
 def touching(structure: Structure, cells: Cells, joining: Joining, offset: float = 0.0) -> Scene:
     """Sheets that are welded to the bars near their corners, screwed between them, and touch them elsewhere."""
-    triangles = named_form(cells.form).cell == TRIANGLE
-    mesh = read_mixed(partial(meshes.structure, structure.table, cells.divisions, triangles, EDGES[joining.edges],
-                              cells.grading), ["bars"])
+    mesh = _mesh(structure, cells, EDGES[joining.edges])
     return _scene(structure, mesh.curves, _parts(structure, mesh, cells, offset), _joints(structure, mesh, joining))
+
+
+def _mesh(structure: Structure, cells: Cells, separate: bool | str) -> MixedMesh:
+    if not structure.panels:
+        raise ValueError("Structure: panels is empty; give some, or take its `skeleton`, the bars alone")
+    triangles = named_form(cells.form).cell == TRIANGLE
+    source = partial(meshes.structure, structure.table, cells.divisions, triangles, separate, cells.grading)
+    return read_mixed(source, ["bars"])
 
 
 def flange_width(structure: Structure, kind: Members, ends: Sequence[str]) -> float:
@@ -182,6 +186,8 @@ def _joints(structure: Structure, mesh: MixedMesh, joining: Joining) -> list[Joi
     bars = {frozenset(ends) for ends in table.bars}
     lines = {line: ends for line, ends in meshes.edges_of(table, EDGES[joining.edges]).items()
              if frozenset(name.split(" of ")[0] for name in ends) in bars}
+    if not lines:
+        raise ValueError("Structure: no edge of its panels lies along a bar, where they could be joined; add such bars")
     spans = {line: _distance(table, ends) for line, ends in lines.items()}
     if not length < (shortest := min(spans.values()) / 2):
         raise ValueError(f"Joining: weld is {length:g}; give a length below half of the shortest edge, {shortest:.4g}")
