@@ -171,14 +171,16 @@ def test_edges_that_have_slid_up_to_bars_stick_there():
 def test_the_load_falls_where_a_step_has_passed_a_corner_by_a_hair():
     """Panels that lie on the bars, with short welds, lift at 185.88 kN, and six modes become unstable at once.
 
-    A step ended 1e-8 of the load behind this corner. The falling path, which turns back sharply, has six unstable
-    modes as that state has, and was taken for the rising one, on which none is. The highest state is beside the corner.
+    A step ended 1e-8 of the load behind this corner. The falling path, which turns back sharply, was taken for the
+    rising one, on which no mode is unstable. Which of the falling paths is followed steps decide: that with six
+    unstable modes, or since steps end at corners one with two. The highest state is beside the corner.
     """
     seat = case(model="contact", divisions=6, grading=4.0, faces="seat", weld=100.0, friction=0.2)
-    record = fx.trace(replace(seat, until=fx.Until(deflection=20.0, steps=8)))
+    record = fx.trace(replace(seat, until=fx.Until(deflection=20.0, steps=16)))
     highest, last = max(record.states, key=lambda state: state.load), record.states[-1]
     assert highest.load == pytest.approx(185.88e3, rel=5e-4)
-    assert last.load < 0.9 * highest.load and last.deflection < highest.deflection and last.unstable_modes == 6
+    assert last.load < 0.9 * highest.load and last.deflection < highest.deflection and last.unstable_modes in (2, 6)
+    assert sum(p.multiplicity for p in record.critical_points if p.kind == "bifurcation") >= last.unstable_modes
 
 
 @pytest.mark.slow

@@ -6,6 +6,7 @@ import json
 
 import numpy as np
 import pytest
+from helpers import on_two_processes
 
 import sheetfx as fx
 from sheetfx.meshes.tables import STRUCTURES
@@ -59,6 +60,26 @@ def test_bars_alone():
 def test_limit_loads(scene, options, load, tolerance):
     """Values of scripts outside this project, on the same meshes but for the first, which is converged to 0.5 %."""
     assert limit(scene, **options)[0].load == pytest.approx(load, rel=tolerance)
+
+
+TWO = """
+import sheetfx as fx
+from sheetfx.scenes import load_case
+for options in {options}:
+    record = fx.trace(load_case("m1")(**options))
+    print(*(x for p in [*record.critical_points, record.states[-1]] for x in (p.load, p.deflection)))
+"""
+
+
+@pytest.mark.slow
+def test_two_processes_follow_the_path_of_one():
+    """Coupled and yielding, welded and screwed with contact, and bars with flanges."""
+    options = [{"coordinates": "measured", "divisions": 2, "to": 4.4}, {"model": "flange", "divisions": 2, "to": 2.0},
+               {"model": "contact", "coordinates": "measured", "elastic": True, "screws": 1, "divisions": 2, "to": 1.0}]
+    records = [fx.trace(load_case("m1")(**given)) for given in options]
+    for record, line in zip(records, on_two_processes(TWO.format(options=options)), strict=True):
+        found = [x for p in [*record.critical_points, record.states[-1]] for x in (p.load, p.deflection)]
+        assert [float(x) for x in line.split()] == pytest.approx(found, rel=1e-8)
 
 
 def test_a_plan_for_m3():
