@@ -19,6 +19,8 @@ class Growth:
     ----------
     least : how often it has grown at the end of a step at least; a step then begins again with the stiffness that is
         given where it does not converge, and where that helps later ones with half the growth that has failed
+    rubs : whether there is friction, with which each step begins with the stiffness that is given where there is a
+        least growth: what sticks to it turns less sharply as it begins to slip
 
     Attributes
     ----------
@@ -26,9 +28,14 @@ class Growth:
     begun : how often it has where a step begins
     """
 
-    def __init__(self, least: int):
-        self._least, self.times, self.begun, self._deepest = least, least, least, inf
-        self._bound, self._failed = MOST, 0
+    def __init__(self, least: int, rubs: bool):
+        self._least, self._bound, self._failed, self._deepest = least, 0 if least and rubs else MOST, 0, inf
+        self.times = self.begun = min(least, self._bound)
+
+    @property
+    def kept(self) -> tuple[int, int]:
+        """What `restore` returns to: how often it has grown where a step begins, and may have at most."""
+        return self.begun, self._bound
 
     @property
     def factor(self) -> float:
@@ -75,13 +82,14 @@ class Growth:
         """Let the next step begin with what this one has ended with, or with half the growth that has failed in it."""
         if self._failed:
             self._bound = self._failed // 2
-        self.restore(self.times)
+        self.restore(self.times, self._bound)
 
     def rewind(self) -> None:
         """Forget what a step has changed."""
         self.times, self._deepest = self.begun, inf
 
-    def restore(self, begun: int) -> None:
-        """Return to an accepted state by which it had grown so often, but to no stiffness that has failed since."""
+    def restore(self, begun: int, bound: int) -> None:
+        """Return to an accepted state, see `kept`, but to no stiffness that has failed since."""
+        self._bound = min(bound, self._bound)
         self.begun, self._failed = min(begun, self._bound), 0
         self.rewind()

@@ -54,7 +54,7 @@ class PairWork(PointWork):
         self._slips, self._history = n if pairs.rubs else 0, np.zeros((pairs.count, 1 + 2 * n))
         points = self._law_of([unknowns.fields[t.field].components for t in traces])
         super().__init__(unknowns, traces, points, smooth=False, conservative=not self._slips)
-        self._growth = Growth(self._least if pairs.augmented else 0)
+        self._growth = Growth(self._least if pairs.augmented else 0, pairs.rubs)
         self.rubs = pairs.rubs
         self.augments = pairs.augmented
         self._slip_left = pairs.tolerance * pairs.parameters[0] / pairs.parameters[1]
@@ -229,7 +229,7 @@ class PairWork(PointWork):
         if self._partners:
             kept[f"{self._name} partners"] = self._partners_committed.copy()
         if self.augments:
-            kept[f"{self._name} stiffness"] = np.array([self._growth.begun])
+            kept[f"{self._name} stiffness"] = np.array(self._growth.kept)
         return kept
 
     def origins(self) -> dict[str, np.ndarray]:
@@ -247,7 +247,7 @@ class PairWork(PointWork):
         if self._partners:
             self._partners_committed = snapshot[f"{self._name} partners"].copy()
         if self.augments:
-            self._growth.restore(int(snapshot[f"{self._name} stiffness"][0]))
+            self._growth.restore(*map(int, snapshot[f"{self._name} stiffness"]))
         self.rewind()
 
     def rewind(self) -> None:

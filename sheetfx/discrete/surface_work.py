@@ -86,9 +86,9 @@ class SurfaceWork(PairWork):
     partners along the undeformed surface, on axes of their own.
 
     Where pressures are augmented each step ends with a high stiffness, so that the tangent has no flexibility of its
-    own, and begins with the one that the last step has ended with: few augmentations are needed then. Where that does
-    not converge, it begins with the low one that is given, with which points that touch go on touching while Newton's
-    iteration moves them.
+    own, and without friction begins with the one that the last step has ended with: few augmentations are needed then.
+    Where that does not converge, it begins with the low one that is given, with which points that touch go on touching
+    while Newton's iteration moves them.
     """
 
     _partners: SurfacePartners
