@@ -106,12 +106,12 @@ def _flanged(structure: Structure, height: float) -> dict[str, tuple]:
     kinds: dict[str, tuple] = {}
     for name, kind in structure.bars.items():
         for ends in kind.ends:
-            width = f"{flange_width(structure, kind, ends):.9g}"
+            wide = f"{flange_width(structure, kind, ends):.9g}"
             section: Section = kind.section
-            if float(width):
-                section = Flanged(kind.section, float(width), _plate(structure).thickness, height)
+            if float(wide):
+                section = Flanged(kind.section, float(wide), _plate(structure).thickness, height)
             offset = getattr(section, "centroid", 0.0), 0.0
-            kinds.setdefault(f"flange {width} of {name}", (kind, section, offset, []))[-1].append(ends)
+            kinds.setdefault(f"flange {wide} of {name}", (kind, section, offset, []))[-1].append(ends)
     return kinds
 
 

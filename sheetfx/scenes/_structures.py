@@ -95,7 +95,7 @@ def case_of(structure: Structure, model: str, eccentric: bool, elastic: bool, di
     if elastic:
         structure = structure.elastic()
     cells = Cells(divisions, grading or (GRADED if model == "contact" else 1.0), form)
-    offset = assembled.seat(structure) if eccentric else 0.0
+    offset = assembled.seat(structure) if eccentric and model != "bars" else 0.0
     if model in ("bars", "flange"):
         scene = assembled.skeleton(structure, cells, offset if model == "flange" else None)
     elif model == "coupled":
