@@ -25,6 +25,7 @@ _ROOMS = {
     "model.given_section": "GivenSection",
     "model.history": "LawWithHistory",
     "model.ilyushin": "Ilyushin",
+    "model.initial_strain": "InitialStrain StressFree Temperature",
     "model.interface": "Interface bolt hinge link weld",
     "model.loads": "EdgeForce LineForce Load Moment "
                    "ObstacleForce PointForce PrescribedDisplacement PrescribedRotation SurfaceForce",

@@ -114,6 +114,7 @@ def balance(tracer: Tracer, states: Sequence[State], accuracy: float | None = No
     works = cast(Discretisation, tracer.discretisation).works_of_parts
     untold = {f"{c.called or type(c).__name__} does not tell its energy" for c in system.contributions
               if c.stage is None and c not in works and c.energy() is None}
+    untold |= {f"{c.called} does not tell its work" for c in system.contributions if not c.tells_work}
     if not all(work.tells_energy for work in works):
         untold.add("a law with history does not tell what it stores")
     books = EnergyLedger(tracer, states)

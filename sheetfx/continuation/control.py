@@ -230,7 +230,7 @@ class ArcLength(TwoWayRule):
     def load_weight(self, tangent) -> float:
         """psi^2."""
         if self.shape == "cylindrical":
-            return 0.0
+            return tangent.least_weight
         stiffness = abs(tangent.current_stiffness) if self.shape == "elliptical" else 1.0
         return stiffness * tangent.initial_norm2
 
@@ -271,6 +271,10 @@ class ArcLength(TwoWayRule):
         return max(candidates, key=lambda change: change * along), part
 
 
+# Weight of the load where it moves nothing at first: the first step by arc length is that of load control then.
+ONLY_STRESSED = (ArcLength.default / LoadControl.default) ** 2
+
+
 def _largest_part(a: float, b: float, c: float) -> float:
     """Largest part in [0, 1] with a part^2 + 2 b part + c >= 0, where c is not negative."""
     c = max(c, 0.0)
@@ -290,6 +294,7 @@ class LoadResponse:
     weights : diagonal of the inner product
     functional : the controlled displacement
     initial_norm2 : squared norm of the first state's solution
+    least_weight : of the load in lengths, psi^2, where the first state does not move
     current_stiffness : Bergan's current stiffness parameter
     """
 
@@ -297,6 +302,7 @@ class LoadResponse:
     weights: PETSc.Vec
     functional: Functional
     initial_norm2: float = 1.0
+    least_weight: float = 0.0
     current_stiffness: float = 1.0
 
     def __post_init__(self):

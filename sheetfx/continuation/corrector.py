@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from math import inf
 
 import numpy as np
@@ -200,8 +201,7 @@ class BorderedNewton:
             else:
                 self.linear.solve(self._residual, self._part)
             self._part.scale(-1)
-            tangent = LoadResponse(self._unit, self.tangent.weights, self.tangent.functional,
-                              self.tangent.initial_norm2, self.tangent.current_stiffness)
+            tangent = replace(self.tangent, solution=self._unit)
             change, part = self.control.correct(self.length, tangent, x, self.load_increment, self._part)
             damping = self._damping()
             self._step.zeroEntries()

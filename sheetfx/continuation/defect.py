@@ -90,7 +90,7 @@ def _correction(tracer, residual: PETSc.Vec, response: PETSc.Vec) -> tuple[float
     """Length of the correction by the factor at hand, off the response to the load, and its size in the load factor."""
     correction, inner = residual.duplicate(), tracer.tangent.inner
     tracer.stepper.linear.solve(residual, correction)
-    load = inner(correction, response) / inner(response, response)
+    load = inner(correction, response) / (inner(response, response) + tracer.tangent.least_weight)
     correction.axpy(-load, response)
     return inner(correction, correction) ** 0.5, abs(load)
 

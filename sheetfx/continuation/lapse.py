@@ -73,5 +73,5 @@ def _forgotten(segment: Segment) -> tuple[float, float]:
     tracer.factorise_at(after)
     error, response, inner = lost.duplicate(), system.create_vector(after.response), tracer.tangent.inner
     tracer.stepper.linear.solve(lost, error)
-    error.axpy(-inner(error, response) / inner(response, response), response)
+    error.axpy(-inner(error, response) / (inner(response, response) + after.least_weight), response)
     return share, sqrt(inner(error, error)) / tracer.distance(*after.direction)

@@ -106,7 +106,7 @@ class State:
     response : displacement by a unit of load, with the tangent of the step that led here
     current_stiffness : Bergan's current stiffness parameter
     displacement_extremes : number of its sign changes through infinity so far
-    reference : squared norm of the first response, and its work
+    reference : squared norm of the first response, and its work; where a load only stresses it, a weight, and 0
     contact_points, penetration : points that touch and largest penetration
     apart : whether contacts do nothing, nor would after a small motion
     forgotten, astray : share of the resultants that laws with history forget of the step's way, and how far that has
@@ -148,6 +148,12 @@ class State:
     def __str__(self) -> str:
         modes = f", {self.unstable_modes} unstable modes" if self.unstable_modes else ""
         return f"step {self.step} at load {self.load:.6g}, deflection {self.deflection:.6g}{modes}"
+
+    @property
+    def least_weight(self) -> float:
+        """Square of the load's weight in lengths, where it only stresses the first state (which then does no work)."""
+        norm2, work = self.reference
+        return 0.0 if work else norm2
 
     @property
     def direction(self) -> tuple[float, np.ndarray]:

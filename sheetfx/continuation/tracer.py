@@ -10,8 +10,9 @@ import numpy as np
 from petsc4py import PETSc
 
 from ..discrete.free_motions import usual_stiffness
+from ..rounding import NONE, SAFETY, noise
 from .callbacks import interruptible
-from .control import LoadResponse, StepRule
+from .control import ONLY_STRESSED, LoadControl, LoadResponse, StepRule
 from .corrector import FLOWS_TO_AND_FRO, TO_AND_FRO, create, fewer_iterations
 from .enforcement import Enforcement
 from .inertia import Uncounted, UnstableModes, first_critical
@@ -50,6 +51,7 @@ class Tracer(Measuring):
         self._factored: tuple[np.ndarray | None, int] = None, 0
         self._count = UnstableModes(self.system, self.stepper.linear)
         self.system.history.rebase()
+        self.system.factors.enter(0, self._at_first(0))
         try:
             self.state = self._converged(None)
             self._load.array[:] = np.cos(np.arange(self._load.local_size))
@@ -58,8 +60,38 @@ class Tracer(Measuring):
         except SingularTangent:
             raise ValueError(discretisation.why_singular()) from None
         self._mark_factored(moved=False)
+        self._balance()
         self._choose_first_length()
         self.state = replace(self.state, next_length=self.first)
+
+    def _at_first(self, stage: int) -> float:
+        """Load factor with which a stage begins."""
+        return float(any(s.at_once for s in self.discretisation.stages[stage:stage + 1]))
+
+    def _balance(self) -> None:
+        """Find the balance that a stage begins with, where its first state is out of balance by more than rounding.
+
+        Raises
+        ------
+        ValueError
+            Where none is found.
+        """
+        start, system = self.state, self.system
+        residual, off = system.create_vector(), []
+        system.residual(residual)
+        if not residual.norm() > 0:
+            return
+        for force in (residual, noise(system, self.x)):
+            self.stepper.linear.solve(force, self._load)
+            off.append(self.distance(0.0, self._load.array))
+        if off[0] <= SAFETY * off[1]:
+            return
+        found = self._attempted(LoadControl(), self.tangent, 0.0)
+        if found is None:
+            raise ValueError(f"Scene: the structure that the path begins with is out of balance by forces of "
+                             f"{residual.norm():.4g} in all, and no balance is found ({self.reason()}); let loads or "
+                             "InitialStrain put them on in a Stage")
+        self.state = replace(found, step=start.step, increment=start.increment, length=0.0)
 
     @property
     def total_factorisations(self) -> int:
@@ -173,14 +205,17 @@ class Tracer(Measuring):
             self.snes.setTolerances(max_it=control.iterations_allowed)
         self.control, self.tangent.functional = control, self._controlled(control)
         before, spent = self.state, self.total_factorisations
-        self.system.factors.enter(stage, 0.0)
+        self.system.factors.enter(stage, self._at_first(stage))
         self._reference, self._most = None, 0
         begun = self._converged(None, factorisations=spent)
-        self._choose_first_length()
-        self.state = replace(begun, step=before.step + 1, deflection=before.deflection, next_length=self.first)
+        self.state = replace(begun, step=before.step + 1, deflection=before.deflection)
         if not self.system.conservative:
             self.state = replace(self.state, unstable_modes=before.unstable_modes)
         self._mark_factored(moved=False)
+        if self.system.factor:
+            self._balance()
+        self._choose_first_length()
+        self.state = replace(self.state, next_length=self.first)
         return self.state
 
     def _choose_first_length(self) -> None:
@@ -196,7 +231,8 @@ class Tracer(Measuring):
             self.first = control.with_contact * self.usual
         if not control.guarded or not system.smooth:
             return
-        estimate = first_critical(system, self.stepper.linear, self._response, PROBE / sqrt(self.tangent.norm2))
+        estimate = first_critical(system, self.stepper.linear, self._response, PROBE / sqrt(
+            self.tangent.norm2 + self.tangent.least_weight))
         self.shortest = min(self.usual, control.before_critical * estimate
                             / abs(control.predict(1.0, 1.0, self.tangent)))
         if control.step is None:
@@ -255,8 +291,9 @@ class Tracer(Measuring):
         """Return to an earlier state of this path."""
         self.system.restore(state.fields)
         self._response.array[:] = state.response
-        self.tangent.initial_norm2, self.tangent.current_stiffness = state.reference[0], state.current_stiffness
         self._reference = state.reference
+        self.tangent.initial_norm2, self.tangent.least_weight = state.reference[0], state.least_weight
+        self.tangent.current_stiffness = state.current_stiffness
         self._undo(state)
         self.state = state
 
@@ -292,7 +329,7 @@ class Tracer(Measuring):
             scene=getattr(self.discretisation, "scene", None))
 
     def _load_weight(self) -> float:
-        return getattr(self.control, "load_weight", lambda tangent: 0.0)(self.tangent)
+        return getattr(self.control, "load_weight", lambda tangent: tangent.least_weight)(self.tangent)
 
     def _respond(self, factored: bool = False) -> None:
         """Response of the current configuration to a unit of load; its tangent may be factored already."""
@@ -301,18 +338,26 @@ class Tracer(Measuring):
         if not factored:
             system.extrapolate_stress()
             self.stepper.factorise(self.snes, self.x)
-        system.load(self._load)
+        held = system.load(self._load)
         with system.clock("solve"):
             self.stepper.linear.solve(self._load, self._response)
+        only_stressed = system.strains_itself and self._is_held(held)
+        if only_stressed:
+            self._response.zeroEntries()
         work = self._load.dot(self._response)
         if self._reference is None:
             if self.tangent.norm2 != self.tangent.norm2:
                 raise SingularTangent("the tangent has no numbers")
-            if not self.tangent.norm2 > 0:
+            if not (only_stressed or self.tangent.norm2 > 0):
                 raise ValueError(self.discretisation.unresponsive)
-            self._reference = self.tangent.norm2, work
+            self._reference = (ONLY_STRESSED, 0.0) if only_stressed else (self.tangent.norm2, work)
+            self.tangent.least_weight = ONLY_STRESSED if only_stressed else 0.0
         self.tangent.initial_norm2 = self._reference[0]
         self.tangent.current_stiffness = self._reference[1] / work if work else 1.0
+
+    def _is_held(self, held: np.ndarray) -> bool:
+        """Whether supports alone take the load; `held` are its forces on fixed increments of this process."""
+        return self._load.norm() <= NONE * self.system.comm.allreduce(float(held @ held)) ** 0.5
 
     def _passes_extreme(self, start: State) -> bool:
         """Whether the displacement along the load has had an extreme since a state.

@@ -114,7 +114,7 @@ class _Problem:
         self.discretisation, self.system, self.state = discretisation, discretisation.system, state
         self.prebuckling = prebuckling
         self.response = self.system.step_by(motions)
-        length = (self.system.weights * self.response).dot(self.response) ** 0.5
+        length = ((self.system.weights * self.response).dot(self.response) + state.least_weight) ** 0.5
         if not length > 0:
             raise ValueError("buckling: the structure does not respond to its load; check loads and supports")
         self.tangent = self._tangent_at(0.0)

@@ -82,22 +82,22 @@ class Reduction:
         self.negative = sum(value < 0 for value, _ in pairs[:multiplicity])
         self._least_stiffness = abs(pairs[-1][0])
         self.weighted = [self.system.weights * mode for mode in self.modes]
-        self.measures = self._measures(after.increment)
+        self.measures = self._measures(after)
         self.size = max(abs(self.bifurcation.factor), abs(after.load_increment))
         self.springs = pivots(self.modes, self.system.weights)
         self._yielded = self.system.history.moved
         self._residual, self._load = self.system.create_vector(), self.system.create_vector()
 
-    def _measures(self, along: np.ndarray) -> list[PETSc.Vec]:
+    def _measures(self, after: State) -> list[PETSc.Vec]:
         """Vectors whose products with increments are the amplitudes of the null vectors, zero along the path."""
-        across = self.system.create_vector(along)
+        across = self.system.create_vector(after.increment)
         shares = [across.dot(weighted) for weighted in self.weighted]
-        whole = self.tracer.distance(0.0, along)
+        whole2 = self.tracer.distance(0.0, after.increment) ** 2 + after.least_weight * after.load_increment**2
         for share, mode in zip(shares, self.modes, strict=True):
             across.axpy(-share, mode)
         across = self.system.weights * across
-        rest2 = whole**2 - sum(share**2 for share in shares)
-        if rest2 < 1e-4 * whole**2:
+        rest2 = whole2 - sum(share**2 for share in shares)
+        if rest2 < 1e-4 * whole2:
             raise ValueError(f"branches: at load {self.bifurcation.load:.6g} the path goes along a null vector; "
                              "bifurcations that are limit points too cannot be switched; come to the other path by "
                              "an imperfect shape")

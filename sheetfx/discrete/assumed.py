@@ -10,7 +10,7 @@ is the exact Hessian of the energy for the matrix T of e*.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from itertools import combinations_with_replacement
 
 import numpy as np
@@ -41,7 +41,8 @@ class AssumedWork:
 
     def __init__(self, term: Term, domain: Mesh, cells: np.ndarray, fields, increments):
         self._full = _Sampling(term.strains, domain, cells, fields, term.rule.points)
-        self._samplings, self._size, tying = [self._full], term.strains.ufl_shape[0], term.tying
+        self._samplings, self._size = [self._full], term.strains.ufl_shape[0]
+        tying = self._tying = term.tying
         self.numbers = self._full.numbers
         area = ufl.JacobianDeterminant(domain) * term.stretch
         sizes = at_points(area, term.rule.points).eval(domain, cells)
@@ -95,6 +96,18 @@ class AssumedWork:
         """Number of each field and its internal forces."""
         strains, slopes = self._sample(chunk)
         return self._integrated(self._forces(chunk, self._law(chunk, strains)[0]), slopes)
+
+    def forces_by(self, change) -> Callable[[slice], Iterable]:
+        """Function that gives the change of what `vectors` gives by a change of all strains, a UFL vector."""
+        sampled = [s.expression(change if s is self._full else self._tying.sampled(change)) for s in self._samplings]
+
+        def vectors(chunk: slice):
+            strains, slopes = self._sample(chunk)
+            by = self._assumed(chunk, [s.evaluate(e, chunk) for s, e in zip(self._samplings, sampled, strict=True)])
+            resultants = (self._law(chunk, strains)[1] @ by[..., None])[..., 0]
+            return self._integrated(self._forces(chunk, resultants), slopes)
+
+        return vectors
 
     @property
     def measure(self) -> np.ndarray:

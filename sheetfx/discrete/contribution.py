@@ -67,6 +67,7 @@ class Contribution:
     moved : whether it couples other unknowns than when `pattern` was last asked; the system then asks again
     rubs : whether there is friction, so that it has to `foresee` where points touch
     augments : whether forces are found by augmentation: work is then told between accepted states only
+    tells_work : whether the work of its load is what the load vector does along the motion
     tolerance : length by which it leaves places of accepted states undetermined
     gives_moments : whether it adds moments to `Forces.along_space`, which turn with the nodes
     stage : number of the load stage that its load belongs to; None: it has none
@@ -81,7 +82,7 @@ class Contribution:
         finds them, see `continuation.condensation`
     """
 
-    smooth = conservative = True
+    smooth = conservative = tells_work = True
     steep = condenses = sticks = augments = rubs = False
     called = without_descent = ""
     moved = gives_moments = remembers = history_moved = False

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from functools import cached_property
 from itertools import combinations_with_replacement, product
 
@@ -142,6 +143,15 @@ class PointwiseWork(Densities):
     def vectors(self, chunk: slice):
         """Number of each field and its internal forces."""
         return self.integrated(self.evaluate(self._force, chunk))
+
+    def forces_by(self, change) -> Callable[[slice], Iterable]:
+        """Function that gives the change of what `vectors` gives by a change of all strains, a UFL vector."""
+        given = ufl.variable(self.strains)
+        moduli, slopes = ufl.diff(self._term.law(given), given), ufl.diff(self.strains, self.jet)
+        i, j, k = ufl.indices(3)
+        force = ufl.as_vector(moduli[i, k] * change[k] * slopes[i, j], j)
+        changed = self.expression(ufl.JacobianDeterminant(self.domain) * self._term.stretch * force)
+        return lambda chunk: self.integrated(self.evaluate(changed, chunk))
 
     def extrapolate_stress(self, chunk: slice) -> None:
         put(self._stress, self._stress_rows[chunk], self.evaluate(self._extrapolated, chunk))

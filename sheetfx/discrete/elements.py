@@ -8,7 +8,7 @@ increments.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import combinations_with_replacement, pairwise
@@ -121,6 +121,18 @@ class ElementWork(Contribution):
         """Add forces of a chunk on fields of some numbers."""
         for number, vectors in numbered:
             _add_rows(forces.on(number), self._nodes[self.numbers.index(number)][chunk], vectors)
+
+    def forces_by(self, change) -> Callable[[Forces], None]:
+        """Function that adds the first-order change of the internal forces by a change of all strains, a UFL vector."""
+        change = change + fem.Constant(self.internal.domain, np.zeros(change.ufl_shape))  # zeros alone are on no mesh
+        changes = [term.forces_by(change) for term in self._terms]
+
+        def add(forces: Forces) -> None:
+            for chunk in self._chunks:
+                for vectors in changes:
+                    self._add(forces, chunk, vectors(chunk))
+
+        return add
 
     def energy(self) -> float:
         """Energy that the cells of this process store now: the work of resultants on the way to the present strains.

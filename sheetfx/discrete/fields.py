@@ -12,10 +12,12 @@ from mpi4py import MPI
 from scipy.spatial import cKDTree
 
 from ..mesh.meeting import Side
+from ..mesh.numbers import constants_on
 from ..mesh.projection import Cells, cells_at
 from ..mesh.reader import NamedMesh
 from ..mesh.samples import Samples
 from ..mesh.whole import whole
+from ..model.initial_strain import StressFree
 from ..model.scene import Scene
 from .condensed_pairs import CondensedPairs
 from .gaping import refuse_apart, tell_gaping
@@ -105,6 +107,15 @@ class Fields:
     def spin(self, mesh: NamedMesh):
         """What moments are conjugate to; None where parts have no rotation."""
         return self._kinematics[mesh].spin
+
+    def natural_strains(self, part):
+        """Strains at which a part is free of stress by the present load factors, a UFL vector; None: at none."""
+        factors = [(self._factors.symbols[n], load) for n, stage in enumerate(self.scene.all_stages)
+                   for load in stage.loads if isinstance(load, StressFree) and load.part is part]
+        if not factors:
+            return None
+        first, *others = [factor * load.natural() for factor, load in factors]
+        return constants_on(part.mesh.domain.ufl_domain(), sum(others, first))
 
     def vary(self, expression):
         """Variation of a UFL expression of the fields and numbers."""

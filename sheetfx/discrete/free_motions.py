@@ -30,6 +30,8 @@ def why_singular(discretisation) -> str:
         discretisation.scene)
     if discretisation.system.comm.size > 1:
         return f"{begin}: {advice}; run it on one process to have the free motion named"
+    if (stages := discretisation.stages) and not stages[0].at_once:
+        advice += f", or let stage {stages[0].name!r} begin with at_once=True if its loads do"
     found = null_vectors(discretisation)
     if free := rigid_motions_in_words(discretisation, found):
         return f"{begin}: {free}; {advice}"

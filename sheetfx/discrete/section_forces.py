@@ -67,8 +67,9 @@ def section_points(discretisation: Discretisation, part) -> SectionPoints:
 
 def _resultants(discretisation: Discretisation, part):
     """UFL vector, and the points of a cell at which it is most exact."""
-    kinematics = discretisation.kinematics(part.mesh)
-    return part.resultants(kinematics.u, kinematics.total_rotation)
+    kinematics, natural = discretisation.kinematics(part.mesh), discretisation.fields.natural_strains(part)
+    strains, law, points = part.pointwise(kinematics.u, kinematics.total_rotation)
+    return law(strains if natural is None else strains - natural), points
 
 
 def _evaluated(part, values, points: np.ndarray) -> np.ndarray:

@@ -190,14 +190,22 @@ class System:
         """An array for each block with the entries of a vector; nodes that share unknowns have those of others."""
         return self._layout.arrays(vector)
 
-    def load(self, out: PETSc.Vec, stage: int | None = None) -> None:
-        """Derivative of the external forces with respect to the load factor of a stage (None: the present one)."""
+    def load(self, out: PETSc.Vec, stage: int | None = None) -> np.ndarray:
+        """Derivative of the external forces with respect to the load factor of a stage (None: the present one).
+
+        Those on fixed increments of this process are returned.
+        """
         with self.clock("assembly"):
             forces = self._forces()
             for contribution in self.contributions:
                 if contribution.stage == (self.factors.stage if stage is None else stage):
                     contribution.load(forces)
-            self._gather(forces, out)
+            return self._gather(forces, out)
+
+    @property
+    def strains_itself(self) -> bool:
+        """Whether the load of the present stage changes strains at which parts are free of stress."""
+        return any(c.stage == self.factors.stage and not c.tells_work for c in self.contributions)
 
     def tangent(self, only: Sequence[Contribution] | None = None) -> PETSc.Mat:
         """Derivative of the residual with respect to increments of the current configuration.

@@ -187,10 +187,9 @@ class Beam:
         strains, law = self._strains_and_law(u, rotation)
         return _integrated(self, strains, law, self.eccentricity()[1])
 
-    def resultants(self, u, rotation):
-        """Forces and moments as a UFL vector, and the points of a cell at which they are exact."""
-        strains, law = self._strains_and_law(u, rotation)
-        return law(strains), _rule(self).points
+    def pointwise(self, u, rotation):
+        """Strains as a UFL vector, the section law, and the points of a cell at which forces and moments are exact."""
+        return *self._strains_and_law(u, rotation), _rule(self).points
 
 
 @dataclass(frozen=True, eq=False)
@@ -256,10 +255,9 @@ class Bar:
         """Internal virtual work."""
         return _integrated(self, *self._strains_and_law(u, rotation))
 
-    def resultants(self, u, rotation):
-        """Axial force as a UFL vector, and the point of a cell at which it is exact."""
-        strains, law = self._strains_and_law(u, rotation)
-        return law(strains), _rule(self).points
+    def pointwise(self, u, rotation):
+        """Strain as a UFL vector, the section law, and the point of a cell at which the axial force is exact."""
+        return *self._strains_and_law(u, rotation), _rule(self).points
 
 
 def _look_at_functions(part: Beam | Bar, usual: Callable) -> None:

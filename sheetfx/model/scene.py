@@ -14,6 +14,7 @@ from ..notices import alike, warn
 from .beam import Bar, Beam
 from .contact import Contact
 from .held import supports_that_hold
+from .initial_strain import StressFree
 from .interface import Interface
 from .joints import Compatible, Joint
 from .loads import Load, Moment, PrescribedDisplacement, PrescribedRotation
@@ -58,14 +59,19 @@ class Stage:
     name : what states say they are in
     control : how their path is followed, a `LoadControl` up to 1, such as `LoadControl(1.0, fixed=True)` to apply them
         at once; None: traced in steps that adapt, as any path
+    at_once : whether the stage begins in balance with its whole loads, found by Newton's method from where the
+        structure is; for what can move freely without them, as a net of cables without prestress
     """
 
     loads: Sequence[Load]
     name: str = "preload"
     control: Annotated[Any, TO_A_TARGET] = None
+    at_once: bool = False
 
     def __post_init__(self):
         check(self)
+        if self.at_once and self.control is not None:
+            raise ValueError(f"Stage {self.name!r}: at_once is True, so that no path is followed; leave its control out")
         if not self.loads:
             raise ValueError(f"Stage {self.name!r}: loads is empty; give at least one")
 
@@ -110,6 +116,7 @@ class Scene:
             raise ValueError("Scene: supports is empty: the structure has no support and can move freely; add "
                              "a support")
         self._check_meshes()
+        self._check_initial_strains()
         self._check_prescribed()
         for mesh in self.meshes:
             self._check_spaces([part for part in self.parts if part.mesh is mesh])
@@ -143,6 +150,13 @@ class Scene:
                     raise ValueError(f"{type(one).__name__}{at}: is on a mesh of {', '.join(mesh.cells)} that no part "
                                      "of the scene has; give one of the meshes of its parts (what is read twice is two "
                                      "meshes), or a part on this one")
+
+    def _check_initial_strains(self) -> None:
+        """Refuse initial strains of what is no part: they would act on nothing."""
+        for load in self.all_loads:
+            if isinstance(load, StressFree) and not any(load.part is part for part in self.parts):
+                raise ValueError(f"{type(load).__name__}: its {part_named(load.part)} is no part of the scene; give one "
+                                 "of the parts themselves, not one like it")
 
     def _check_prescribed(self) -> None:
         """Refuse loads that prescribe one displacement or rotation twice, but at corners of edges that move alike."""

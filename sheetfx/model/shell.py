@@ -247,10 +247,12 @@ class Shell:
         strains = (self.strains or forms.shell.naghdi)(u, rotation, frame)
         return strains.vector, law if has_history(law) else lambda e: law(e, stiffness), frame, area
 
-    def resultants(self, u, rotation):
-        """Forces and moments as a UFL vector, and the points of a cell at which they are most exact: the low rule's."""
+    def pointwise(self, u, rotation):
+        """Strains as a UFL vector, the section law, and the points of a cell at which forces and moments are most
+        exact: the low rule's.
+        """
         strains, law, _, _ = self._strains_and_law(u, rotation)
-        return law(strains), self.discrete.low.points
+        return strains, law, self.discrete.low.points
 
     def internal(self, u, rotation) -> Internal:
         """Internal virtual work."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from dolfinx.mesh import Mesh
@@ -46,6 +46,23 @@ class Internal:
     terms: Sequence[Term]
     domain: Mesh
     cells: np.ndarray
+
+    def less(self, natural) -> Internal:
+        """That of the strains less those at which the part is free of stress (UFL vector; None: none).
+
+        Raises
+        ------
+        ValueError
+            If these are not as many as the strains.
+        """
+        if natural is None:
+            return self
+        for term in self.terms:
+            if term.strains.ufl_shape != natural.ufl_shape:
+                raise ValueError(f"Scene: a part has {term.strains.ufl_shape[0]} strains, and the initial strain of "
+                                 f"{natural.ufl_shape[0]} is that of the usual ones; give a StressFree load whose "
+                                 "`natural` returns as many")
+        return replace(self, terms=[replace(term, strains=term.strains - natural) for term in self.terms])
 
 
 class Acting:
