@@ -8,9 +8,9 @@ from math import pi
 import numpy as np
 import pytest
 import ufl
+from helpers import on_two_processes
 
 import sheetfx as fx
-from helpers import on_two_processes
 
 E, A, SECOND, LENGTH = 2.1e11, 0.01, 0.1**4 / 12, 10.0
 HOT = 100.0, 1e-5  # change of temperature, expansion
@@ -234,7 +234,7 @@ def test_what_is_refused():
     with pytest.raises(ValueError, match="no part of the scene"):
         replace(scene, loads=[fx.Temperature(like, *HOT)])
     own = fx.Bar(cable.mesh, cable.section, cable.material, group="oa",
-                 strains=lambda u, rotation, frame: ufl.as_vector([fx.forms.bar.engineering(u, rotation, frame)[0]] * 2),
+                 strains=lambda *fields: ufl.as_vector(2 * [fx.forms.bar.engineering(*fields)[0]]),
                  law=lambda e, k: ufl.as_vector([k[0] * e[0], k[0] * e[1]]))
     with pytest.raises(ValueError, match="has 2 strains"):
         fx.Path(fx.Scene([own, *others], [fx.pin(own.mesh, x) for x in "abcd"], [fx.InitialStrain(own, 1e-3)],

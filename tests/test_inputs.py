@@ -90,6 +90,7 @@ def examples() -> dict[str, dict]:
         "FollowerForce": {"mesh": p.line, "at": "b", "force": (0.0, 1.0)},
         "Foundation": {"part": p.beam, "stiffness": (1.0, 1.0)},
         "GivenPlate": {"thickness": 0.1, "matrices": p.stiffness},
+        "InitialStrain": {"part": p.beam, "strains": (1e-3, 0.0, 0.0)},
         "Interface": joined | {"law": "x y z"}, "Laminate": {"plies": [fx.Ply(0.1, 0.0, 2.0, 1.0, 0.3, 0.5)]},
         "LineForce": {"beam": p.beam, "force": (0.0, 1.0)}, "LinePressure": {"beam": p.beam, "pressure": 1.0},
         "Mass": {"mesh": p.line, "at": "b", "mass": 1.0},
@@ -115,6 +116,7 @@ def examples() -> dict[str, dict]:
         "Stretch": {"start": "a", "along": "one", "length": 0.5}, "Support": {"mesh": p.line, "at": "a", "fixed": "x"},
         "SurfaceContact": {"mesh": p.plate, "at": "south", "to": (p.lid, None)},
         "SurfaceForce": {"shell": p.shell, "force": (0.0, 0.0, 1.0)},
+        "Temperature": {"part": p.beam, "change": 1.0, "expansion": 1e-5},
         "Tube": {"diameter": 1.0, "thickness": 0.1}, "Uniform": {"mesh": p.line, "at": "b", "component": "x"},
         "Until": {},
     }
@@ -145,17 +147,18 @@ class Right:
 
 LEGITIMATE = [
     Right("a switch can be on", (True,), "*.rotations *.follower *.fixed *.moving *.facets *.mixed_points *.triangles "
-          "arch.no-punch *.full *.eccentric bend.plain-tangent bend.polar deep-arch.hinged *.elastic *.line-load "
+          "arch.no-punch *.full *.at_once *.eccentric bend.plain-tangent bend.polar deep-arch.hinged *.elastic *.line-load "
           "roll-up.spatial Case.error"),
     Right("without friction, hardening, an offset or the like", (0,), "*.friction *.cohesion *.strength *.gap *.reach "
           "*.screws *.after *.slide *.root *.toe *.inertia *.inner *.warping Box.radius GivenSection.product "
           "*.hardening *.kinematic *.poisson *.near *.layer *.distance *.overhang *.offset *.angle *.own *.panels "
-          "*.adjust "
+          "*.adjust Temperature.change Temperature.gradient "
           "random_field.seed imperfect.amplitude dome.offset star-dome.ring arch.imperfection"),
     Right("either side or sign has a sense of its own: contraction in plies, which way a thing lies, acts or turns; "
           "springs and moments that push away", (-1,), "Ply.poisson *.offset *.angle *.side *.way Monitor.sign "
           "Moment.moment ObstacleForce.force Pressure.pressure LinePressure.pressure LoadControl.target "
           "PrescribedDisplacement.distance PrescribedRotation.rotation Spring.stiffness *.load *.force *.ring "
+          "Temperature.change Temperature.expansion Temperature.gradient "
           "GivenSection.product imperfect.amplitude arc.start arc.end"),
     Right("no direction is told apart", (0,), "Event.way Contact.side"),
     Right("one of several loads; where all are zero the path says so", (0, (0.0, 0.0)), "Moment.moment "

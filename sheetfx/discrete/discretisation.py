@@ -11,7 +11,6 @@ from mpi4py import MPI
 
 from ..mesh.reader import NamedMesh
 from ..model.contact import Contact
-from ..model.initial_strain import StressFree
 from ..model.obstacles import add_travel, way_of
 from ..model.reported import combined, counted
 from ..model.scene import Scene
@@ -24,8 +23,7 @@ from .form_work import FormWork, by_mesh, work_of
 from .kinematics import Kinematics
 from .layer import LayerFields, LayerWork
 from .layout import Layout
-from .load_work import works_of_loads
-from .natural_strain import NaturalStrainLoad
+from .load_work import works_of_loads, works_of_natural_strains
 from .nodal import FixedIncrements
 from .partless import refuse_cells_without_part
 from .potential import look_for_potentials
@@ -91,7 +89,7 @@ class Discretisation(Structure):
             joints = list(self._of_joints())
             others = [*self._of_contacts(), *joints, *chain(*(works for _, works in loads)), FixedIncrements()]
             parts = list(self._of_parts())
-            contributions = [*parts, *others, *self._of_natural_strains(parts)]
+            contributions = [*parts, *others, *works_of_natural_strains(scene, parts)]
         layout = without_redundant(Layout(fields.comm, fields.blocks, fixed, self.sharings), joints, self.unknowns,
                                    scene.meshes)
         self.layout = layout
@@ -157,12 +155,6 @@ class Discretisation(Structure):
             k = self.kinematics(part.mesh)
             internal = part.internal(k.u, k.total_rotation).less(self.fields.natural_strains(part))
             yield ElementWork(internal, self.unknowns.fields, self.unknowns.changes, f"history of part {number}")
-
-    def _of_natural_strains(self, parts: Sequence[ElementWork]) -> Iterator[Contribution]:
-        for number, stage in enumerate(self.scene.all_stages):
-            for load in stage.loads:
-                if isinstance(load, StressFree):
-                    yield NaturalStrainLoad(parts[self.scene.parts.index(load.part)], load.natural(), number)
 
     def _of_contacts(self) -> Iterator[Contribution]:
         for contact in self.contacts:

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from ..model.initial_strain import StressFree
 from ..model.loads import Load
+from ..model.scene import Scene
 from .contribution import Contribution
+from .elements import ElementWork
 from .fields import Fields, NodalForces
 from .form_work import FormWork, by_mesh, work_of
+from .natural_strain import NaturalStrainLoad
 from .nodal import NodalLoads
 
 
@@ -31,3 +35,11 @@ def _work_of(loads: Sequence[Load], fields: Fields) -> Iterator[Contribution]:
         yield NodalLoads(nodal.arrays, fields.factor_now, fields.stage, conservative)
     for work in by_mesh([work_of(load, fields) for load in loads]):
         yield FormWork(fields.unknowns, -work, factor=fields.factor, conservative=conservative, stage=fields.stage)
+
+
+def works_of_natural_strains(scene: Scene, parts: Sequence[ElementWork]) -> Iterator[Contribution]:
+    """Load vectors of changes of the strains at which parts are free of stress."""
+    for number, stage in enumerate(scene.all_stages):
+        for load in stage.loads:
+            if isinstance(load, StressFree):
+                yield NaturalStrainLoad(parts[scene.parts.index(load.part)], load.natural(), number)

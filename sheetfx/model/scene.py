@@ -71,7 +71,7 @@ class Stage:
     def __post_init__(self):
         check(self)
         if self.at_once and self.control is not None:
-            raise ValueError(f"Stage {self.name!r}: at_once is True, so that no path is followed; leave its control out")
+            raise ValueError(f"Stage {self.name!r}: at_once is True, so that no path is followed; leave control out")
         if not self.loads:
             raise ValueError(f"Stage {self.name!r}: loads is empty; give at least one")
 
@@ -155,8 +155,8 @@ class Scene:
         """Refuse initial strains of what is no part: they would act on nothing."""
         for load in self.all_loads:
             if isinstance(load, StressFree) and not any(load.part is part for part in self.parts):
-                raise ValueError(f"{type(load).__name__}: its {part_named(load.part)} is no part of the scene; give one "
-                                 "of the parts themselves, not one like it")
+                raise ValueError(f"{type(load).__name__}: its {part_named(load.part)} is no part of the scene; give "
+                                 "one of the parts themselves, not one like it")
 
     def _check_prescribed(self) -> None:
         """Refuse loads that prescribe one displacement or rotation twice, but at corners of edges that move alike."""
