@@ -61,6 +61,7 @@ class Tracer(Measuring):
             raise ValueError(discretisation.why_singular()) from None
         self._mark_factored(moved=False)
         self._balance()
+        self._look_ahead()
         self._choose_first_length()
         self.state = replace(self.state, next_length=self.first)
 
@@ -94,6 +95,34 @@ class Tracer(Measuring):
                              f"{residual.norm():.4g} in all, and no balance is found ({self.reason()}); let loads or "
                              "InitialStrain put them on in a Stage")
         self.state = replace(found, step=start.step, increment=start.increment, length=0.0)
+
+    def _look_ahead(self) -> None:
+        """Give the first state the response that leads on from it where laws of parts have cases there.
+
+        The moduli of a kink depend on the way that leads away: that of each response gives the next one, until it
+        stays. Stresses are those of the first state.
+        """
+        cases, system, tangent = [c for c in self.system.contributions if c.kinks and not c.remembers], self.system, (
+            self.tangent)
+        sign, last = self.control.direction(self.state), self.system.create_vector()
+        system.load(self._load)
+        for _ in range(self.control.iterations_allowed if cases else 0):
+            self._response.copy(last)
+            ahead = sign * PROBE / sqrt(tangent.norm2 + tangent.least_weight)
+            last.copy(self.x)
+            self.x.scale(ahead)
+            system.configure(self.x, self.state.factor + ahead)
+            self.stepper.factorise(self.snes, self.x)
+            self.stepper.linear.solve(self._load, self._response)
+            last.axpy(-1.0, self._response)
+            if tangent.inner(last, last) <= PROBE * tangent.norm2:
+                break
+        if cases:
+            self._reference = tangent.norm2, self._load.dot(self._response)
+            tangent.initial_norm2 = tangent.norm2
+            self.state = replace(self.state, response=self._response.array.copy(), reference=self._reference,
+                                 load_rate=sign / sqrt(tangent.norm2 + self._load_weight()))
+            self._undo(self.state)
 
     @property
     def total_factorisations(self) -> int:
@@ -216,6 +245,7 @@ class Tracer(Measuring):
         self._mark_factored(moved=False)
         if self.system.factor:
             self._balance()
+        self._look_ahead()
         self._choose_first_length()
         self.state = replace(self.state, next_length=self.first)
         return self.state

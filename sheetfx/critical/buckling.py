@@ -201,7 +201,7 @@ class _Problem:
 
     def tell(self, increment: float, mode: PETSc.Vec, tolerance: float, touching: int) -> None:
         """Warn where contact stays as it is, or else where the tangent is not linear as far as a buckling load."""
-        if any(not (c.smooth or c.remembers) for c in self.system.contributions):
+        if self.system.rough:
             warn(f"buckling: contact stays as it is in the state, where {touching} points touch: modes hold these "
                  "together and pass through all others. The path itself finds where structures with contact buckle")
         elif self.prebuckling and abs((share := self.nonlinear(increment, mode)) - 1) > tolerance:

@@ -71,6 +71,7 @@ class Contribution:
     tolerance : length by which it leaves places of accepted states undetermined
     gives_moments : whether it adds moments to `Forces.along_space`, which turn with the nodes
     stage : number of the load stage that its load belongs to; None: it has none
+    kinks : whether its moduli may jump where its strains pass some values: laws with history, and laws with cases
     remembers, history_moved : whether it has laws with history, whose forces do work but have no energy; whether one
         remembers something by now, such as plastic strains, on any process
     approaches : multiples of its regularisation through which a step's solution is approached
@@ -85,7 +86,7 @@ class Contribution:
     smooth = conservative = tells_work = True
     steep = condenses = sticks = augments = rubs = False
     called = without_descent = ""
-    moved = gives_moments = remembers = history_moved = False
+    moved = gives_moments = kinks = remembers = history_moved = False
     stage: int | None = None
     tolerance = 0.0
     approaches: Sequence[float] = (1.0,)

@@ -24,6 +24,7 @@ from ..model.work import Internal
 from . import origins
 from .assumed import AssumedWork
 from .contribution import Contribution, Forces
+from .cases import has_cases
 from .densities import PointwiseWork, component_pairs
 from .layout import Layout
 from .nodal_field import AdditiveField
@@ -79,8 +80,9 @@ class ElementWork(Contribution):
         self._memories = [(t, t.memory) for t in self._terms if isinstance(t, AssumedWork) and t.memory]
         self._name = name
         self._accepted: dict[str, np.ndarray] = {}
+        self.kinks = bool(self._memories) or any(has_cases(t) for t in internal.terms)
+        self.smooth = not self.kinks
         if self._memories:
-            self.smooth = False  # moduli jump where points begin to yield or unload
             self.without_descent = ("parts whose law has history have no energy to descend; trace their paths by arc "
                                     "length, through the limit point")
         self.numbers = sorted({n for t in self._terms for n in t.numbers})
@@ -217,9 +219,10 @@ class ElementWork(Contribution):
         return np.sum(powers, axis=0)
 
     def apart(self) -> bool:
-        """Whether no point has flowed in the step that leads here, nor is on the point of it."""
+        """Whether no point has flowed in the step that leads here, nor is on the point of it; laws with cases may be."""
         still = all(memory.stands_still(self._accepted[f"{self._name} {n}"])
                     for n, (_, memory) in enumerate(self._memories))
+        still = still and bool(self._memories)
         return self.smooth or lasting(self.internal.domain.comm).allreduce(still, op=MPI.LAND)
 
     @property

@@ -37,7 +37,7 @@ class System:
     ----------
     smooth, conservative : whether all contributions are
     steep : contributions that are
-    rough : contributions that are not smooth, laws with history aside
+    rough : contributions that are not smooth, laws of parts aside
     history : History of fields and contributions
     size : number of free unknowns
     fixed_rows : of fixed unknowns in this process's part of a vector
@@ -52,7 +52,7 @@ class System:
         self.smooth = all(c.smooth for c in contributions)
         self.conservative = all(c.conservative for c in contributions)
         self.steep = [c for c in contributions if c.steep]
-        self.rough = [c for c in contributions if not (c.smooth or c.remembers)]
+        self.rough = [c for c in contributions if not (c.smooth or c.kinks)]
         self.history = History(unknowns.fields, contributions)
         self._layout = layout
         self.fixed_rows = layout.fixed
@@ -75,7 +75,7 @@ class System:
 
     @property
     def work_known(self) -> bool:
-        """Whether there are contributions that are not smooth, laws with history aside, and all tell their work."""
+        """Whether there are contributions that are not smooth, laws of parts aside, and all tell their work."""
         return bool(self.rough) and all(c.conservative or c in self.rough for c in self.contributions) and all(
             c.touch() is not None for c in self.rough)
 
