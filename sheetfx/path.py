@@ -139,6 +139,8 @@ class Path:
         if not self.start:
             yield self._announce(state)
         while not (message := self._end(state)):
+            if not state.length and (words := self.discretisation.unbalanced(self.tracer.load_vector())):
+                raise ValueError(words)
             state = self._next_stage(state) if self._stage_is_over(state) else self._step(state)
             yield self._announce(state)
         self.message = message

@@ -20,7 +20,7 @@ def tension_only(e, k):
 
 def braced(storeys=1, force=1e4, law=tension_only):
     """A frame of hinged bars with two diagonals in each storey that take tension only; a force at its top."""
-    nodes = {f"{side}{level}": (x, float(level)) for level in range(storeys + 1) for side, x in (("l", 0.0), ("r", 1.0))}
+    nodes = {f"{side}{level}": (float(side == "r"), float(level)) for level in range(storeys + 1) for side in "lr"}
     columns = [(f"{s}{i}", f"{s}{i + 1}") for i in range(storeys) for s in "lr"]
     stiff = columns + [(f"l{i}", f"r{i}") for i in range(storeys + 1)]
     braces = [pair for i in range(storeys) for pair in ((f"l{i}", f"r{i + 1}"), (f"r{i}", f"l{i + 1}"))]
@@ -95,10 +95,9 @@ def test_what_has_cases():
     from sheetfx.discrete.cases import has_cases
     from sheetfx.model.work import Term
 
-    scene = braced()
-    mesh, strains = scene.parts[0].mesh, ufl.as_vector([ufl.grad(ufl.Coefficient(ufl.FunctionSpace(
-        scene.parts[0].mesh.domain.ufl_domain(), scene.parts[0].mesh.domain.ufl_domain().ufl_coordinate_element())))[0, 0]])
-    place = ufl.SpatialCoordinate(mesh.domain)[0]
+    domain = braced().parts[0].mesh.domain.ufl_domain()
+    field = ufl.Coefficient(ufl.FunctionSpace(domain, domain.ufl_coordinate_element()))
+    strains, place = ufl.as_vector([ufl.grad(field)[0, 0]]), ufl.SpatialCoordinate(domain)[0]
     laws = {True: [tension_only, lambda e, k: ufl.as_vector([ufl.max_value(e[0], 0.0)]),
                    lambda e, k: ufl.as_vector([abs(e[0])])],
             False: [lambda e, k: ufl.as_vector([ufl.conditional(ufl.gt(place, 0.5), 2.0, 1.0) * e[0]]),

@@ -69,6 +69,9 @@ class Problem(Protocol):
     def visiting(self, snapshot: dict[str, np.ndarray]) -> AbstractContextManager[None]:
         """Be at a state, and afterwards where the problem was before."""
 
+    def unbalanced(self, load: PETSc.Vec) -> str:
+        """What is wrong with a load vector that nothing takes, as of a body without supports; "": nothing."""
+
     def why_singular(self) -> str:
         """Why the tangent of the first state is singular; called on all processes."""
 

@@ -5,6 +5,7 @@ The SLEPc solver takes the prefix `sheetfx_spectrum_`.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, Protocol
 
 from petsc4py import PETSc
@@ -25,8 +26,8 @@ class Factored(Protocol):
     def solve(self, right: PETSc.Vec, solution: PETSc.Vec) -> Any: ...
 
 
-def nearest_to_zero(solver: Factored, mass: PETSc.Mat, count: int,
-                    tolerance: float = 1e-12) -> tuple[list[float], list[PETSc.Vec]]:
+def nearest_to_zero(solver: Factored, mass: PETSc.Mat, count: int, tolerance: float = 1e-12,
+                    without: Sequence[PETSc.Vec] = ()) -> tuple[list[float], list[PETSc.Vec]]:
     """Eigenvalues of K mode = value M mode nearest to zero, in ascending order, and modes with mode M mode = 1.
 
     Parameters
@@ -35,13 +36,14 @@ def nearest_to_zero(solver: Factored, mass: PETSc.Mat, count: int,
     mass : symmetric and semidefinite, on the rows of K
     count : number of eigenvalues; fewer where the mass has a lower rank or, of an unsymmetric tangent, some are not
         real
+    without : modes that are known and left out; others are orthogonal to them by the mass
 
     Raises
     ------
     ArithmeticError
         If none is found.
     """
-    eps = _solved(solver, mass, count, tolerance)
+    eps = _solved(solver, mass, count, tolerance, without)
     found, farthest = [], max((abs(eps.getEigenvalue(i)) for i in range(min(count, eps.getConverged()))), default=0.0)
     for i in range(min(count, eps.getConverged())):
         real, imaginary = mass.createVecRight(), mass.createVecRight()
@@ -70,24 +72,28 @@ def nearest_pairs(solver: Factored, mass: PETSc.Mat, count: int,
     return found[:count]
 
 
-def _solved(solver: Factored, mass: PETSc.Mat, count: int, tolerance: float) -> SLEPc.EPS:
+def _solved(solver: Factored, mass: PETSc.Mat, count: int, tolerance: float,
+            without: Sequence[PETSc.Vec] = ()) -> SLEPc.EPS:
     """Solved eigenproblem for the values nearest to zero."""
     eps, kinds = about_zero(solver, mass, PREFIX), SLEPc.EPS.ProblemType
     eps.setProblemType(kinds.GHEP if solver.symmetric else kinds.GNHEP)
     eps.setDimensions(count, min(max(2 * count + 8, 12), mass.getSize()[0]))
     eps.setTolerances(tolerance, 300)
+    if without:
+        eps.setDeflationSpace(list(without))
     eps.setFromOptions()
     with interruptible():
         eps.solve()
     return eps
 
 
-def lowest(solver: Factored, mass: PETSc.Mat, count: int, negative: int) -> tuple[list[float], list[PETSc.Vec]]:
+def lowest(solver: Factored, mass: PETSc.Mat, count: int, negative: int,
+           without: Sequence[PETSc.Vec] = ()) -> tuple[list[float], list[PETSc.Vec]]:
     """Algebraically lowest eigenvalues of K mode = value M mode, in ascending order, and modes with mode M mode = 1.
 
     Parameters
     ----------
-    solver, mass, count : as of `nearest_to_zero`
+    solver, mass, count, without : as of `nearest_to_zero`
     negative : number of negative eigenvalues, from the inertia of K
 
     Raises
@@ -97,7 +103,7 @@ def lowest(solver: Factored, mass: PETSc.Mat, count: int, negative: int) -> tupl
     """
     asked, size = count + negative, mass.getSize()[0]
     while True:
-        values, modes = nearest_to_zero(solver, mass, min(asked, size))
+        values, modes = nearest_to_zero(solver, mass, min(asked, size), without=without)
         if sum(value < 0 for value in values) == negative:
             return values[:count], modes[:count]
         if asked >= size or asked > 16 * (count + negative):

@@ -25,12 +25,15 @@ from ..continuation.spectrum import lowest, nearest_pairs
 from ..continuation.state import State
 from ..discrete.discretisation import Discretisation
 from ..discrete.fields import NodalForces
+from ..discrete.free_body import rigid_motions
 from ..mesh.numbers import as_constants
 from ..model.cross_section import Elastic
 from ..model.mass import Mass
 from ..model.shell import Shell
 from ..rounding import is_real
 from .modes import scaled
+
+AT_REST = 1e-9  # force on a rigid motion over what deforming as much takes, that is rounding
 
 
 @dataclass(frozen=True)
@@ -43,12 +46,16 @@ class Vibration:
         complex: it oscillates and grows
     mode : this process's part of the solver's vector, the largest displacement being 1; of a complex vibration the
         part in phase with it
+    rigid : along or about which axis a free body moves as a whole; "": it deforms
     """
 
     squared: float | complex
     mode: np.ndarray
+    rigid: str = ""
 
     def __str__(self) -> str:
+        if self.rigid:
+            return f"rigid motion {self.rigid}"
         growth = f", growth rate {self.growth:.6g}" if self.growth else ""
         return f"vibration with frequency {self.frequency:.6g}{growth}"
 
@@ -94,8 +101,31 @@ def _about_current(discretisation: Discretisation, count: int) -> list[Vibration
     if not system.conservative:
         return [Vibration(_real_or_complex(value), scaled(discretisation, mode))
                 for value, mode, _ in nearest_pairs(solver, mass, count) if value.imag >= 0]
-    values, modes = lowest(solver, mass, count, solver.negative_pivots() - system.multipliers)
-    return [Vibration(value, scaled(discretisation, mode)) for value, mode in zip(values, modes, strict=True)]
+    rigid = _rigid(discretisation) if discretisation.scene.free else {}
+    negative = solver.negative_pivots() - system.multipliers
+    values, modes = lowest(solver, mass, max(count - len(rigid), 1), negative, [*rigid.values()])
+    found = [Vibration(0.0, scaled(discretisation, mode), words) for words, mode in rigid.items()]
+    found += [Vibration(value, scaled(discretisation, mode)) for value, mode in zip(values, modes, strict=True)]
+    return sorted(found, key=lambda vibration: vibration.squared)[:count]
+
+
+def _rigid(discretisation: Discretisation) -> dict[str, PETSc.Vec]:
+    """Rigid motions of a free body.
+
+    Raises
+    ------
+    ValueError
+        Where loads do not move with it: a rotation is no free motion then.
+    """
+    system, motions = discretisation.system, rigid_motions(discretisation)
+    tangent, force = system.tangent(), system.create_vector()
+    for words, motion in motions.items():
+        tangent.mult(motion, force)
+        force.array[system.multiplier_rows] = 0
+        if force.norm() > AT_REST * tangent.norm(PETSc.NormType.FROBENIUS) * motion.norm():
+            raise ValueError(f"frequencies: the loads of this state do not move with the free body {words}, so that "
+                             "it is no free motion; ask about the unloaded state, or add supports")
+    return motions
 
 
 def _real_or_complex(value: complex) -> float | complex:

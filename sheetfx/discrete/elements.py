@@ -23,8 +23,8 @@ from ..model.history import has_history
 from ..model.work import Internal
 from . import origins
 from .assumed import AssumedWork
-from .contribution import Contribution, Forces
 from .cases import has_cases
+from .contribution import Contribution, Forces
 from .densities import PointwiseWork, component_pairs
 from .layout import Layout
 from .nodal_field import AdditiveField
@@ -219,7 +219,7 @@ class ElementWork(Contribution):
         return np.sum(powers, axis=0)
 
     def apart(self) -> bool:
-        """Whether no point has flowed in the step that leads here, nor is on the point of it; laws with cases may be."""
+        """Whether no point has flowed in the step that leads here, nor is on the point of it; cases may be."""
         still = all(memory.stands_still(self._accepted[f"{self._name} {n}"])
                     for n, (_, memory) in enumerate(self._memories))
         still = still and bool(self._memories)

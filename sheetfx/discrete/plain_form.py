@@ -244,6 +244,9 @@ class PlainForm(Visiting):
     def load_of_unit(self) -> float:
         return 1.0
 
+    def unbalanced(self, load: PETSc.Vec) -> str:
+        return ""
+
     def why_singular(self) -> str:
         return self.without_numbers("in the first state") or (
             f"continuation: the tangent dF/du is singular at the first load factor, {self.factors.now:g}: F and bcs "

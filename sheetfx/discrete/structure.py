@@ -11,6 +11,7 @@ from petsc4py import PETSc
 from ..mesh.reader import NamedMesh
 from ..model.scene import Monitor, Scene, Stage
 from .fields import Fields
+from .free_body import unbalanced
 from .free_motions import why_singular, without_numbers
 from .functional import Functional, Turn
 from .layout import Layout
@@ -66,6 +67,9 @@ class Structure(Visiting):
         changes, values = self.system.changes(step), [f.value for f in self.unknowns.fields]
         return [changes[values.index(self.fields.kinematics(mesh).u)].reshape(-1, mesh.dimension)
                 for mesh in self.scene.meshes]
+
+    def unbalanced(self, load: PETSc.Vec) -> str:
+        return unbalanced(self, load)
 
     def why_singular(self) -> str:
         return why_singular(self)

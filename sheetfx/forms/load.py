@@ -37,3 +37,29 @@ def line_pressure(value, u, frame, vary):
     """
     tangent = frame.tangent + frame.along(u)
     return value * ufl.dot(ufl.as_vector([-tangent[1], tangent[0]]), vary(u))
+
+
+def rigid_measures(x, u, rotation, length):
+    """Densities of displacement, and of rotation about the origin, that are linear in small motions.
+
+    Of the small rigid motions of a body none but rest has integrals that are all zero.
+
+    Parameters
+    ----------
+    x, u : UFL vectors, shape (d,)
+    rotation : see `forms.rotation`; None: there is none
+    length : that rotations of cross-sections are multiplied by, squared; any that is positive
+
+    Returns
+    -------
+    list of UFL scalars: d displacements, then one rotation in the plane, three in space
+    """
+    if len(u) == 2:
+        turn = x[0] * u[1] - x[1] * u[0]
+        return [u[0], u[1], turn if rotation is None else turn + length**2 * rotation.angle]
+    turn = ufl.cross(x, u)
+    if rotation is not None:
+        axes = [ufl.as_vector(row) for row in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))]
+        turn = turn + length**2 / 2 * sum((ufl.cross(a, rotation.change(a)) for a in axes[1:]),
+                                          ufl.cross(axes[0], rotation.change(axes[0])))
+    return [*(u[i] for i in range(3)), *(turn[i] for i in range(3))]

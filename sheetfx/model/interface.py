@@ -63,6 +63,7 @@ class Interface(Joint):
     enforcement: Annotated[str, Choice(("multiplier", "penalty"))] = "multiplier"
     axes: Sequence[Sequence[float]] | str | None = None
     name: str = field(default="Interface", kw_only=True)
+    on_ground = False
 
     def __post_init__(self):
         check(self)

@@ -20,7 +20,13 @@ class Joint(Acting):
     """What connects parts; a joint of one's own derives from it and defines `work` or `contributions`.
 
     `work` is the virtual work that the joint does *against* a motion, as strains of parts do.
+
+    Attributes
+    ----------
+    on_ground : whether it holds the structure, or may; a structure that neither this nor a support holds is free
     """
+
+    on_ground = True
 
     @property
     def points(self) -> Sequence[tuple[NamedMesh, str | None]]:
@@ -84,6 +90,10 @@ class Spring(Joint):
     @property
     def _ends(self) -> list[End]:
         return [End(self.mesh, self.at), *([End(*self.to)] if self.to else [])]
+
+    @property
+    def on_ground(self) -> bool:  # type: ignore[override]
+        return self.to is None
 
     @property
     def points(self) -> Sequence[tuple[NamedMesh, str]]:
@@ -170,6 +180,7 @@ class Uniform(Joint):
     mesh: NamedMesh
     at: str
     component: str
+    on_ground = False
 
     def __post_init__(self):
         check(self)
@@ -217,6 +228,7 @@ class Compatible(Joint):
     to: NamedMesh
     at: str | None = None
     rotations: bool = True
+    on_ground = False
 
     def __post_init__(self):
         check(self)

@@ -29,6 +29,7 @@ class Mass(Joint):
     at: str
     mass: Annotated[float, NOT_NEGATIVE]
     inertia: Annotated[float, NOT_NEGATIVE] = 0.0
+    on_ground = False
 
     def __post_init__(self):
         check(self)

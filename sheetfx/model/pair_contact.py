@@ -89,6 +89,7 @@ class PairContact(Joint):
     name: str = field(default="PairContact", kw_only=True)
 
     smooth = False
+    on_ground = False
 
     def __post_init__(self):
         check(self)

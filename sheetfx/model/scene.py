@@ -83,7 +83,7 @@ class Scene:
     Attributes
     ----------
     parts : beams, bars and shells
-    supports : what is held
+    supports : what is held; none, and no joint to the ground: a free body, whose loads have to be in equilibrium
     loads : those that vary along the path
     monitor : what paths are drawn against
     contacts : with rigid obstacles
@@ -112,9 +112,6 @@ class Scene:
                 raise ValueError(f"Scene: {name} has the same {type(twice[0]).__name__} twice; leave one out")
         if not self.loads:
             raise ValueError("Scene: loads is empty; give at least one")
-        if not self.supports and not self.joints:
-            raise ValueError("Scene: supports is empty: the structure has no support and can move freely; add "
-                             "a support")
         self._check_meshes()
         self._check_initial_strains()
         self._check_prescribed()
@@ -124,6 +121,11 @@ class Scene:
         self._tell_unjoined()
         self._tell_points()
         self._tell_short()
+
+    @property
+    def free(self) -> bool:
+        """Whether nothing holds the structure: no support, no obstacle, no joint to the ground."""
+        return not (self.supports or self.contacts or any(joint.on_ground for joint in self.joints))
 
     @property
     def all_stages(self) -> list[Stage]:

@@ -66,6 +66,7 @@ class SurfaceContact(SampledContact):
     adjust: NotNegative = 0.0
     law: Callable = forms.contact.mohr_coulomb
     name: str = field(default="SurfaceContact", kw_only=True)
+    on_ground = False
 
     def __post_init__(self):
         check(self)
