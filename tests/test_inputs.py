@@ -177,7 +177,7 @@ LEGITIMATE = [
     Right("a name, free or of what is looked for later", ("wrong",), "Event.name *.name Stretch.start Stretch.along "
           "Stretch.end"),
     Right("none of these", ((),), "PolygonSection.holes "
-          "Case.events Case.pictures Scene.contacts Scene.joints Scene.stages frame.releases"),
+          "Case.events Case.pictures Scene.supports Scene.contacts Scene.joints Scene.stages frame.releases"),
     Right("a sequence may have any length", ((1.0,), (1.0,) * 7), "Contact.approach"),
     Right("one amplitude for one shape", ((1.0,),), "imperfect.amplitude"),
     Right("nothing is held", ("",), "Support.fixed"),

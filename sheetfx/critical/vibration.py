@@ -106,7 +106,7 @@ def _about_current(discretisation: Discretisation, count: int) -> list[Vibration
     values, modes = lowest(solver, mass, max(count - len(rigid), 1), negative, [*rigid.values()])
     found = [Vibration(0.0, scaled(discretisation, mode), words) for words, mode in rigid.items()]
     found += [Vibration(value, scaled(discretisation, mode)) for value, mode in zip(values, modes, strict=True)]
-    return sorted(found, key=lambda vibration: vibration.squared)[:count]
+    return sorted(found, key=lambda vibration: vibration.squared.real)[:count]
 
 
 def _rigid(discretisation: Discretisation) -> dict[str, PETSc.Vec]:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import cast
+
 import ufl
 from ufl.algorithms import expand_derivatives
 from ufl.classes import Conditional, MaxValue, MinValue, Variable
@@ -17,8 +20,8 @@ def has_cases(term: Term) -> bool:
     """Whether the moduli of a law in UFL have cases that depend on its strains; smooth cases, as of places, do not."""
     if has_history(term.law):
         return False
-    given = ufl.variable(term.strains)
-    moduli = expand_derivatives(ufl.diff(term.law(given), given))
+    given, law = ufl.variable(term.strains), cast(Callable, term.law)
+    moduli = expand_derivatives(ufl.diff(law(given), given))
     return any(isinstance(node, CASES) and any(isinstance(part, Variable) for part in unique_pre_traversal(decides))
                for node in unique_pre_traversal(moduli) for decides in _decide(node))
 

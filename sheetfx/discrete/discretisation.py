@@ -11,7 +11,6 @@ from mpi4py import MPI
 
 from ..mesh.reader import NamedMesh
 from ..model.contact import Contact
-from ..model.free_body import held_freely
 from ..model.obstacles import add_travel, way_of
 from ..model.reported import combined, counted
 from ..model.scene import Scene
@@ -74,8 +73,7 @@ class Discretisation(Structure):
         self.sharings = sharings_of(scene.joints, fields)
         for contact in scene.contacts:
             add_travel(fields, contact.obstacle, contact.beam.mesh)
-        self._joints = [*scene.joints, *held_freely(scene)]
-        for thing in (*scene.all_loads, *self._joints):
+        for thing in (*scene.all_loads, *scene.all_joints):
             thing.unknowns(fields)
         self.contacts = [(LayerFields if eliminates(c) else ContactFields)(c, f"multiplier{i}")
                          for i, c in enumerate(scene.contacts)]
@@ -164,7 +162,7 @@ class Discretisation(Structure):
             yield work(self.fields, contact, self.clock)
 
     def _of_joints(self) -> Iterator[Contribution]:
-        for joint in self._joints:
+        for joint in self.scene.all_joints:
             yield from joint.contributions(self.fields)
             for work in by_mesh([work_of(joint, self.fields)]):
                 yield FormWork(self.unknowns, work, smooth=joint.smooth, conservative=joint.conservative)

@@ -44,10 +44,10 @@ class FreeBody(Joint):
         return fields.vary(sum(f * motion for f, motion in zip(forces, motions, strict=True))) * part.measure()
 
 
-def held_freely(scene) -> Iterator[FreeBody]:
-    """What holds the mean motion of a scene that nothing else holds, one for each part."""
+def held_freely(parts: Sequence[Beam | Bar | Shell]) -> Iterator[FreeBody]:
+    """What holds the mean motion of a structure that nothing else holds, one for each part."""
     first = None
-    for part in scene.parts if scene.free else ():
+    for part in parts:
         body = FreeBody(part, first)
         first = first or body
         yield body

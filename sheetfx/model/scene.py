@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import combinations
 from typing import Annotated, Any
 
@@ -13,6 +14,7 @@ from ..mesh.reader import COMPONENTS, NamedMesh
 from ..notices import alike, warn
 from .beam import Bar, Beam
 from .contact import Contact
+from .free_body import held_freely
 from .held import supports_that_hold
 from .initial_strain import StressFree
 from .interface import Interface
@@ -126,6 +128,11 @@ class Scene:
     def free(self) -> bool:
         """Whether nothing holds the structure: no support, no obstacle, no joint to the ground."""
         return not (self.supports or self.contacts or any(joint.on_ground for joint in self.joints))
+
+    @cached_property
+    def all_joints(self) -> list[Joint]:
+        """Its joints, and what holds the mean motion of a free body."""
+        return [*self.joints, *(held_freely(self.parts) if self.free else ())]
 
     @property
     def all_stages(self) -> list[Stage]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from dolfinx.mesh import Mesh
@@ -26,7 +27,7 @@ class Term:
     stretch : length or area that resultants belong to, over that of the mesh
     """
 
-    strains: object
+    strains: Any
     law: Callable | LawWithHistory
     rule: Rule
     tying: Tying | None = None
