@@ -56,6 +56,7 @@ class Case:
     balance : accuracy of the energy balance that a run tells, see `Record.balance`
     error : whether a run gives critical loads error bars, see `critical.error_bar`; None: where that costs at most
         about a quarter of the path, at FREE factorisations of the path for each point
+    snaps : whether the structure falls where it has lost its stability, and the path goes on from there, see `Path`
     """
 
     scene: Scene
@@ -69,6 +70,7 @@ class Case:
     events: Sequence[Event] = ()
     balance: Positive | None = None
     error: bool | None = None
+    snaps: bool = False
 
     def __post_init__(self):
         check(self)
@@ -118,7 +120,8 @@ def trace(case: Case | Path, listeners: Sequence[Callable[[State], None]] = (), 
         With the attribute `record`, the path so far.
     """
     path = case if isinstance(case, Path) else Path(case.scene, case.control, case.until, start=start,
-                                                    mixed_points=case.mixed_points, events=case.events)
+                                                    mixed_points=case.mixed_points, events=case.events,
+                                                    snaps=case.snaps)
     record = Record(Followed(path) if case is path else case, path, path.start)
     if archive:
         archive.keep_origins(path.discretisation.system.origins())

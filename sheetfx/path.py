@@ -9,10 +9,10 @@ for state in Path(scene, ArcLength(), until=Until(deflection=40.0)):
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from math import copysign, inf, pi
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .archive.scattered import ScatteredState
 from .checks import require
@@ -29,6 +29,7 @@ from .continuation.visited import VisitedStates
 from .critical.flutter import Flutter
 from .critical.koiter import postbuckling
 from .critical.rest import unstable_at_rest
+from .critical.snapping import Falling, SnapFailure
 from .critical.verdict import searched
 from .discrete.discretisation import discretised
 from .events.event import Event, Hidden, end_at, occurrences
@@ -38,6 +39,9 @@ from .events.until import AT_BOUND, Until
 from .model.scene import Scene, Stage
 from .notices import warn
 from .rounding import SAME, same
+
+if TYPE_CHECKING:
+    from .critical.snap import Snap
 
 CORNERED = 1 / 16  # of a step, length with which it fails where the path is taken to have a corner
 NEAR = 1e-3  # of the load, most that such a step would change it: a step around a corner leaves out what is before it
@@ -70,6 +74,9 @@ class Path:
     start : states of an interrupted path to resume, of any number of processes; none: begin with the unloaded state
     events : what to look for beside limit points and bifurcations
     mixed_points : large-step tangent (see discrete.system.System)
+    snaps : whether the structure falls where it has lost its stability, while the load is held, or the displacement of
+        a DisplacementControl, and the path goes on from where it comes to rest, see `critical.snapping`; between falls
+        it is followed by arc length
     prefix : of PETSc options for this path's SNES, KSP and PC
 
     Attributes
@@ -81,10 +88,14 @@ class Path:
 
     def __init__(self, scene: Scene | Problem, control: StepRule | None = None, until: Until | None = None, *,
                  start: Sequence[State] = (), mixed_points: bool = True, prefix: str = "sheetfx_",
-                 events: Sequence[Event] = ()):
-        require("Path", control=(control, StepRule | None), until=(until, Until | None), events=(events, list[Event]))
-        self.scene, self.until = scene, until or Until()
-        self._controls = [*map(_preloading, scene.stages), control or ArcLength()]
+                 events: Sequence[Event] = (), snaps: bool = False):
+        require("Path", snaps=(snaps, bool), control=(control, StepRule | None), until=(until, Until | None),
+                events=(events, list[Event]))
+        self.scene, self.until, last = scene, until or Until(), control or ArcLength()
+        self._falling = Falling(last) if snaps else None
+        if self._falling:
+            last = self._falling.between
+        self._controls = [*map(_preloading, scene.stages), last]
         self._ending = self.until.ending
         self.events = [*events, *([self._ending] if self._ending else [])]
         monitors = [*filter(None, (getattr(one, "monitor", None) for one in self._controls))]
@@ -100,10 +111,12 @@ class Path:
         self._visited = None if self.tracer.system.smooth else VisitedStates(self.tracer, begun)
         if not start and self.tracer.state.unstable_modes:
             warn(unstable_at_rest(self.tracer))
+        towards = self._falling.control if self._falling else self.control
         if start:
-            self.tracer.back_to(self.control.facing(self.start[-1]))
+            self.tracer.back_to(towards.facing(self.start[-1]))
         else:
-            self.tracer.state = self.control.facing(self.tracer.state)
+            self.tracer.state = towards.facing(self.tracer.state)
+        self._bounds = [*self.until.bounds, *(self._falling.bounds(self.tracer.state) if self._falling else ())]
 
     def _taken(self, states: Sequence[State]) -> list[State]:
         """States as this process has them."""
@@ -141,9 +154,33 @@ class Path:
         while not (message := self._end(state)):
             if not state.length and (words := self.discretisation.unbalanced(self.tracer.load_vector())):
                 raise ValueError(words)
-            state = self._next_stage(state) if self._stage_is_over(state) else self._step(state)
-            yield self._announce(state)
+            for after in self._onward(state):
+                yield self._announce(after)
+                state = after
         self.message = message
+
+    def _onward(self, state: State) -> Iterable[State]:
+        """The next state, or the last one before the structure falls, and that into which it does."""
+        if self._stage_is_over(state):
+            return [self._next_stage(state)]
+        if self._falling is None or not self._in_last_stage(state):
+            return [self._step(state)]
+        return self._fallen(state, self._falling)
+
+    def _fallen(self, before: State, falling: Falling) -> Iterator[State]:
+        try:
+            yield from falling.onward(self.tracer, before, self._step)
+        except SnapFailure as failure:
+            raise PathFailure(f"step {before.step + 1}, where stability is lost: {failure}. All states up to step "
+                              f"{before.step} are kept.") from failure
+        if falling.falls and falling.falls[-1].before.step > before.step:
+            self._earlier = None
+            self._visited = self._visited and VisitedStates(self.tracer, [self.tracer.state])
+
+    @property
+    def falls(self) -> list[Snap]:
+        """Falls of a path with `snaps`, in their order."""
+        return self._falling.falls if self._falling else []
 
     def _stage_is_over(self, state: State) -> bool:
         """Whether the loads of a stage before the last have their full size."""
@@ -165,7 +202,8 @@ class Path:
             return self.until.stopped(state)
         if isinstance(self.control, LoadControl) and same(state.factor, self.control.target):
             return f"load factor {self.control.target:g} reached"
-        return self.until.reached(state)
+        return next((f"{bound.name} reached" for bound in self._bounds if bound.value(state) >= -bound.near),
+                    None) or self.until.stopped(state)
 
     def _step(self, before: State) -> State:
         """One converged step, shortened as often as needed, with the critical points inside it."""
@@ -298,7 +336,7 @@ class Path:
     def _with_events(self, before: State, after: State, points: dict[CriticalPoint, State | None],
                      whole: bool) -> tuple[State, tuple[CriticalPoint, ...]]:
         """A step and its critical points with the events in it; the step ends at what ends the path."""
-        bounds = self.until.bounds if self._in_last_stage(before) else []
+        bounds = self._bounds if self._in_last_stage(before) else []
         for occurrence in occurrences(self.tracer, before, after, [*self.events, *bounds], whole):
             point = occurrence.point
             if occurrence.event in self.events:

@@ -148,7 +148,7 @@ class Right:
 LEGITIMATE = [
     Right("a switch can be on", (True,), "*.rotations *.follower *.fixed *.moving *.facets *.mixed_points *.triangles "
           "arch.no-punch *.full *.at_once *.eccentric bend.plain-tangent bend.polar deep-arch.hinged *.elastic "
-          "*.line-load roll-up.spatial Case.error"),
+          "*.line-load roll-up.spatial Case.error Case.snaps"),
     Right("without friction, hardening, an offset or the like", (0,), "*.friction *.cohesion *.strength *.gap *.reach "
           "*.screws *.after *.slide *.root *.toe *.inertia *.inner *.warping Box.radius GivenSection.product "
           "*.hardening *.kinematic *.poisson *.near *.layer *.distance *.overhang *.offset *.angle *.own *.panels "

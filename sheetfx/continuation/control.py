@@ -271,8 +271,9 @@ class ArcLength(TwoWayRule):
         return max(candidates, key=lambda change: change * along), part
 
 
-# Weight of the load where it moves nothing at first: the first step by arc length is that of load control then.
-ONLY_STRESSED = (ArcLength.default / LoadControl.default) ** 2
+def weight_where_nothing_moves() -> float:
+    """Weight of the load, psi^2, with which the first step by arc length is that of load control."""
+    return (ArcLength.default / LoadControl.default) ** 2
 
 
 def _largest_part(a: float, b: float, c: float) -> float:

@@ -8,10 +8,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, Protocol
 
+import numpy as np
+from mpi4py import MPI
 from petsc4py import PETSc
 from slepc4py import SLEPc
 
-from ..rounding import is_real
+from ..communicators import lasting
+from ..rounding import UNIT, is_real
 from .callbacks import interruptible
 
 PREFIX = "sheetfx_spectrum_"
@@ -43,17 +46,25 @@ def nearest_to_zero(solver: Factored, mass: PETSc.Mat, count: int, tolerance: fl
     ArithmeticError
         If none is found.
     """
-    eps = _solved(solver, mass, count, tolerance, without)
+    eps, infinite = _solved(solver, mass, count, tolerance, without), _infinite(solver, mass)
     found, farthest = [], max((abs(eps.getEigenvalue(i)) for i in range(min(count, eps.getConverged()))), default=0.0)
     for i in range(min(count, eps.getConverged())):
         real, imaginary = mass.createVecRight(), mass.createVecRight()
         value = eps.getEigenpair(i, real, imaginary)
-        if is_real(value, farthest):
+        if abs(value) < infinite and is_real(value, farthest):
             found.append((value.real, _normed(imaginary if value.imag < 0 else real, mass)))
     if not found:
         raise ArithmeticError(f"no eigenvalue of the tangent converges; try PETSC_OPTIONS='-{PREFIX}eps_tol 1e-8'")
     found.sort(key=lambda pair: pair[0])
     return [value for value, _ in found], [mode for _, mode in found]
+
+
+def _infinite(solver: Factored, mass: PETSc.Mat) -> float:
+    """Size beyond all eigenvalues: those of what has no mass, as of multipliers, are infinite but for rounding."""
+    stiff, heavy = solver.matrix.getDiagonal().array, mass.getDiagonal().array
+    there = heavy > 0
+    largest = float(np.max(np.abs(stiff[there]) / heavy[there], initial=0.0))
+    return lasting(mass.comm.tompi4py()).allreduce(largest, op=MPI.MAX) / UNIT**0.5 or np.inf
 
 
 def nearest_pairs(solver: Factored, mass: PETSc.Mat, count: int,

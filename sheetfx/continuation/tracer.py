@@ -12,7 +12,7 @@ from petsc4py import PETSc
 from ..discrete.free_motions import usual_stiffness
 from ..rounding import NONE, SAFETY, noise
 from .callbacks import interruptible
-from .control import ONLY_STRESSED, LoadControl, LoadResponse, StepRule
+from .control import LoadControl, LoadResponse, StepRule, weight_where_nothing_moves
 from .corrector import FLOWS_TO_AND_FRO, TO_AND_FRO, create, fewer_iterations
 from .enforcement import Enforcement
 from .inertia import Uncounted, UnstableModes, first_critical
@@ -51,7 +51,8 @@ class Tracer(Measuring):
         self._factored: tuple[np.ndarray | None, int] = None, 0
         self._count = UnstableModes(self.system, self.stepper.linear)
         self.system.history.rebase()
-        self.system.factors.enter(0, self._at_first(0))
+        if first := self._at_first(0):
+            self.system.factors.enter(0, first)
         try:
             self.state = self._converged(None)
             self._load.array[:] = np.cos(np.arange(self._load.local_size))
@@ -382,8 +383,8 @@ class Tracer(Measuring):
                 raise SingularTangent("the tangent has no numbers")
             if not (only_stressed or self.tangent.norm2 > 0):
                 raise ValueError(self.discretisation.unresponsive)
-            self._reference = (ONLY_STRESSED, 0.0) if only_stressed else (self.tangent.norm2, work)
-            self.tangent.least_weight = ONLY_STRESSED if only_stressed else 0.0
+            self.tangent.least_weight = weight_where_nothing_moves() if only_stressed else 0.0
+            self._reference = (self.tangent.least_weight, 0.0) if only_stressed else (self.tangent.norm2, work)
         self.tangent.initial_norm2 = self._reference[0]
         self.tangent.current_stiffness = self._reference[1] / work if work else 1.0
 

@@ -22,7 +22,7 @@ from petsc4py import PETSc
 
 from .. import rounding
 from ..continuation.linear import SingularTangent
-from ..continuation.spectrum import diagonal, lowest
+from ..continuation.spectrum import diagonal, lowest, nearest_to_zero
 from ..continuation.state import State
 from ..discrete.contribution import Contribution
 from .modes import scaled
@@ -193,8 +193,11 @@ class Fall:
         first = len(self.history) == 1
         if not unstable and not first:
             return None
-        values, modes = lowest(self._held, diagonal(self.system.weights), 2, unstable)
-        if not unstable and values[0] > NEARLY_CRITICAL * values[-1]:
+        weights = diagonal(self.system.weights)
+        values, modes = lowest(self._held, weights, 2, unstable) if unstable else nearest_to_zero(
+            self._held, weights, 2)
+        rest = values[0] / values[-1] if len(values) > 1 else self.before.current_stiffness
+        if not unstable and rest > NEARLY_CRITICAL:
             raise ValueError(f"snap: the state at load {self.before.load:.6g}, deflection {self.before.deflection:.6g} "
                              f"is stable while the {self.hold} is held; take one beyond the critical point")
         self._scale = self._shift = max(abs(values[0]), NEARLY_CRITICAL * abs(values[-1]))

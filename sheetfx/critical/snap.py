@@ -117,11 +117,11 @@ def snaps(path, states: Sequence[State], hold: str = "load") -> list[Snap]:
     states : of the path, in order
     hold : as of `snap`
     """
-    return [_first_fall(path, before, after, hold) for before, after in pairwise(states)
+    return [first_fall(path, before, after, hold) for before, after in pairwise(states)
             if unstable(after, hold) and not unstable(before, hold)]
 
 
-def _first_fall(path, before: State, after: State, hold: str) -> Snap:
+def first_fall(path, before: State, after: State, hold: str) -> Snap:
     """The fall from the extreme of what is held between two states, else from the second one."""
     extreme = _extreme(tracer_of(path), before, after, hold)
     try:

@@ -30,10 +30,8 @@ from ..mesh.numbers import as_constants
 from ..model.cross_section import Elastic
 from ..model.mass import Mass
 from ..model.shell import Shell
-from ..rounding import is_real
+from ..rounding import NONE, is_real
 from .modes import scaled
-
-AT_REST = 1e-9  # force on a rigid motion over what deforming as much takes, that is rounding
 
 
 @dataclass(frozen=True)
@@ -122,7 +120,7 @@ def _rigid(discretisation: Discretisation) -> dict[str, PETSc.Vec]:
     for words, motion in motions.items():
         tangent.mult(motion, force)
         force.array[system.multiplier_rows] = 0
-        if force.norm() > AT_REST * tangent.norm(PETSc.NormType.FROBENIUS) * motion.norm():
+        if force.norm() > NONE * tangent.norm(PETSc.NormType.FROBENIUS) * motion.norm():
             raise ValueError(f"frequencies: the loads of this state do not move with the free body {words}, so that "
                              "it is no free motion; ask about the unloaded state, or add supports")
     return motions

@@ -60,13 +60,6 @@ class Until:
         bounds = (("deflection", self.deflection), ("load", self.load))
         return [(name, bound) for name, bound in bounds if bound is not None]
 
-    def reached(self, state: State) -> str | None:
-        """Why the path ends at this state of its last stage, or None."""
-        for bound in self.bounds:
-            if bound.value(state) >= -bound.near:
-                return f"{bound.name} reached"
-        return self.stopped(state)
-
     def stopped(self, state: State) -> str | None:
         """Why the path ends at this state in any stage, or None."""
         ending = self.ending
