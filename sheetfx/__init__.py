@@ -14,6 +14,7 @@ except ModuleNotFoundError:  # DOLFINx from another source
 __version__ = "0.1.0"
 
 _ROOMS = {
+    "mesh.discs": "Disc",
     "mesh.lines": "Stretch",
     "mesh.reader": "NamedMesh read",
     "mesh.mixed": "MixedMesh read_mixed",
@@ -22,6 +23,7 @@ _ROOMS = {
     "model.beam": "Bar Beam",
     "model.contact": "Contact",
     "model.joints": "Compatible EdgeFoundation Foundation Joint Spring Uniform",
+    "model.coupling": "DistributingCoupling KinematicCoupling",
     "model.given_section": "GivenSection",
     "model.history": "LawWithHistory",
     "model.ilyushin": "Ilyushin",

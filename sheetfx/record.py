@@ -14,7 +14,7 @@ from .continuation.state import CriticalPoint, State
 from .discrete.discretisation import Discretisation
 from .discrete.pair_work import PairState, pairs_of
 from .discrete.plastic import PlasticState, plastic_share, plastic_state
-from .discrete.reactions import Holds, Reaction, ReactionPath
+from .discrete.reactions import Holds, Reaction, ReactionPath, joint_path
 from .discrete.section_forces import SectionPoints, section_forces, section_points
 from .events.search import state_at, step_of
 from .mesh.reader import NamedMesh
@@ -259,6 +259,16 @@ class Record:
         about : fixed place that moments are about; None: the middle of the nodes held, where they are in each state
         """
         return self._holds.along([state.fields for state in self.states], of, about)
+
+    def joint_forces(self, joint, on: NamedMesh | None = None, about: Sequence[float] | None = None) -> ReactionPath:
+        """Force and moment that a joint exerts on its second part, in all states: of a weld, bolt, spring or contact.
+
+        Parameters
+        ----------
+        on : mesh of another part that it joins; None: that of its second part
+        about : fixed place that moments are about; None: the middle of the nodes that it acts on
+        """
+        return joint_path(self._structure, [state.fields for state in self.states], joint, on, about)
 
     def shown_reactions(self) -> list[tuple[Any, Reaction]]:
         """Of each support and prescribed motion in the shown state, node by node, see `discrete.reactions`."""

@@ -82,6 +82,8 @@ def examples() -> dict[str, dict]:
                       "loads": {"b": (0.0, 0.0, 1.0)}, "monitor": ("b", "z", 1.0)},
         "Compatible": {"mesh": p.space, "to": p.plate},
         "Contact": {"beam": p.beam, "obstacle": p.cylinder},
+        "Disc": {"at": "one", "radius": 1.0},
+        "DistributingCoupling": {"mesh": p.space, "at": "b", "to": (p.plate, "south")},
         "EdgeFoundation": {"mesh": p.plate, "at": "east", "stiffness": (1.0, 1.0, 1.0)},
         "EdgeForce": {"mesh": p.plate, "at": "east", "force": (0.0, 0.0, 1.0)}, "Elastic": {"modulus": 1.0},
         "Event": {"name": "mine", "test": lambda state: 1.0},
@@ -92,6 +94,7 @@ def examples() -> dict[str, dict]:
         "GivenPlate": {"thickness": 0.1, "matrices": p.stiffness},
         "InitialStrain": {"part": p.beam, "strains": (1e-3, 0.0, 0.0)},
         "Interface": joined | {"law": "x y z"}, "Laminate": {"plies": [fx.Ply(0.1, 0.0, 2.0, 1.0, 0.3, 0.5)]},
+        "KinematicCoupling": {"mesh": p.space, "at": "b", "to": (p.plate, "south")},
         "LineForce": {"beam": p.beam, "force": (0.0, 1.0)}, "LinePressure": {"beam": p.beam, "pressure": 1.0},
         "Mass": {"mesh": p.line, "at": "b", "mass": 1.0},
         "Moment": {"mesh": p.line, "at": "b", "moment": 1.0}, "Monitor": {"on": p.line, "at": "b", "component": "y"},
@@ -174,8 +177,8 @@ LEGITIMATE = [
     Right("an angle like any other", (0,), "arc.start arc.end"),
     Right("the origin", ((0.0, 0.0),), "RigidCylinder.centre RigidPlane.point RigidSphere.centre "
           "Stretch.start"),
-    Right("a name, free or of what is looked for later", ("wrong",), "Event.name *.name Stretch.start Stretch.along "
-          "Stretch.end"),
+    Right("a name, free or of what is looked for later", ("wrong",), "Event.name *.name Disc.at Stretch.start "
+          "Stretch.along Stretch.end"),
     Right("none of these", ((),), "PolygonSection.holes "
           "Case.events Case.pictures Scene.supports Scene.contacts Scene.joints Scene.stages frame.releases"),
     Right("a sequence may have any length", ((1.0,), (1.0,) * 7), "Contact.approach"),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import chain
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import ufl
 from mpi4py import MPI
@@ -34,6 +34,9 @@ from .supports import fixed_dofs, turn_nodes
 from .system import System
 from .timing import Stopwatch
 from .unknowns import Unknowns
+
+if TYPE_CHECKING:
+    from ..model.joints import Joint
 
 Other = TypeVar("Other")
 
@@ -86,7 +89,8 @@ class Discretisation(Structure):
             self.unknowns.changes = [f.create_change() for f in self.unknowns.fields]
         with self.clock("compile"):
             loads = [(load, list(works)) for load, works in works_of_loads(fields)]
-            joints = list(self._of_joints())
+            self._of_joints = [(joint, list(self._works_of(joint))) for joint in scene.all_joints]
+            joints = [work for _, works in self._of_joints for work in works]
             others = [*self._of_contacts(), *joints, *chain(*(works for _, works in loads)), FixedIncrements()]
             parts = list(self._of_parts())
             contributions = [*parts, *others, *works_of_natural_strains(scene, parts)]
@@ -161,11 +165,23 @@ class Discretisation(Structure):
             work = LayerWork if isinstance(contact, LayerFields) else ContactWork
             yield work(self.fields, contact, self.clock)
 
-    def _of_joints(self) -> Iterator[Contribution]:
-        for joint in self.scene.all_joints:
-            yield from joint.contributions(self.fields)
-            for work in by_mesh([work_of(joint, self.fields)]):
-                yield FormWork(self.unknowns, work, smooth=joint.smooth, conservative=joint.conservative)
+    def _works_of(self, joint: Joint) -> Iterator[Contribution]:
+        yield from joint.contributions(self.fields)
+        for work in by_mesh([work_of(joint, self.fields)]):
+            yield FormWork(self.unknowns, work, smooth=joint.smooth, conservative=joint.conservative)
+
+    def works_of_joint(self, joint: Joint) -> list[Contribution]:
+        """Contributions of a joint.
+
+        Raises
+        ------
+        ValueError
+            If the scene has it not.
+        """
+        found = [works for one, works in self._of_joints if one is joint]
+        if not found:
+            raise ValueError(f"{type(joint).__name__}: is no joint of this scene; give one of its joints")
+        return found[0]
 
     def strain_energy(self, part) -> float:
         """Energy that a part stores now, on all processes."""

@@ -1,4 +1,4 @@
-"""Forces of supports and prescribed motions: what the nodes that they hold lack of balance without them."""
+"""Forces of joints, and of supports and prescribed motions: what the nodes that these hold lack of balance."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from ..mesh.reader import COMPONENTS
+from ..mesh.reader import COMPONENTS, NamedMesh
+from ..model.joints import Joint
 from ..model.loads import PrescribedDisplacement, PrescribedRotation
 from ..model.supports import Support
 from .discretisation import Discretisation
@@ -172,6 +173,54 @@ class Holds:
         finally:
             for field, values in zip(fields, kept, strict=True):
                 field.show(values)
+
+
+def joint_reaction(discretisation: Discretisation, joint: Joint, on: NamedMesh) -> Reaction:
+    """What a joint exerts on the nodes of a mesh in the present configuration.
+
+    Raises
+    ------
+    ValueError
+        If the joint is not one of the scene, has no forces of its own, or is not on the mesh.
+    """
+    works = discretisation.works_of_joint(joint)
+    if not works:
+        raise ValueError(f"joint_forces: {_name(joint)} has no forces of its own: its parts have unknowns in "
+                         "common; weld them to know what it transfers")
+    system, k = discretisation.system, discretisation.kinematics(on)
+    arrays = system.arrays(system.at_nodes(lambda forces: [work.residual(forces) for work in works]))
+    array, (moved, *turned) = arrays[discretisation.fields.blocks.index(k.block)], k.block.fields
+    owned = moved.value.function_space.dofmap.index_map.size_local
+    forces = -array[moved.dofs].reshape(-1, moved.width)[:owned]
+    places = moved.value.function_space.tabulate_dof_coordinates()[:owned, :on.dimension] + moved.table[:owned]
+    there = forces.any(axis=1)
+    moments = np.zeros((0, 2 * on.dimension - 3))
+    if turned:
+        count = turned[0].value.function_space.dofmap.index_map.size_local
+        moments = -array[turned[0].dofs].reshape(-1, turned[0].width)[:count]
+    return Reaction(places[there], forces[there], moments, system.comm)
+
+
+def joint_path(discretisation: Discretisation, snapshots: Sequence[dict], joint: Joint, on: NamedMesh | None,
+               about: Sequence[float] | None) -> ReactionPath:
+    """Resultants of a joint on a part in configurations that snapshots give; the system ends where it was."""
+    meshes = list(dict.fromkeys(mesh for mesh, _ in joint.points))
+    if on is None and len(meshes) != 2:
+        named = "one mesh alone" if len(meshes) == 1 else "several meshes"
+        raise ValueError(f"joint_forces: {_name(joint)} is on {named}; name in `on` the mesh of the part that it "
+                         "acts on (forces of two ends on one mesh cancel out)")
+    mesh, forces, moments = on or meshes[1], [], []
+    with discretisation.visiting(discretisation.system.snapshot()):
+        for snapshot in snapshots:
+            discretisation.system.restore(snapshot)
+            found = joint_reaction(discretisation, joint, mesh)
+            forces.append(found.force)
+            moments.append(found.moment(about))
+    return ReactionPath(np.array(forces), np.array(moments))
+
+
+def _name(joint: Joint) -> str:
+    return getattr(joint, "name", type(joint).__name__)
 
 
 def joined(reactions: Sequence[Reaction]) -> Reaction:

@@ -150,6 +150,30 @@ def gap_in_space(first, second, arm):
     return [*(apart[i] for i in range(apart.ufl_shape[0])), *_turn_between(first, second)]
 
 
+def mean_gaps(first, u, arm, lever):
+    """Share of one of many points in the mean displacement, and turn, against a rigid body that a reference carries.
+
+    With d = u - u_1 + arm - R arm, the means of d and of (R lever) x d vanish where the body is that of least squares
+    (Kabsch 1976, for small d).
+
+    Parameters
+    ----------
+    first : list of displacement and rotation of the reference, UFL vectors
+    u : UFL vector, displacement of the point
+    arm, lever : UFL vectors from the reference, and from the middle of all points, to the point at rest
+
+    Returns
+    -------
+    list of UFL scalars: 2 + 1 in the plane, 3 + 3 in space.
+    """
+    turn = rotation_of(first[1])
+    apart, lever = u - first[0] - turn.change(arm), turn.rotate(lever)
+    if len(u) == 2:
+        return [apart[0], apart[1], lever[0] * apart[1] - lever[1] * apart[0]]
+    about = ufl.cross(lever, apart)
+    return [*(apart[i] for i in range(3)), *(about[i] for i in range(3))]
+
+
 def _turn_between(first, second):
     """Components of the turn of the second of two points against the first, where both have a rotation."""
     if len(first) == 1 or len(second) == 1:

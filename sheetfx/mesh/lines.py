@@ -116,11 +116,11 @@ class Stretch:
         ValueError
             If it has no length, is longer than what it goes along, or does not begin at its end.
         """
-        start = _place(mesh, self.start)
+        start = place_of(mesh, self.start)
         if isinstance(self.along, str):
             return [self._part(lines_of(mesh, self.along), start, SAME * mesh.size)]
         if self.end is not None:
-            way = _place(mesh, self.end) - start
+            way = place_of(mesh, self.end) - start
         else:
             size = np.linalg.norm(self.along)
             way = np.asarray(self.along, dtype=float) * (self.length / size if size else 0.0)
@@ -163,14 +163,21 @@ class Stretch:
 SAME = 1e-6  # distance of places that count as one, over the size of the mesh
 
 
-def _place(mesh: NamedMesh, at: str | Sequence[float]) -> np.ndarray:
+def place_of(mesh: NamedMesh, at: str | Sequence[float]) -> np.ndarray:
+    """A place, or that of a named point.
+
+    Raises
+    ------
+    ValueError
+        If it has another number of components, or the name stands for several points.
+    """
     if not isinstance(at, str):
         if len(at) != mesh.dimension:
-            raise ValueError(f"Stretch: place {tuple(at)} has {len(at)} components; give {mesh.dimension}")
+            raise ValueError(f"place {tuple(at)} has {len(at)} components; give {mesh.dimension}")
         return np.asarray(at, dtype=float)
     places = places_of(mesh, at)
     if len(places) != 1:
-        raise ValueError(f"Stretch: {at!r} stands for {len(places)} points; name a single one")
+        raise ValueError(f"{at!r} stands for {len(places)} points; name a single one")
     return places[0]
 
 

@@ -96,6 +96,27 @@ def at_points(first: Cells, second: Cells, points: np.ndarray, others: np.ndarra
     return Meeting(tuple(sides), np.ones(len(points)), every, np.ones(every.shape), every[:, 0], float(size))
 
 
+def over_area(first: Cells, second: Cells, points: np.ndarray, shares: np.ndarray, others: np.ndarray | None,
+              reach: float, name: str) -> Meeting:
+    """Meeting of two parts in the mean over an area.
+
+    Parameters
+    ----------
+    points, shares : places on the first part, and their shares of the area
+    others : one place on the second part; None: the closest to each
+    reach, name : as of `at_points`
+    """
+    pair = Pair(first, second, reach, name)
+    there = points if others is None else np.repeat(others[:1], len(points), axis=0)
+    found = [part.closest(p) for part, p in zip(pair.parts, (points, there), strict=True)]
+    if others is None:
+        pair.check(points, [found[1][2]])
+    sides = (pair.side(n, which, reference) for n, (which, reference, _) in enumerate(found))
+    size = min((c.sizes.mean() for c in pair.parts if len(c.cells)), default=1.0)
+    one = np.zeros((len(points), 1), dtype=np.int64)
+    return Meeting(tuple(sides), shares, one, np.ones(one.shape), one[0], float(size))
+
+
 def along_lines(first: Cells, second: Cells, lines: Sequence[Sequence[Piece]], reach: float, degree: int,
                 name: str, tied: bool = False) -> Meeting:
     """Meeting of two parts along lines, at Gauss points of segments that end at the borders of cells of both.

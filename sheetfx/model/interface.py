@@ -14,6 +14,7 @@ import numpy as np
 
 from .. import forms
 from ..checks import NONZERO, Choice, NotNegative, check, checked, require_known_component
+from ..mesh.discs import Disc
 from ..mesh.lines import Stretch
 from ..mesh.meeting import Meeting, along_lines
 from ..mesh.reader import COMPONENTS, NamedMesh
@@ -39,7 +40,8 @@ class Interface(Joint):
     Attributes
     ----------
     mesh : of the first part
-    at : where on it: a named point, edge of surfaces or group of curves, a Stretch, or several of one of these
+    at : where on it: a named point, edge of surfaces or group of curves, a Stretch, a Disc over which components are
+        held in the mean, or several of one of these
     to : mesh of the second part, and the name of a point, an edge or a group of cells of it; None: anywhere on it
     law : components that are held, any of x y z rx ry rz separated by spaces; or a function from the vector of all
         components of the gap to that of forces and moments (per length of a line), both in UFL, see
@@ -91,12 +93,12 @@ class Interface(Joint):
         return self.law.split() if isinstance(self.law, str) else []
 
     @property
-    def _places(self) -> list[str | Stretch]:
+    def _places(self) -> list[str | Stretch | Disc]:
         return each_of(self.at)
 
     @property
     def _at_point(self) -> bool:
-        return any(isinstance(at, str) and at in self.mesh.points for at in self._places)
+        return any(isinstance(at, Disc) or (isinstance(at, str) and at in self.mesh.points) for at in self._places)
 
     @property
     def points_of_shells(self) -> list[str]:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
+from ..mesh.discs import Disc
 from ..mesh.lines import Piece, Stretch, lines_of, places_of
-from ..mesh.meeting import Meeting, at_points, merged
+from ..mesh.meeting import Meeting, at_points, merged, over_area
 from ..mesh.projection import Cells, cells_at
 from ..mesh.reader import NamedMesh
 from ..mesh.whole import whole
 
-Place = str | Stretch | Sequence[str | Stretch]  # on a part: a named point, edge or group of curves, a line
+Place = str | Stretch | Disc | Sequence[str | Stretch | Disc]  # on a part: a point, edge, group of curves, line, disc
 Ends = tuple[NamedMesh, str | None]  # a mesh and what is named on it; None: all
 AlongLines = Callable[[Cells, Cells, Sequence[Sequence[Piece]], str], Meeting]  # parts, lines and title
 
@@ -42,17 +43,19 @@ def require_places(title: str, mesh: NamedMesh, places: Sequence[str | Stretch |
 
 def each_of(at: Place | None) -> list:
     """The single places of one or several; one None is everywhere."""
-    return [at] if at is None or isinstance(at, (str, Stretch)) else list(at)
+    return [at] if at is None or isinstance(at, (str, Stretch, Disc)) else list(at)
 
 
-def title_of(name: str, at: str | Stretch | None) -> str:
+def title_of(name: str, at: str | Stretch | Disc | None) -> str:
     """What messages call a joint by its name and place; None: everywhere."""
     if at is None:
         return name
+    if isinstance(at, Disc):
+        return f"{name} over the disc at {at.at!r}"
     return f"{name} from {at.start!r}" if isinstance(at, Stretch) else f"{name} at {at!r}"
 
 
-def meeting_of(mesh: NamedMesh, places: Sequence[str | Stretch], to: Ends, reach: float, name: str,
+def meeting_of(mesh: NamedMesh, places: Sequence[str | Stretch | Disc], to: Ends, reach: float, name: str,
                along_lines: AlongLines) -> Meeting:
     """Points where two parts meet at some places.
 
@@ -74,11 +77,15 @@ def meeting_of(mesh: NamedMesh, places: Sequence[str | Stretch], to: Ends, reach
     return merged([_meeting_at(mesh, at, second, to, reach, title_of(name, at), along_lines) for at in places])
 
 
-def _meeting_at(mesh: NamedMesh, at: str | Stretch, second: Cells, to: Ends, reach: float, title: str,
+def _meeting_at(mesh: NamedMesh, at: str | Stretch | Disc, second: Cells, to: Ends, reach: float, title: str,
                 along_lines: AlongLines) -> Meeting:
     other, there = to
-    first = _cells_along(mesh, at)
     point = there if there is not None and there in other.points else None
+    if isinstance(at, Disc):
+        part = Cells(mesh, cells_at(mesh, None))
+        others = None if point is None else places_of(other, point)
+        return over_area(part, second, *at.samples(part, title), others, reach, title)
+    first = _cells_along(mesh, at)
     if isinstance(at, str) and at in mesh.points:
         others = None if point is None else places_of(other, point)
         return at_points(first, second, places_of(mesh, at), others, reach, title)
