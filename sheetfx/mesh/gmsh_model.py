@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 from mpi4py import MPI
@@ -14,6 +17,7 @@ from scipy.sparse import coo_array, triu
 from ..compat import gmsh_cells
 from ..notices import warn
 from .cells import KINDS, Cells
+from .files import SUFFIXES, model_parts
 from .groups import DIMENSIONS, ORDERS, cells_of, name_of
 from .quality import bad_cells, refuse
 from .raised import raise_order
@@ -22,6 +26,21 @@ Source = Callable[[], None] | str | Path
 
 CURVED = 2  # order of cells that the geometry or a place bends, the degree of shells and beams by default
 STRAIGHT = 1e-9  # distance of a middle from between its ends, over the size of the structure, that is rounding
+NAMELESS = "Open CASCADE"  # what OpenCASCADE calls what has no name
+GEOMETRIES = ".step", ".stp", ".brep", ".iges", ".igs", ".geo"
+CONVERTED = ".unv", ".bdf", ".nas"  # meshes that gmsh reads, but for groups of nodes
+CONVERT = """
+import sys
+import gmsh
+gmsh.initialize(interruptible=False)
+gmsh.option.setNumber("General.Terminal", 0)
+gmsh.open(sys.argv[1])
+for dimension, word in ((1, "curve"), (2, "surface")):
+    if not gmsh.model.getPhysicalGroups(dimension):
+        for _, tag in gmsh.model.getEntities(dimension):
+            gmsh.model.addPhysicalGroup(dimension, [tag], name=f"{word} {tag}")
+gmsh.write(sys.argv[2])
+"""
 FILE = re.compile(rb"^\$(MeshFormat|NOD|PTS)", re.MULTILINE)  # of versions 2 to 4, and 1
 
 
@@ -85,7 +104,7 @@ class Model:
 
 
 def read_model(source: Source, who: str, order: int | None, place: Callable | None, comm: MPI.Comm,
-               several: bool = False) -> Model:
+               several: bool = False, size: float | None = None) -> Model:
     """What there is to know of the gmsh model of a source; what goes wrong on process 0 is raised on all.
 
     Parameters
@@ -95,6 +114,7 @@ def read_model(source: Source, who: str, order: int | None, place: Callable | No
     order : of the geometry; None: see `read`
     place : function from coordinates of nodes to those in space; None: the same
     several : whether surfaces may have triangles and quadrilaterals
+    size : largest of the cells that gmsh makes
     """
     what = who if callable(source) else f"{who} {str(source)!r}"
     if order not in (None, *ORDERS):
@@ -102,7 +122,7 @@ def read_model(source: Source, who: str, order: int | None, place: Callable | No
     model = error = None
     if comm.rank == 0:
         try:
-            model = _model(source, what, order, place, several)
+            model = _model(source, what, order, place, several, size)
         except Exception as raised:  # other processes wait to be told
             error = raised
     model, error = comm.bcast((model, error), root=0)
@@ -113,13 +133,16 @@ def read_model(source: Source, who: str, order: int | None, place: Callable | No
     return model
 
 
-def _model(source: Source, what: str, order: int | None, place: Callable | None, several: bool) -> Model:
+def _model(source: Source, what: str, order: int | None, place: Callable | None, several: bool,
+           size: float | None) -> Model:
+    if not callable(source) and Path(source).suffix.lower() in SUFFIXES:
+        return _raised(_of_file(Path(source), what, place, several), order, place is not None, known=False)
     import gmsh
 
     gmsh.initialize(interruptible=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)
-        _fill(gmsh, source, what)
+        _fill(gmsh, source, what, size)
         if gmsh.model.getNumberOfPartitions():
             gmsh.model.mesh.unpartition()
         known = _curve(gmsh.model, what, order, place, several)
@@ -130,11 +153,31 @@ def _model(source: Source, what: str, order: int | None, place: Callable | None,
         x = _places(gmsh.model, np.unique(used), what, place)
     finally:
         gmsh.finalize()
-    model = Model(what, x, curves, surfaces, points)
-    check_model(model, place is not None)
-    if not known and order != 1 and (found := raise_order(x, surfaces, curves, order)):
-        model = Model(what, found.x, found.curves, found.surfaces, points, found.said and f"{what}: {found.said}")
-    return model
+    return _raised(Model(what, x, curves, surfaces, points), order, place is not None, known)
+
+
+def _raised(model: Model, order: int | None, placed: bool, known: bool) -> Model:
+    """A model that is checked, and raised to a higher order where its geometry is not known."""
+    check_model(model, placed)
+    if known or order == 1 or not (found := raise_order(model.x, model.kinds, model.curves, order)):
+        return model
+    said = "; ".join(filter(None, (model.said, found.said and f"{model.what}: {found.said}")))
+    return Model(model.what, found.x, found.curves, found.surfaces, model.points, said)
+
+
+def _of_file(file: Path, what: str, place: Callable | None, several: bool) -> Model:
+    """The model of a file of another program."""
+    _require_file(file, what)
+    x, curves, surfaces, points, said = model_parts(file, what)
+    if len(surfaces) > 1 and not several:
+        raise ValueError(f"{what}: mixed kinds of cells, triangles and quadrilaterals; read both with read_kinds")
+    return Model(what, x if place is None else np.asarray(place(x), dtype=float), curves, surfaces, points,
+                 said and f"{what}: {said}")
+
+
+def _require_file(file: Path, what: str) -> None:
+    if not file.is_file():
+        raise ValueError(f"{what}: there is no such file in {file.parent.resolve()}; give the path of a .msh file")
 
 
 def _curve(model, what: str, order: int | None, place: Callable | None, several: bool) -> bool:
@@ -164,8 +207,10 @@ def _is_discrete(model) -> bool:
     return any(model.getType(2, entity).startswith("Discrete") for entity in entities)
 
 
-def _fill(gmsh, source: Source, what: str) -> None:
-    """Mesh what a function builds, or open a file."""
+def _fill(gmsh, source: Source, what: str, size: float | None) -> None:
+    """Mesh what a function builds or a file of geometry holds, or open a file with a mesh."""
+    if size is not None:
+        gmsh.option.setNumber("Mesh.MeshSizeMax", size)
     if callable(source):
         gmsh.model.add("model")
         source()
@@ -173,8 +218,14 @@ def _fill(gmsh, source: Source, what: str) -> None:
         gmsh.model.mesh.generate(max(d for d, _ in gmsh.model.getPhysicalGroups()))
         return
     file = Path(source)
-    if not file.is_file():
-        raise ValueError(f"{what}: there is no such file in {file.parent.resolve()}; give the path of a .msh file")
+    _require_file(file, what)
+    if is_geometry(file):
+        _mesh_geometry(gmsh, file, what)
+        return
+    if file.suffix.lower() in CONVERTED:
+        with TemporaryDirectory() as folder:
+            _fill(gmsh, _converted(file, Path(folder), what), what, None)
+        return
     if not FILE.search(file.read_bytes()[:10000]):
         raise ValueError(f"{what}: the file is none of gmsh's; save the mesh from gmsh as .msh")
     try:
@@ -185,6 +236,47 @@ def _fill(gmsh, source: Source, what: str) -> None:
     for entity in gmsh.model.getEntities():  # versions 1 and 2 save a cell once for each group that it is in
         gmsh.model.mesh.removeDuplicateElements([entity])
     gmsh.model.mesh.renumberNodes()
+
+
+def _converted(file: Path, folder: Path, what: str) -> Path:
+    """A file that gmsh reads as .msh, made by a process of its own, since some such files end it.
+
+    What has no group is one by its dimension and number.
+    """
+    made = folder / "converted.msh"
+    done = subprocess.run([sys.executable, "-c", CONVERT, str(file), str(made)], capture_output=True, text=True)
+    if done.returncode or not made.is_file():
+        said = (done.stderr.strip().splitlines() or ["it ends without a word"])[-1]
+        raise ValueError(f"{what}: gmsh cannot read the file ({said}); save the mesh as .msh, .inp or .med")
+    return made
+
+
+def is_geometry(source: Source) -> bool:
+    """Whether a source is a file of geometry, which gmsh meshes."""
+    return not callable(source) and Path(source).suffix.lower() in GEOMETRIES
+
+
+def _mesh_geometry(gmsh, file: Path, what: str) -> None:
+    """Mesh the surfaces, or the curves, of a file of geometry; what has no group is one by its name or number."""
+    try:
+        gmsh.open(str(file))
+    except Exception as error:
+        raise ValueError(f"{what}: gmsh cannot read the file ({error}); export it again, as STEP or BREP") from error
+    model = gmsh.model
+    if model.getEntities(3):
+        raise ValueError(f"{what}: has {len(model.getEntities(3))} volumes; export the surfaces of a shell model, not "
+                         "its solid")
+    top = 2 if model.getEntities(2) else 1
+    for dimension in range(top + 1):
+        if model.getPhysicalGroups(dimension):
+            continue
+        entities = [tag for _, tag in model.getEntities(dimension)]
+        names = [model.getEntityName(dimension, tag).rsplit("/", 1)[-1] for tag in entities]
+        for tag, name in zip(entities, names, strict=True):
+            named = name and names.count(name) == 1 and not name.startswith(NAMELESS)
+            model.addPhysicalGroup(dimension, [tag], name=name if named else f"{DIMENSIONS[dimension][:-1]} {tag}")
+    _check_groups(model, what)
+    model.mesh.generate(top)
 
 
 def _check_groups(model, what: str) -> None:

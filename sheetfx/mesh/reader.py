@@ -12,12 +12,12 @@ from dolfinx import fem
 from dolfinx.mesh import Mesh, MeshTags
 from mpi4py import MPI
 
-from ..checks import Choice, checked
+from ..checks import Choice, Positive, checked
 from ..communicators import lasting
 from ..compat import geometry_degree, geometry_nodes, gmsh_mesh
 from ..notices import warn
 from .cells import Cells
-from .gmsh_model import Model, Source, read_model
+from .gmsh_model import Model, Source, is_geometry, read_model
 from .orientation import Alike, run_alike
 from .partition import keep_junctions_whole
 from .tagged import Names, model_of, nodes_of_vertices
@@ -248,38 +248,42 @@ class NamedMesh:
 @checked
 def read(source: Source, dimension: Annotated[int, Choice((2, 3))],
          order: Annotated[int | None, Choice((1, 2, 3))] = None, place: Callable | None = None,
-         comm: MPI.Comm = MPI.COMM_WORLD) -> NamedMesh:
-    """Mesh of curves, or of surfaces with edges, of a gmsh model.
+         comm: MPI.Comm = MPI.COMM_WORLD, size: Positive | None = None) -> NamedMesh:
+    """Mesh of curves, or of surfaces with edges, of a gmsh model or a file.
 
     Parameters
     ----------
-    source : function without arguments that fills the gmsh model and names physical groups, or path of a .msh file
+    source : function without arguments that fills the gmsh model and names physical groups; or path of a file: .msh of
+        any version; geometry that gmsh meshes (STEP, BREP, IGES, .geo), where what has no group is called by its name
+        or number; or a mesh that meshio (.inp, .med, .vtk, ...) or gmsh (.unv, .bdf) reads. Sets of nodes become edges
+        or points
     dimension : 2 or 3, of the space that the structure lies in
     order : of the geometry: 1 (flat cells), 2 or 3 (curved ones), best the degree of the form; None: 2 where the model
         or `place` bends surfaces, or where flat cells of a file seem to be a curved surface, which are raised with
         normals fitted to their neighbours; elsewhere 1, or that of the file
     place : function from coordinates in the gmsh model, shape (n, 3), to those in space, shape (n, 3), for
         structures that are meshed in the plane of their parameters
+    size : largest of the cells that gmsh makes
 
     Raises
     ------
     ValueError
         If the file, a group or a cell cannot be read.
     """
-    model = read_model(source, "read", order, place, comm)
+    model = read_model(source, "read", order, place, comm, size=size)
     cells, edges = model.curves, Cells({}, {})
     if model.surfaces.groups:
         cells, edges = model.surfaces, model.curves
         model.require_edges()
     model.require_points_on(cells)
     mesh = named_mesh(model, cells, edges, dimension, comm, keep_junctions_whole)
-    return with_reading((mesh,), source, place, lambda order: (read(source, dimension, order, place, comm),))[0]
+    return with_reading((mesh,), source, place, lambda order: (read(source, dimension, order, place, comm, size),))[0]
 
 
 def with_reading(meshes: tuple[NamedMesh, ...], source: Source, place: Callable | None,
                  again: Callable[[int], tuple[NamedMesh, ...]]) -> tuple[NamedMesh, ...]:
     """Meshes of one gmsh model, told how they are read again where the geometry is known."""
-    if callable(source) or place is not None:
+    if callable(source) or place is not None or is_geometry(source):
         for number, mesh in enumerate(meshes):
             mesh.reading = Reading(again, number)
     return meshes
