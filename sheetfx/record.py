@@ -11,7 +11,7 @@ import numpy as np
 
 from .continuation.balance import Balance, balance
 from .continuation.state import CriticalPoint, State
-from .discrete.discretisation import Discretisation
+from .discrete.linearised import LinearSolution
 from .discrete.pair_work import PairState, pairs_of
 from .discrete.plastic import PlasticState, plastic_share, plastic_state
 from .discrete.reactions import Holds, Reaction, ReactionPath, joint_path
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from .critical.error_bar import ErrorBar
     from .critical.snap import Snap
     from .critical.vibration import Vibration
+    from .discrete.discretisation import Discretisation
     from .model.scene import Scene
 
 
@@ -57,7 +58,7 @@ class Record:
     @property
     def _structure(self) -> Discretisation:
         """The scene's fields and system, which a plain form has not (its error says so)."""
-        return cast(Discretisation, self.path.discretisation)
+        return cast("Discretisation", self.path.discretisation)
 
     @property
     def critical_points(self) -> list[CriticalPoint]:
@@ -144,6 +145,23 @@ class Record:
         from .critical.buckling import buckling
 
         return buckling(self.path, state or self.states[-1], **options)
+
+    def linear(self, factor: float = 1.0) -> LinearSolution:
+        """The linear solution about the first state of the last stage, at a load factor, with all its results.
+
+        Raises
+        ------
+        ValueError
+            If loads of a free body are not in equilibrium.
+        """
+        first = next(state for state in self.states if state.stage == self.states[-1].stage)
+        present = self.path.tracer.state
+        self.path.tracer.back_to(first)
+        words = self.path.discretisation.unbalanced(self.path.tracer.load_vector())
+        self.path.tracer.back_to(present)
+        if words:
+            raise ValueError(words)
+        return LinearSolution(self, first, factor)
 
     def frequencies(self, state: State | None = None, count: int = 6) -> list[Vibration]:
         """Lowest free vibrations about a state (default the last), see `critical.vibration.frequencies`."""
