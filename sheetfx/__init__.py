@@ -47,7 +47,7 @@ _ROOMS = {
     "model.shell": "Shell ShellForm",
     "model.assembled": "Cells Joining coupled skeleton touching",
     "model.structure": "Members Sheets Structure read_structure",
-    "model.stresses": "von_mises",
+    "model.stresses": "transverse_shear von_mises",
     "model.supports": "Support clamp pin symmetry",
     "discrete.contribution": "Contribution",
     "discrete.points": "PointWork Trace",

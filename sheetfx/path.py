@@ -98,7 +98,8 @@ class Path:
         self._controls = [*map(_preloading, scene.stages), last]
         self._ending = self.until.ending
         self.events = [*events, *([self._ending] if self._ending else [])]
-        monitors = [*filter(None, (getattr(one, "monitor", None) for one in self._controls))]
+        monitors = [getattr(scene, "monitor", None), *(getattr(one, "monitor", None) for one in self._controls)]
+        monitors = [*filter(None, monitors)] if self.until.steps else []
         self.discretisation: Problem = discretised(scene, mixed_points, monitors)
         self.start, self._started = self._taken(start), time.process_time()
         self.tracer = Tracer(self.discretisation, self._controls[start[-1].stage if start else 0], prefix)

@@ -13,12 +13,12 @@ from .continuation.balance import Balance, balance
 from .continuation.state import CriticalPoint, State
 from .discrete.linearised import LinearSolution
 from .discrete.pair_work import PairState, pairs_of
-from .discrete.plastic import PlasticState, plastic_share, plastic_state
+from .discrete.plastic import PlasticState, is_plastic, plastic_share, plastic_state, plastic_stresses
 from .discrete.reactions import Holds, Reaction, ReactionPath, joint_path
 from .discrete.section_forces import SectionPoints, section_forces, section_points
 from .events.search import state_at, step_of
 from .mesh.reader import NamedMesh
-from .model.stresses import stresses
+from .model.stresses import stresses, transverse_shear
 from .path import Path
 from .show.animating import Animation
 from .show.curves import draw_path
@@ -261,8 +261,17 @@ class Record:
         return section_points(self._structure, part)
 
     def stresses(self, part, at: float | Sequence[float] = 0.0) -> np.ndarray:
-        """Stresses of a linear elastic part in the shown state at a height or fibre, see `model.stresses.stresses`."""
+        """Stresses of a part in the shown state at a height or fibre, see `model.stresses.stresses`.
+
+        Of a plastic part those of the nearest layer or fibre, on this process at its points of integration.
+        """
+        if is_plastic(part):
+            return plastic_stresses(self._structure, part, at)
         return stresses(part, self.forces(part), at)
+
+    def transverse_shear(self, part, at: float = 0.0) -> np.ndarray:
+        """Shear stresses between layers in the shown state, from equilibrium, see `model.stresses.transverse_shear`."""
+        return transverse_shear(part, self.forces(part), at)
 
     @cached_property
     def _holds(self) -> Holds:

@@ -46,11 +46,11 @@ def discretised(given: Scene | Other, mixed_points: bool, monitors: Sequence) ->
 
     Parameters
     ----------
-    monitors : of controls, which supports must leave free as they must that of the scene
+    monitors : of the scene and of controls, which supports must leave free
     """
     if not isinstance(given, Scene):
         return given
-    for monitor in (given.monitor, *monitors):
+    for monitor in monitors:
         given.require_free(monitor)
     return Discretisation(given, mixed_points)
 

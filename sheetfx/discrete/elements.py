@@ -188,6 +188,11 @@ class ElementWork(Contribution):
         ((term, memory),) = self._memories
         return memory.history, term.measure
 
+    def strains_and_history(self) -> tuple[np.ndarray, np.ndarray]:
+        """Strains and history of a law with history at the last accepted state, (cells, points, ...)."""
+        ((_, memory),) = self._memories
+        return memory.strains, memory.history
+
     def update_history(self) -> bool:
         accepted = self.snapshot()
         self.commit()

@@ -158,6 +158,11 @@ class RememberingLaw:
         return self._history
 
     @property
+    def strains(self) -> np.ndarray:
+        """Strains of the last accepted state, (cells, points, strains)."""
+        return self._strains
+
+    @property
     def moved(self) -> bool:
         """Whether a point of this process remembers something."""
         return bool(self._history.any())

@@ -46,6 +46,17 @@ def plastic_state(discretisation: Discretisation, part) -> PlasticState:
     return PlasticState(share.reshape(measure.shape), strain.reshape(measure.shape), measure)
 
 
+def plastic_stresses(discretisation: Discretisation, part, at) -> np.ndarray:
+    """Stresses of a plastic part in the layer or fibre nearest to a place of its section, (cells, points, 3 or 1).
+
+    They are those of the last accepted state at the points of integration.
+    """
+    known = discretisation.work_of(part).strains_and_history()
+    strains, history = (values.reshape(-1, values.shape[2]) for values in known)
+    found = part.section_law.stresses(strains, history, np.ravel(np.asarray(at, dtype=float)))
+    return found.reshape(*known[0].shape[:2], -1)
+
+
 def plastic_share(discretisation: Discretisation) -> float:
     """Share of the volume of all plastic parts that has flowed, on all processes; 0 where there are none."""
     volumes = np.zeros(2)

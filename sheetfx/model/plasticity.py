@@ -84,6 +84,16 @@ class PlasticLaw(LawWithHistory):
         """
         raise NotImplementedError
 
+    def stresses(self, strains: np.ndarray, history: np.ndarray, at: np.ndarray) -> np.ndarray:
+        """Stresses in the layer, or fibre, nearest to a place of the section, (points, 3 or 1).
+
+        Parameters
+        ----------
+        strains, history : shapes (points, n) and (points, remembered), of an accepted state
+        at : height of a shell, shape (1,), or distance along depth, and in space width, of a beam
+        """
+        raise NotImplementedError
+
     def elastic_utilisation(self, strains: np.ndarray) -> np.ndarray:
         """Largest stress over the yield stress, if the strains (points, n) were elastic: above 1 where they yield."""
         raise NotImplementedError
@@ -142,6 +152,11 @@ class Layers(PlasticLaw):
     def flowed(self, history):
         strains = history.reshape(len(history), len(self.places), REMEMBERED)[..., -1]
         return (strains > 0) @ (self.weights / self.weights.sum()), strains.max(axis=1)
+
+    def stresses(self, strains, history, at):
+        layer = int(np.abs(self.places - at[0]).argmin())
+        return _in_layer(np.ascontiguousarray(strains), np.ascontiguousarray(history), layer, self.places[layer],
+                         *self._constants)
 
     def elastic_utilisation(self, strains):
         modulus, poisson, strength, *_ = self._constants
@@ -203,6 +218,18 @@ class Fibres(PlasticLaw):
         strains = history.reshape(len(history), -1, 3)[..., -1]
         return (strains > 0) @ (self.areas / self.areas.sum()), strains.max(axis=1)
 
+    def stresses(self, strains, history, at):
+        there = np.zeros((len(self._arms), 2))
+        if strains.shape[1] > 1:
+            there[:, 0] = -self._arms[:, -1]
+        if strains.shape[1] == 6:
+            there[:, 1] = self._arms[:, 4]
+        wanted = np.zeros(2)
+        wanted[:min(len(at), 2)] = at[:2]
+        fibre = int(((there - wanted) ** 2).sum(axis=1).argmin())
+        return _in_fibre(np.ascontiguousarray(strains), np.ascontiguousarray(history), fibre, self._arms[fibre],
+                         *self._constants)
+
     def elastic_utilisation(self, strains):
         modulus, strength, *_ = self._constants
         return modulus / strength * np.abs(strains @ self._arms.T).max(axis=1)
@@ -229,6 +256,32 @@ class Fibres(PlasticLaw):
 def transverse_squares(strains: np.ndarray, elastic: np.ndarray, strength: float) -> np.ndarray:
     """Square of the transverse shear force of a shell over its plastic value, a yield force per length / sqrt(3)."""
     return 3 * ((strains[:, 6:8] @ elastic[6:8, 6:8] / strength) ** 2).sum(axis=1)
+
+
+@numba.njit(cache=True)
+def _in_fibre(strains, history, fibre, arms, modulus, strength, isotropic, kinematic):
+    """Stress in a fibre at many points, shape (points, 1)."""
+    found = np.empty((len(strains), 1))
+    for q in range(len(strains)):
+        strain = 0.0
+        for i in range(strains.shape[1]):
+            strain += arms[i] * strains[q, i]
+        found[q, 0] = one_axis(strain, history[q, 3 * fibre], history[q, 3 * fibre + 1], history[q, 3 * fibre + 2],
+                               modulus, strength, isotropic, kinematic)[0]
+    return found
+
+
+@numba.njit(cache=True)
+def _in_layer(strains, history, layer, z, modulus, poisson, strength, isotropic, kinematic):
+    """Stresses in a layer at many points, shape (points, 3)."""
+    found, strain, tangent = np.empty((len(strains), 3)), np.empty(3), np.empty((3, 3))
+    own, after = slice(REMEMBERED * layer, REMEMBERED * layer + REMEMBERED), np.empty(REMEMBERED)
+    numbers = modulus, poisson, strength, isotropic, kinematic
+    for q in range(len(strains)):
+        for i in range(3):
+            strain[i] = strains[q, i] + z * strains[q, 3 + i]
+        plane_stress(strain, history[q, own], *numbers, found[q], tangent, after)
+    return found
 
 
 @numba.njit(cache=True)

@@ -38,10 +38,7 @@ def stresses(part: Beam | Bar | Shell, resultants: np.ndarray, at: float | Seque
         For a law or section of which stresses are not known, or a place outside.
     """
     name = type(part).__name__
-    if part.law not in (linear_elastic, linear_shell) or isinstance(part.material, Plastic):
-        raise ValueError(f"{name}: stresses are those of linear elastic sections, and its law is "
-                         f"{type(part.section_law).__name__}; ask Record.forces and Record.plastic")
-    require_uniform(part, "stresses")
+    _require_elastic(part)
     place = np.ravel(np.asarray(at, dtype=float))
     wanted = 2 if isinstance(part, Beam) and part.mesh.dimension == 3 else 1
     if place.shape != (wanted,) or not np.isfinite(place).all():
@@ -49,6 +46,66 @@ def stresses(part: Beam | Bar | Shell, resultants: np.ndarray, at: float | Seque
     if isinstance(part, Bar):
         return resultants / part.section.area
     return _in_beam(part, resultants, place) if isinstance(part, Beam) else _in_shell(part, resultants, float(place[0]))
+
+
+def _require_elastic(part: Beam | Bar | Shell) -> None:
+    """Refuse laws that are not linear elastic, of which resultants do not tell stresses, and sections that vary."""
+    name = type(part).__name__
+    if part.law not in (linear_elastic, linear_shell) or isinstance(part.material, Plastic):
+        raise ValueError(f"{name}: stresses are those of linear elastic sections, and its law is "
+                         f"{type(part.section_law).__name__}; ask Record.forces and Record.plastic")
+    require_uniform(part, "stresses")
+
+
+def transverse_shear(shell: Shell, resultants: np.ndarray, at: float) -> np.ndarray:
+    """Transverse shear stresses of a linear elastic shell at a height, from equilibrium with its stresses.
+
+    A shear force q_1 comes with a moment that changes by it along the first axis, and no other one (cylindrical
+    bending, Rolfes and Rohwer 1997): s_13 is minus the integral, from the lower face, of the stress s_11 by that
+    moment; s_23 likewise. In a homogeneous plate they are parabolas, in a laminate they are continuous at its plies.
+
+    Parameters
+    ----------
+    resultants : of the part, shape (..., 9)
+    at : height above the mid-surface, along the normal
+
+    Returns
+    -------
+    array, shape (..., 2) : s_13 and s_23 on the axes of the resultants
+
+    Raises
+    ------
+    ValueError
+        As `stresses`; for a section that has no layers.
+    """
+    _require_elastic(shell)
+    section, half = shell.section, shell.section.thickness / 2
+    if not (abs(at) <= half * (1 + 2 * EDGE)):
+        raise ValueError(f"Shell: at is {at:g}, outside of its thickness {2 * half:g}; give a height between minus and "
+                         "plus half of it")
+    if isinstance(section, Plate):
+        return resultants[..., 6:8] * 1.5 / (2 * half) * (1 - (at / half) ** 2)
+    if not isinstance(section, Laminate):
+        raise ValueError(f"Shell: the stiffness of its {type(section).__name__} does not tell stresses; give a Plate "
+                         "or a Laminate")
+    compliance, bottom, shares = np.linalg.inv(_moduli_of(section)), -half, np.zeros(2)
+    for ply in section.plies:
+        low, high = bottom, min(bottom + ply.thickness, at)
+        bottom += ply.thickness
+        if high > low:
+            plane = np.asarray(ply.plane_stress())
+            for axis in (0, 1):
+                rates = compliance[:, 3 + axis]
+                stretched, bent = plane[axis] @ rates[:3], plane[axis] @ rates[3:]
+                shares[axis] -= stretched * (high - low) + bent * (high**2 - low**2) / 2
+    return resultants[..., 6:8] * shares
+
+
+def _moduli_of(section: Laminate) -> np.ndarray:
+    """Forces and moments by membrane and bending strains, shape (6, 6)."""
+    given = section.stiffness()
+    return np.block([[np.array(given.membrane), np.array(given.coupling)],
+                     [np.array(given.coupling), np.array(given.bending)]])
 
 
 def von_mises(stresses: np.ndarray) -> np.ndarray:
@@ -93,10 +150,7 @@ def _in_shell(shell: Shell, resultants: np.ndarray, height: float) -> np.ndarray
     if not isinstance(section, Laminate):
         raise ValueError(f"Shell: the stiffness of its {type(section).__name__} does not tell stresses; give a Plate "
                          "or a Laminate")
-    given = section.stiffness()
-    matrix = np.block([[np.array(given.membrane), np.array(given.coupling)],
-                       [np.array(given.coupling), np.array(given.bending)]])
-    strains = np.linalg.solve(matrix, forces[..., None])[..., 0]
+    strains = np.linalg.solve(_moduli_of(section), forces[..., None])[..., 0]
     tops = np.cumsum([ply.thickness for ply in section.plies]) - section.thickness / 2
     ply = section.plies[min(int(np.searchsorted(tops, height, side="right")), len(tops) - 1)]
     return (strains[..., :3] + height * strains[..., 3:]) @ ply.plane_stress()
