@@ -15,7 +15,7 @@ from .discrete.linearised import LinearSolution
 from .discrete.pair_work import PairState, pairs_of
 from .discrete.plastic import PlasticState, is_plastic, plastic_share, plastic_state, plastic_stresses
 from .discrete.reactions import Holds, Reaction, ReactionPath, joint_path
-from .discrete.section_forces import SectionPoints, section_forces, section_points
+from .discrete.section_forces import SectionPoints, section_forces, section_points, value_at
 from .events.search import state_at, step_of
 from .mesh.reader import NamedMesh
 from .model.stresses import stresses, transverse_shear
@@ -259,6 +259,15 @@ class Record:
     def section_points(self, part) -> SectionPoints:
         """Where `forces` and `stresses` are evaluated in the shown state, and along which axes they act."""
         return section_points(self._structure, part)
+
+    def value_at(self, part, values: np.ndarray, at: str | Sequence[float]) -> np.ndarray:
+        """Forces, stresses or other values at the points of a part, at a named point or a place, see `section_forces`.
+
+        ```python
+        record.value_at(plate, record.stresses(plate, at=0.5), (10.0, 0.0, 0.0))
+        ```
+        """
+        return value_at(self._structure, part, values, at)
 
     def stresses(self, part, at: float | Sequence[float] = 0.0) -> np.ndarray:
         """Stresses of a part in the shown state at a height or fibre, see `model.stresses.stresses`.

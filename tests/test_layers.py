@@ -6,6 +6,7 @@ from math import pi
 
 import numpy as np
 import pytest
+from helpers import on_two_processes
 
 import sheetfx as fx
 
@@ -96,3 +97,30 @@ def test_what_is_refused():
     shell, record = strip(fx.Plate(1.0), fx.Elastic(1e6, 0.3))
     with pytest.raises(ValueError, match="at is 0.6, outside of its thickness 1"):
         record.transverse_shear(shell, 0.6)
+
+
+def test_values_at_points_and_places():
+    """Of a strip under a uniform load: m11 = x (L - x) / 2 about its middle, at a named corner, and off it."""
+    shell, record = strip(SANDWICH)
+    linear = record.linear()
+    forces = linear.forces(shell)
+    for x in (2.0, 5.1, 7.77):
+        moment = record.value_at(shell, forces, (x, 0.5, 0.0))[3]
+        assert abs(moment) == pytest.approx(x * (10.0 - x) / 2, rel=5e-3)
+    assert np.abs(record.value_at(shell, forces, "south-west")[3]) < 0.3
+    assert record.value_at(shell, linear.stresses(shell, 0.5), (5.0, 0.5, 0.0)).shape == (3,)
+    with pytest.raises(ValueError, match="is 2 off the Shell; give one on it"):
+        record.value_at(shell, forces, (12.0, 0.5, 0.0))
+
+
+def test_values_on_two_processes():
+    script = """
+from test_layers import SANDWICH, strip
+shell, record = strip(SANDWICH)
+forces = record.linear().forces(shell)
+print(*record.value_at(shell, forces, (5.0, 0.5, 0.0))[:6], *record.value_at(shell, forces, "north-east")[:6])
+"""
+    shell, record = strip(SANDWICH)
+    forces = record.linear().forces(shell)
+    own = [*record.value_at(shell, forces, (5.0, 0.5, 0.0))[:6], *record.value_at(shell, forces, "north-east")[:6]]
+    assert list(map(float, on_two_processes(script)[0].split())) == pytest.approx(own, abs=1e-5 * np.abs(own).max())

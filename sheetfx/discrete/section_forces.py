@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import ufl
 
+from ..communicators import lasting
+from ..compat import geometry_nodes
 from ..jit import compiled_expression
+from ..mesh.lines import SAME, place_of
 from ..mesh.numbers import with_constants
+from ..mesh.projection import Cells
+from ..mesh.quadrature import Rule, extrapolation
 from ..model.beam import Bar, Beam
 from .discretisation import Discretisation
+
+NEAR = 1e-3  # of the size of a mesh, that a place may be off it
 
 
 @dataclass(frozen=True)
@@ -58,9 +66,7 @@ def section_points(discretisation: Discretisation, part) -> SectionPoints:
         arms = list(zip(np.ravel(part.offset).tolist(), axes[1:] if isinstance(part, Beam) else axes[2:], strict=False))
     place = x + kinematics.u + sum((c * axis for c, axis in arms if c), 0 * x)
     values = ufl.as_vector([v[i] for v in (x, place, *axes) for i in range(d)])
-    work = discretisation.work_of(part)
-    points = work.points if work.resultants_inside else _resultants(discretisation, part)[1]
-    table = _evaluated(part, values, points)
+    table = _evaluated(part, values, section_points_of(discretisation, part))
     table = table.reshape(*table.shape[:2], 2 + len(axes), d)
     return SectionPoints(table[:, :, 0], table[:, :, 1], table[:, :, 2:])
 
@@ -77,3 +83,55 @@ def _evaluated(part, values, points: np.ndarray) -> np.ndarray:
     domain, cells = part.mesh.domain, part.mesh.group(part.group)
     return compiled_expression(values, points, with_constants).eval(domain, cells).reshape(
         len(cells), len(points), values.ufl_shape[0])
+
+
+def value_at(discretisation: Discretisation, part, values: np.ndarray, at: str | Sequence[float]) -> np.ndarray:
+    """Values of a part at a named point or a place of the reference configuration, the same on all processes.
+
+    They are those of the polynomial through the points of the cell there, at its corners the mean of all cells of the
+    part that have it.
+
+    Parameters
+    ----------
+    values : at the points of `section_forces`, on this process, shape (cells, points, ...)
+
+    Raises
+    ------
+    ValueError
+        If the place is off the part.
+    """
+    mesh, cells = part.mesh, part.mesh.group(part.group)
+    place = place_of(mesh, at)
+    found, near = [], np.inf
+    if len(cells):
+        corners = mesh.domain.geometry.x[geometry_nodes(mesh.domain)[cells], :mesh.dimension]
+        touching = np.flatnonzero((np.linalg.norm(corners - place, axis=2) <= SAME * mesh.size).any(axis=1))
+        among = Cells(mesh, cells)
+        which, _, apart = among.closest(place[None])
+        near = float(apart[0])
+        chosen = touching if len(touching) else which
+        points = np.asarray(section_points_of(discretisation, part))
+        for number in chosen:
+            reference = Cells(mesh, cells[[number]]).closest(place[None])[1]
+            found.append(np.tensordot(_through(mesh, points, reference), values[number], 1)[0])
+    everywhere = [(n, v) for n, own in lasting(mesh.comm).allgather((near, found)) for v in own]
+    nearest = min((n for n, _ in everywhere), default=np.inf)
+    if not nearest <= NEAR * mesh.size:
+        words = ", ".join(f"{c:.6g}" for c in place)
+        raise ValueError(f"value_at: the place ({words}) is {nearest:.4g} off the {type(part).__name__}; "
+                         "give one on it")
+    return np.mean([v for n, v in everywhere if n <= nearest + SAME * mesh.size], axis=0)
+
+
+def section_points_of(discretisation: Discretisation, part) -> np.ndarray:
+    """Reference points of a cell at which resultants of a part are evaluated."""
+    work = discretisation.work_of(part)
+    return work.points if work.resultants_inside else _resultants(discretisation, part)[1]
+
+
+def _through(mesh, points: np.ndarray, reference: np.ndarray) -> np.ndarray:
+    """Values at a reference point by those at the points of a cell; their mean where no polynomial passes through."""
+    try:
+        return extrapolation(mesh.domain.basix_cell(), *(Rule(p, np.ones(len(p))) for p in (points, reference)))
+    except ValueError:
+        return np.full((1, len(points)), 1 / len(points))

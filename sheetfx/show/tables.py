@@ -25,7 +25,7 @@ def tables(record: Shown, folder: Folder) -> None:
 
     Reactions are forces and moments on the modelled structure, for each support and prescribed motion; moments are
     about the middle of its nodes where they are now. Forces of parts are at the points of `Record.forces`, with their
-    places in the reference configuration.
+    group and their places in the reference configuration.
     """
     with last_state_kept(record):
         _write(record, Folder(folder) / "reactions.csv", *_reactions(record))
@@ -70,10 +70,11 @@ def _forces(record: Shown, part) -> tuple[list[str], list]:
     for state in record.states:
         record.show(state)
         values, places = record.forces(part), record.section_points(part).reference
-        own = [[cell, point, *place, *value] for cell, at, of in zip(cells, places, values, strict=True)
+        group = part.group or ""
+        own = [[group, cell, point, *place, *value] for cell, at, of in zip(cells, places, values, strict=True)
                for point, (place, value) in enumerate(zip(at, of, strict=True))]
         rows += [[*_along(state), *row] for gathered in comm.gather(own) or () for row in gathered]
-    return [*ALONG, "cell", "point", *"xyz"[:part.mesh.dimension], *names_of(part, values.shape[2])], rows
+    return [*ALONG, "group", "cell", "point", *"xyz"[:part.mesh.dimension], *names_of(part, values.shape[2])], rows
 
 
 def _write(record: Shown, file: Folder, names: Sequence[str], rows: Iterable[Sequence]) -> None:
