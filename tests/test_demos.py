@@ -10,7 +10,7 @@ import pytest
 
 DEMOS = sorted((Path(__file__).parents[1] / "demos").glob("*.py"))
 NOTEBOOKS = "arch", "double_plate"
-LONG = ("buckling", "enforcement", "imperfections", "large_steps", "pair_search", "panel", "plastic_column", "speed",
+LONG = ("bolted_panel", "buckling", "enforcement", "imperfections", "large_steps", "pair_search", "panel", "plastic_column", "speed",
         "thin_limit", "triangles")
 WITH_JUPYTER = all(importlib.util.find_spec(name) for name in ("jupytext", "nbconvert", "ipykernel"))
 

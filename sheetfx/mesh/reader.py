@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated
 
 import numpy as np
 import ufl
 from dolfinx import fem
-from dolfinx.mesh import Mesh, MeshTags
+from dolfinx.mesh import Mesh, MeshTags, exterior_facet_indices
 from mpi4py import MPI
 
-from ..checks import Choice, Positive, checked
+from ..checks import Choice, Positive, checked, require_components
 from ..communicators import lasting
 from ..compat import geometry_degree, geometry_nodes, gmsh_mesh
 from ..notices import warn
@@ -54,6 +54,7 @@ class NamedMesh:
     model : the same object in meshes that are made of one gmsh model, and in imperfect ones of these
     reading : how it is read again; None: a file tells no more than its cells, or nodes have been moved
     size : diagonal of the box around the structure; known to each process, so that any may ask alone
+    named_later : kind, name and place of points and edges that have been given names
     gathered : what `mesh.whole.whole` has made of it; None: nothing yet
     """
 
@@ -64,6 +65,7 @@ class NamedMesh:
     opposed: dict[str | None, np.ndarray] = field(default_factory=dict)
     model: object = None
     reading: Reading | None = None
+    named_later: list = field(default_factory=list)
     _rules: list = field(default_factory=list)
     _measures: dict = field(default_factory=dict)
     size: float = field(init=False)
@@ -138,6 +140,78 @@ class NamedMesh:
         ends = self.domain.geometry.x[geometry_nodes(self.domain)[self.group(group), :2]]
         along = ends[:, 1] - ends[:, 0]
         return along / np.linalg.norm(along, axis=1, keepdims=True)
+
+    def name_points(self, name: str, where: Sequence[float] | Callable) -> str:
+        """Give points of a mesh a name, as of a file that has none.
+
+        Parameters
+        ----------
+        where : the place of a vertex; or a function from coordinates, shape (3, n), to whether points are meant
+
+        Returns
+        -------
+        the name
+
+        Raises
+        ------
+        ValueError
+            If the name is taken, or there is no vertex.
+        """
+        x = self._coordinates(name)
+        if not callable(where):
+            require_components(f"name_points {name!r}: where", where, self.dimension)
+        if callable(where):
+            chosen = np.asarray(where(x.T), dtype=bool)
+        else:
+            apart = np.linalg.norm(x[:, :self.dimension] - np.asarray(where, dtype=float), axis=1)
+            chosen = apart <= ROUNDING * self.size
+            nearest = self.comm.allgather(min(zip(apart.tolist(), x.tolist(), strict=True), default=(np.inf, [])))
+            if not self.comm.allreduce(int(chosen.sum())):
+                at = ", ".join(f"{c:.6g}" for c in min(nearest)[1][:self.dimension])
+                raise ValueError(f"name_points: no vertex is at {tuple(where)} for {name!r}; the nearest one is at "
+                                 f"({at})")
+        return self._named(self.points, name, np.flatnonzero(chosen), "vertex", where)
+
+    def name_edges(self, name: str, where: Callable) -> str:
+        """Give edges of surfaces a name, those on the border if there are any, see `name_points`.
+
+        Parameters
+        ----------
+        where : function from coordinates, shape (3, n), to whether points are on it: both ends of a side have to be
+        """
+        if self.domain.topology.dim != 2:
+            raise ValueError(f"name_edges: {name!r} is to be on curves, which have no edges; name points")
+        inside = np.asarray(where(self._coordinates(name).T), dtype=bool)
+        topology = self.domain.topology
+        for pair in ((1, 0), (1, 2)):
+            topology.create_connectivity(*pair)
+        chosen = inside[topology.connectivity(1, 0).array.reshape(-1, 2)].all(axis=1)
+        border = np.zeros(len(chosen), dtype=bool)
+        border[exterior_facet_indices(topology)] = True
+        if self.comm.allreduce(int((chosen & border).sum())):
+            chosen &= border
+        self._measures.pop("ds", None)
+        return self._named(self.edges, name, np.flatnonzero(chosen), "side", where)
+
+    def name_as(self, other: NamedMesh) -> None:
+        """Give the names that another mesh of the same structure has been given."""
+        for kind, name, where in other.named_later:
+            (self.name_points if kind == "vertex" else self.name_edges)(name, where)
+
+    def _coordinates(self, name: str) -> np.ndarray:
+        """Of all vertices of this process, for what is to have a name."""
+        if name in {*self.points, *self.edges, *self.cells}:
+            raise ValueError(f"{name!r} is a name in the mesh already; give another one")
+        self.domain.topology.create_connectivity(0, self.domain.topology.dim)
+        return self.domain.geometry.x[nodes_of_vertices(self.domain)]
+
+    def _named(self, group: dict, name: str, found: np.ndarray, kind: str, where) -> str:
+        if not self.comm.allreduce(len(found)):
+            raise ValueError(f"no {kind} of the mesh is where {name!r} is to be; look at the places that its function "
+                             "is true for")
+        group[name], self.gathered = found.astype(np.int32), None
+        self.named_later.append((kind, name, where))
+        return name
 
     def vertices(self, name: str) -> np.ndarray:
         """Vertices of a named point or edge on this process and its ghosts."""

@@ -64,6 +64,8 @@ def _richer_meshes(parts: Sequence[Beam | Bar | Shell]) -> dict[NamedMesh, Named
             again = meshes[0][1].again(order)
         pairs = [(mesh, again[reading.number]) for mesh, reading in meshes]
         if all(_count(one) == _count(other) for one, other in pairs) and any(_bends(other) for _, other in pairs):
+            for one, other in pairs:
+                other.name_as(one)
             found.update(pairs)
     return found
 
