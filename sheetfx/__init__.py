@@ -25,9 +25,10 @@ _ROOMS = {
     "model.joints": "Compatible EdgeFoundation Foundation Joint Spring Uniform",
     "model.coupling": "DistributingCoupling KinematicCoupling",
     "model.given_section": "GivenSection",
+    "model.gravity": "Gravity",
     "model.history": "LawWithHistory",
     "model.ilyushin": "Ilyushin",
-    "model.initial_strain": "InitialStrain StressFree Temperature",
+    "model.initial_strain": "InitialStrain InitialStress StressFree Temperature",
     "model.interface": "Interface bolt hinge link weld",
     "model.loads": "EdgeForce LineForce Load Moment "
                    "ObstacleForce PointForce PrescribedDisplacement PrescribedRotation SurfaceForce",

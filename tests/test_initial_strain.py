@@ -200,6 +200,47 @@ def test_stress_of_an_own_law_at_rest_is_brought_into_balance():
     assert not record.balance().broken
 
 
+def test_initial_stress_of_beams_and_shells():
+    """What is held keeps it, what is free lets it go; a held shell has what is given, coupled plies too."""
+    beam, scene = column(loads=lambda part: fx.InitialStress(part, (-1e5, 0.0, 50.0)))
+    record = fx.trace(fx.Case(scene, fx.LoadControl()))
+    assert record.forces(beam).reshape(-1, 3) == pytest.approx(np.tile([-1e5, 0.0, 50.0], (32, 1)), rel=1e-3, abs=1e-3)
+    ply = {"along": 25e9, "across": 1e9, "poisson": 0.25, "shear": 0.5e9}
+    mesh = fx.read(lambda: fx.meshes.rectangle((2, 2)), 3, 2)
+    plies = fx.Laminate([fx.Ply(0.001, 0.0, **ply), fx.Ply(0.001, 90.0, **ply)])
+    shell = fx.Shell(mesh, plies, axis=(1, 0, 0))
+    edges = [fx.clamp(mesh, at) for at in ("west", "east", "south", "north")]
+    given = (2e3, 1e3, 0.0, 0.5, 0.2, 0.0, 0.0, 0.0, 0.0)
+    held = fx.trace(fx.Case(fx.Scene([shell], edges, [fx.InitialStress(shell, given)],
+                                     fx.Monitor(mesh, mesh.name_points("middle", (0.5, 0.5, 0.0)), "z")),
+                            fx.LoadControl()))
+    assert held.forces(shell).reshape(-1, 9) == pytest.approx(np.tile(given, (16, 1)), abs=1e-6 * 2e3)
+
+
+def test_weight_from_density():
+    """q L^2 / 8 by 7850 kg/m3 of a beam, of a shell of plies and of bars; the load is the weight."""
+    heavy, g = fx.Elastic(E, 0.3, 7850.0), 9.81
+    mesh = fx.read(lambda: fx.meshes.frame({"a": (0, 0), "m": (1, 0), "b": (2, 0)},
+                                           {"l": ("a", "m", 4), "r": ("m", "b", 4)}), 2)
+    beam = fx.Beam(mesh, fx.Rectangle(0.1, 0.1), heavy)
+    scene = fx.Scene([beam], [fx.pin(mesh, "a"), fx.Support(mesh, "b", "y")], [fx.Gravity(beam, (0.0, -g))],
+                     fx.Monitor(mesh, "m", "y"))
+    record = fx.trace(fx.Case(scene, until=fx.Until(steps=0)))
+    linear = record.linear()
+    moment = record.value_at(beam, linear.forces(beam), "m")[2]
+    assert abs(moment) == pytest.approx(7850 * 0.01 * g * 2**2 / 8, rel=0.02)  # along the line through two points
+    assert linear.load == pytest.approx(7850 * 0.01 * g * 2)
+    sheet = fx.read(lambda: fx.meshes.rectangle((2, 2)), 3, 2)
+    ply = {"along": 25e9, "across": 1e9, "poisson": 0.25, "shear": 0.5e9}
+    plies = fx.Laminate([fx.Ply(0.001, 0.0, **ply, density=1500.0), fx.Ply(0.002, 0.0, **ply, density=2000.0)])
+    shell, held = fx.Shell(sheet, plies, axis=(1, 0, 0)), fx.clamp(sheet, "west")
+    hung = fx.trace(fx.Case(fx.Scene([shell], [held], [fx.Gravity(shell, (0.0, 0.0, -g))],
+                                     fx.Monitor(sheet, "north-east", "z")), until=fx.Until(steps=0))).linear()
+    assert hung.load == pytest.approx(5.5 * g) and hung.reaction(held)[2] == pytest.approx(5.5 * g, rel=1e-6)
+    with pytest.raises(ValueError, match="Gravity: the Beam on group 'all' has no density; give its material one"):
+        fx.Gravity(column()[0], (0.0, -g))
+
+
 def test_on_two_processes_and_resumed():
     script = """
 from test_initial_strain import column, fx

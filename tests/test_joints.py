@@ -377,6 +377,14 @@ def edge_on_springs(axis: str) -> float:
     return fx.trace(fx.Case(scene, fx.LoadControl(0.05, target=0.05))).states[-1].deflection
 
 
+@pytest.mark.silent("q13")
+def test_springs_at_the_nodes_of_an_edge_are_told():
+    """Their stiffness in all grows with the number of nodes; `test_loads_of_place` has that per length."""
+    with pytest.warns(UserWarning, match="is one at each node of the edge, .*give one per length by an EdgeFoundation"):
+        edge_on_springs("z")
+
+
+@pytest.mark.filterwarnings("ignore:Spring at")
 @pytest.mark.silent("f06")
 def test_springs_on_an_edge_on_two_processes():
     """The size of the mesh, which places are compared by, is no longer asked of all by some."""

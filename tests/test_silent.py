@@ -33,6 +33,7 @@ ROWS = {
     "q02": "an offset on a curved surface: per length and area of the mid-surface",
     "q03": "contact at the faces of the cells that touch",
     "q04": "linear buckling where the tangent is not linear in the load: told by how much",
+    "q13": "springs at the nodes of an edge: told",
     "q16": "densities of plies",
     "q17": "cells that a place bends: curved",
     "q18": "loads so small that residuals are rounding",

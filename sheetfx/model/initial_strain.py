@@ -9,12 +9,14 @@ from functools import cached_property
 import numpy as np
 import ufl
 
+from .. import forms
 from ..checks import check, require_components, require_vector
 from ..mesh.numbers import as_constants
 from .beam import Bar, Beam
 from .loads import Load
 from .own_forms import called, title_of
 from .shell import Shell
+from .varying import require_uniform
 
 COUNTS = {1: "the axial strain", 3: "axial, shear and bending strain",
           6: "axial, two shear, twist and two bending strains",
@@ -80,6 +82,44 @@ class InitialStrain(StressFree):
 
     def natural(self):
         return self._given
+
+
+@dataclass(frozen=True, eq=False)
+class InitialStress(StressFree):
+    """Resultants that a part has at rest, for a load factor of 1: its prestress, or what welding has left.
+
+    Attributes
+    ----------
+    part : linear elastic Bar, Beam or Shell of the same section throughout
+    resultants : forces and moments, of shells per length, in the order of the part's strains, see `InitialStrain`
+    """
+
+    part: Beam | Bar | Shell
+    resultants: float | tuple[float, ...]
+
+    def __post_init__(self):
+        check(self)
+        name, count = type(self.part).__name__, strains_of(self.part)
+        require_components(f"InitialStress of {name}: resultants ({COUNTS[count].replace('strains', 'forces')})",
+                           np.ravel(self.resultants), count)
+        if self.part.section_law not in (forms.section.linear_elastic, forms.section.linear_shell):
+            raise ValueError(f"InitialStress: the law of its {name} is not linear; give the strains without stress by "
+                             "an InitialStrain")
+        require_uniform(self.part, "InitialStress")
+
+    def natural(self):
+        part, given = self.part, np.ravel(self.resultants).astype(float)
+        if isinstance(part, Shell):
+            stiffness = np.zeros((9, 9))
+            own = part.sections.typical.stiffness(part.material)
+            membrane, coupling, bending = (np.array(block) for block in (own.membrane, own.coupling, own.bending))
+            stiffness[:6, :6] = np.block([[membrane, coupling], [coupling, bending]])
+            stiffness[6:8, 6:8], stiffness[8, 8] = np.array(own.shear), own.drilling or 1.0
+        else:
+            stiffness = np.array(part._stiffness_of(part.sections.typical), dtype=float)
+            stiffness = np.diag(stiffness) if stiffness.ndim == 1 else stiffness
+        strains = -np.linalg.solve(stiffness, given)
+        return ufl.as_vector(as_constants(part.mesh.domain, strains.tolist()))
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,6 +11,7 @@ import ufl
 from .. import forms
 from ..checks import check, require_components, require_known_component
 from ..mesh.reader import COMPONENTS, NamedMesh
+from ..notices import warn
 from .beam import Bar, Beam
 from .shell import Shell
 from .work import Acting
@@ -86,6 +87,9 @@ class Spring(Joint):
             end.mesh.require(f"Spring at {end.at!r}", end.at, "point", "edge")
         if self.to == (self.mesh, self.at):
             raise ValueError(f"Spring at {self.at!r}: joins the point to itself; name another point in `to`")
+        if self.at in self.mesh.edges:
+            warn(f"Spring at {self.at!r}: is one at each node of the edge, so that its stiffness in all depends on the "
+                 "mesh; give one per length by an EdgeFoundation")
 
     @property
     def _ends(self) -> list[End]:

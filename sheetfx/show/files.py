@@ -13,10 +13,11 @@ from dolfinx.io import VTKFile
 from ..compat import interpolation_points
 from ..continuation.state import State
 from ..discrete.kinematics import Kinematics
+from ..discrete.plastic import is_plastic
 from ..jit import compiled_expression
 from ..mesh.reader import NamedMesh
 from ..model.shell import Shell
-from ..model.stresses import on_faces
+from ..model.stresses import on_faces, von_mises
 from .evaluate import last_state_kept
 from .plastic import largest_strain, mean_share, of_cells, plastic_parts
 from .shown import Shown
@@ -33,8 +34,8 @@ def paraview(record: Shown, folder: Folder) -> None:
     vector (radians, below a full turn), averaged where cells disagree. Each cell has the load, and the means of the
     resultants at its points (`tables.names_of`) with the axes that these act along as they have turned: of shells
     "axis 1" and "axis 2" in the surface and the "normal", by which offsets, plies and sides of pressure go; of beams
-    "along", and "axis 1" (the normal in the plane) and "axis 2" of the section; of bars "along". Elastic shells have
-    the largest von Mises stress in each cell on both faces.
+    "along", and "axis 1" (the normal in the plane) and "axis 2" of the section; of bars "along". Shells have their
+    thickness, and the largest von Mises stress in each cell on both faces, of plastic ones in the outermost layers.
     Plastic parts add the largest equivalent plastic strain of each cell, and the share of its volume that has flowed. A
     scene of several meshes gets path.pvd, path1.pvd and so on. A path of a single state is left out.
     """
@@ -92,9 +93,12 @@ class _Resultants:
         for part in self._parts:
             cells, forces = part.mesh.group(part.group), self._record.forces(part)
             values = forces.mean(axis=1)
+            if isinstance(part, Shell):
+                thickness = part.sections.in_cells(lambda section: section.thickness)
+                self._function("thickness", self._space).x.array[cells] = thickness
             for name, column in zip(names_of(part, values.shape[1]), values.T, strict=True):
                 self._function(name, self._space).x.array[cells] = column
-            if isinstance(part, Shell) and (faces := on_faces(part, forces)) is not None:
+            if isinstance(part, Shell) and (faces := self._on_faces(part, forces)) is not None:
                 for name, found in zip(FACES, faces, strict=True):
                     self._function(name, self._space).x.array[cells] = found.max(axis=1)
             axes = self._record.section_points(part).axes.mean(axis=1)
@@ -104,6 +108,13 @@ class _Resultants:
                 table[cells, :part.mesh.dimension] = axis
         for function in self.functions.values():
             function.x.scatter_forward()
+
+    def _on_faces(self, shell: Shell, forces: np.ndarray) -> np.ndarray | None:
+        """Equivalent stress on both faces; of a plastic shell in its outermost layers."""
+        if not is_plastic(shell):
+            return on_faces(shell, forces)
+        half = shell.sections.typical.thickness / 2
+        return np.stack([von_mises(self._record.stresses(shell, height)) for height in (-half, half)])
 
     def _function(self, name: str, space: fem.FunctionSpace) -> fem.Function:
         if name not in self.functions:
