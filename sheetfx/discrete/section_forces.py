@@ -53,8 +53,13 @@ def section_forces(discretisation: Discretisation, part) -> np.ndarray:
     return _evaluated(part, resultants, points)
 
 
-def section_points(discretisation: Discretisation, part) -> SectionPoints:
-    """Points of a part in the present configuration, in the order of its resultants."""
+def section_points(discretisation: Discretisation, part, points: np.ndarray | None = None) -> SectionPoints:
+    """Points of a part in the present configuration, in the order of its resultants.
+
+    Parameters
+    ----------
+    points : reference points of a cell; None: those of `section_forces`
+    """
     mesh, kinematics = part.mesh, discretisation.kinematics(part.mesh)
     d, rotation, frame = mesh.dimension, kinematics.total_rotation, part.frame()
     x = ufl.SpatialCoordinate(mesh.domain)
@@ -66,7 +71,7 @@ def section_points(discretisation: Discretisation, part) -> SectionPoints:
         arms = list(zip(np.ravel(part.offset).tolist(), axes[1:] if isinstance(part, Beam) else axes[2:], strict=False))
     place = x + kinematics.u + sum((c * axis for c, axis in arms if c), 0 * x)
     values = ufl.as_vector([v[i] for v in (x, place, *axes) for i in range(d)])
-    table = _evaluated(part, values, section_points_of(discretisation, part))
+    table = _evaluated(part, values, section_points_of(discretisation, part) if points is None else points)
     table = table.reshape(*table.shape[:2], 2 + len(axes), d)
     return SectionPoints(table[:, :, 0], table[:, :, 1], table[:, :, 2:])
 

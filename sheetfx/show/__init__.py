@@ -15,6 +15,7 @@ _ROOMS = {
     "critical_modes": "draw_critical_modes",
     "animating": "animation",
     "snaps": "falls_curve",
+    "bodies": "solids",
     "plastic": "plastic_zones",
     "pairs": "pair_history",
     "contact": "contact_history tractions",
