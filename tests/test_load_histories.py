@@ -115,3 +115,11 @@ def test_airbag_is_inflated_by_one_call(cells):
     record = fx.trace(fx.Case(scene, fx.LoadControl(), fx.Until(steps=2000), snaps=True))
     assert record.path.message == "load factor 1 reached" and len(record.path.falls) > 3
     assert 0.197 < record.states[-1].deflection < 0.217
+
+
+def test_energy_of_a_fall_is_dissipated():
+    """The work of the load is what is stored and what the fall has set free."""
+    record = fx.trace(fx.Case(toggle(), fx.LoadControl(), fx.Until(load=200.0), snaps=True))
+    balance, (fall,) = record.balance(), record.path.falls
+    assert balance.dissipated[-1] == pytest.approx(fall.energy_released, rel=1e-6) and not balance.broken
+    assert balance.dissipated[fall.before.step] == 0.0 and balance.off < 1e-2

@@ -43,7 +43,7 @@ class Balance:
     parts : energy that each part of the scene stores in all states, by its strains and by hardening, shape (states,
         parts); NaN where a law with history does not tell
     joints : energy of joints and contacts, shape (states,)
-    dissipated : by plastic flow since the first state, shape (states,)
+    dissipated : by plastic flow, and in falls under a held load, since the first state, shape (states,)
     work : that loads and prescribed motions have done since the first state, shape (states,); NaN where it is not known
     accuracy : of the work, shape (states,)
     untold : what does not tell its energy or its work, so that there is no balance
@@ -118,6 +118,8 @@ def balance(tracer: Tracer, states: Sequence[State], accuracy: float | None = No
     if not all(work.tells_energy for work in works):
         untold.add("a law with history does not tell what it stores")
     books = EnergyLedger(tracer, states)
+    if books.fallen and not books.dead:
+        untold.add("what loads that follow do in a fall is not told")
     accounts = books.balanced()
     asked = 0.0 if untold else accuracy or 0.0
     for _ in range(ROUNDS if asked else 0):
@@ -135,7 +137,11 @@ def balance(tracer: Tracer, states: Sequence[State], accuracy: float | None = No
     work, unsure = sums[given].T
     parts, joints, dissipated = (np.array([getattr(accounts[i], name) for i in given])
                                  for name in ("parts", "joints", "dissipated"))
-    return Balance(parts, joints, dissipated - dissipated[0], work if known else np.full_like(work, np.nan), unsure,
+    dissipated = dissipated.astype(float) - dissipated[0]
+    for after in books.fallen:
+        stored = parts.sum(axis=1) + joints
+        dissipated[after:] += np.diff(work - stored - dissipated)[after - 1]
+    return Balance(parts, joints, dissipated, work if known else np.full_like(work, np.nan), unsure,
                    tuple(sorted(untold)))
 
 

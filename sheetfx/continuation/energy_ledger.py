@@ -49,6 +49,10 @@ class EnergyLedger:
     Parameters
     ----------
     states : of the path
+
+    Attributes
+    ----------
+    fallen : numbers of states into which the structure has fallen from the one before
     """
 
     def __init__(self, tracer: Tracer, states: Sequence[State]):
@@ -59,11 +63,18 @@ class EnergyLedger:
         self._others = [c for c in system.contributions[len(self._structure.scene.parts):] if c.stage is None]
         self._turning = system.free_rows(lambda field: field.curved)
         self._steps = [[self._account(state)] for state in states]
+        self.fallen = [n for n in range(1, len(states))
+                       if not states[n].length and states[n].stage == states[n - 1].stage]
+
+    @property
+    def dead(self) -> bool:
+        """Whether loads are the same in all states."""
+        return all(account.dead for step in self._steps for account in step)
 
     def balanced(self) -> list[Account]:
         """All of them in order; W and q are integrals of the loads along the way where these change."""
         accounts = [account for step in self._steps for account in step]
-        return accounts if all(account.dead for account in accounts) else self._followed()
+        return accounts if self.dead or self.fallen else self._followed()
 
     def halve(self, pieces: Sequence[int]) -> bool:
         """Find the states in the middle of pieces between accounts, if they converge; whether there are new ones."""

@@ -35,6 +35,8 @@ ANIMATE = option("animate", bool, False, "Draw animation.gif, the motion along t
 NO_PICTURES = option("no_pictures", bool, False, "Draw no pictures, and write no files for ParaView.", "--no-pictures")
 ERROR = option("error", bool | None, None, "Estimate the discretisation error of critical loads; default: where it "
                "costs a quarter of the path at most.", "--error/--no-error")
+SNAPS = option("snaps", bool, False, "Let the structure fall where it has lost its stability, and go on from there.",
+               "--snaps")
 TABLES = option("tables", bool, False, "Write reactions, energies and section forces of all states as CSV.", "--tables")
 
 
@@ -50,10 +52,10 @@ class Scenes(TyperGroup):
     def runner(name: str, function):
         """A command with the options of a scene's function and those of every run."""
         def command(output: str | None, resume: bool, tables: bool, balance: float | None, error: bool | None,
-                    animate: bool, no_pictures: bool, **parameters):
-            run_scene(name, function, parameters, output, resume, tables, balance, error, animate, no_pictures)
+                    animate: bool, no_pictures: bool, snaps: bool, **parameters):
+            run_scene(name, function, parameters, output, resume, tables, balance, error, animate, no_pictures, snaps)
 
-        return with_options(command, function, [OUTPUT, RESUME, TABLES, BALANCE, ERROR, ANIMATE, NO_PICTURES])
+        return with_options(command, function, [OUTPUT, RESUME, TABLES, BALANCE, ERROR, ANIMATE, NO_PICTURES, SNAPS])
 
     def list_commands(self, context):
         return scene_names()
@@ -115,7 +117,7 @@ def folder_of(name: str, output: str | None, ending: str = "") -> Path:
 
 
 def run_scene(name: str, function, parameters: dict, output: str | None, resume: bool, with_tables: bool,
-              balance: float | None, error: bool | None, animate: bool, no_pictures: bool) -> None:
+              balance: float | None, error: bool | None, animate: bool, no_pictures: bool, snaps: bool) -> None:
     """Run one scene with progress on the terminal."""
     from ..case import run
     from ..show.animating import animation
@@ -128,7 +130,7 @@ def run_scene(name: str, function, parameters: dict, output: str | None, resume:
         pictures = [*(() if no_pictures else case.pictures), *([tables] if with_tables else []),
                     *([animation] if animate else [])]
         case = replace(case, pictures=pictures, balance=balance or case.balance,
-                       error=case.error if error is None else error)
+                       error=case.error if error is None else error, snaps=case.snaps or snaps)
         progress.begin(case)
         summary = run(case, Path(name).stem, parameters, folder, resume, [progress])
         progress.report(summary)
