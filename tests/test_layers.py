@@ -124,3 +124,20 @@ print(*record.value_at(shell, forces, (5.0, 0.5, 0.0))[:6], *record.value_at(she
     forces = record.linear().forces(shell)
     own = [*record.value_at(shell, forces, (5.0, 0.5, 0.0))[:6], *record.value_at(shell, forces, "north-east")[:6]]
     assert list(map(float, on_two_processes(script)[0].split())) == pytest.approx(own, abs=1e-5 * np.abs(own).max())
+
+
+def test_stresses_at_nodes_for_paraview(tmp_path):
+    """Of a strip in cylindrical bending the von Mises stress of both faces, at nodes and by cells."""
+    import pyvista
+
+    shell, record = strip(fx.Plate(1.0), fx.Elastic(1e6, 0.0), cells=8)
+    record = fx.trace(fx.Case(record.case.scene, fx.LoadControl(0.5), fx.Until(steps=2)))
+    fx.show.paraview(record, tmp_path)
+    made = pyvista.get_reader(str(tmp_path / "paraview" / "path.pvd"))
+    made.set_active_time_value(made.time_values[-1])
+    grid = made.read()[0]
+    stress = grid.point_data["von Mises stress, upper face at nodes"]
+    middle = np.abs(grid.points[:, 0] - 5.0) < 1e-9
+    right = np.abs(record.value_at(shell, record.stresses(shell, 0.5), (5.0, 0.5, 0.0))[0])
+    assert stress[middle].mean() == pytest.approx(right, rel=0.02)
+    assert grid.cell_data["thickness"] == pytest.approx(np.ones(grid.n_cells))

@@ -14,7 +14,9 @@ from ..compat import interpolation_points
 from ..continuation.state import State
 from ..discrete.kinematics import Kinematics
 from ..discrete.plastic import is_plastic
+from ..discrete.section_forces import section_points_of
 from ..jit import compiled_expression
+from ..mesh.quadrature import Rule, extrapolation
 from ..mesh.reader import NamedMesh
 from ..model.shell import Shell
 from ..model.stresses import on_faces, von_mises
@@ -35,7 +37,8 @@ def paraview(record: Shown, folder: Folder) -> None:
     resultants at its points (`tables.names_of`) with the axes that these act along as they have turned: of shells
     "axis 1" and "axis 2" in the surface and the "normal", by which offsets, plies and sides of pressure go; of beams
     "along", and "axis 1" (the normal in the plane) and "axis 2" of the section; of bars "along". Shells have their
-    thickness, and the largest von Mises stress in each cell on both faces, of plastic ones in the outermost layers.
+    thickness, and von Mises stresses on both faces, the largest of each cell and at nodes, of plastic ones in the
+    outermost layers.
     Plastic parts add the largest equivalent plastic strain of each cell, and the share of its volume that has flowed. A
     scene of several meshes gets path.pvd, path1.pvd and so on. A path of a single state is left out.
     """
@@ -58,7 +61,8 @@ def _write(record: Shown, mesh: NamedMesh, file: Folder) -> None:
     share = fem.Function(space)
     _add(share, np.ones((*space.dofmap.list[mesh.group(None)].shape, 3)), mesh)
     functions = [fem.Function(space, name=name) for name in values]
-    plastic, forces = _plastic_fields(record, mesh), _Resultants(record, mesh)
+    plastic, forces, nodal = _plastic_fields(record, mesh), _Resultants(record, mesh), _NodalStresses(
+        record, mesh, degree)
     with VTKFile(mesh.comm, file, "w") as stream:
         for state in record.states:
             record.show(state)
@@ -70,7 +74,9 @@ def _write(record: Shown, mesh: NamedMesh, file: Folder) -> None:
                 function.x.array[mesh.group(None)] = of_cells(record, mesh, take)
                 function.x.scatter_forward()
             forces.take(state)
-            stream.write_function([*functions, *plastic, *forces.functions.values()], float(state.step))
+            nodal.take()
+            stream.write_function([*functions, *nodal.functions, *plastic, *forces.functions.values()],
+                                  float(state.step))
 
 
 class _Resultants:
@@ -98,7 +104,7 @@ class _Resultants:
                 self._function("thickness", self._space).x.array[cells] = thickness
             for name, column in zip(names_of(part, values.shape[1]), values.T, strict=True):
                 self._function(name, self._space).x.array[cells] = column
-            if isinstance(part, Shell) and (faces := self._on_faces(part, forces)) is not None:
+            if isinstance(part, Shell) and (faces := equivalent_on_faces(self._record, part, forces)) is not None:
                 for name, found in zip(FACES, faces, strict=True):
                     self._function(name, self._space).x.array[cells] = found.max(axis=1)
             axes = self._record.section_points(part).axes.mean(axis=1)
@@ -109,17 +115,60 @@ class _Resultants:
         for function in self.functions.values():
             function.x.scatter_forward()
 
-    def _on_faces(self, shell: Shell, forces: np.ndarray) -> np.ndarray | None:
-        """Equivalent stress on both faces; of a plastic shell in its outermost layers."""
-        if not is_plastic(shell):
-            return on_faces(shell, forces)
-        half = shell.sections.typical.thickness / 2
-        return np.stack([von_mises(self._record.stresses(shell, height)) for height in (-half, half)])
-
     def _function(self, name: str, space: fem.FunctionSpace) -> fem.Function:
         if name not in self.functions:
             self.functions[name] = fem.Function(space, name=name)
         return self.functions[name]
+
+
+class _NodalStresses:
+    """Equivalent stresses on both faces of the shells of a mesh at its nodes, means of the cells that meet there.
+
+    Attributes
+    ----------
+    functions : of the lower and the upper face; none where no shell tells its stresses
+    """
+
+    def __init__(self, record: Shown, mesh: NamedMesh, degree: int):
+        self._record, self._mesh = record, mesh
+        shells = [p for p in record.case.scene.parts if p.mesh is mesh and isinstance(p, Shell)]
+        self._shells = [s for s in shells if equivalent_on_faces(record, s, record.forces(s)) is not None]
+        self.functions: list[fem.Function] = []
+        if self._shells:
+            space = fem.functionspace(mesh.domain, ("P", degree))
+            self.functions = [fem.Function(space, name=f"{face} at nodes") for face in FACES]
+            self._nodes = space.dofmap.list
+            self._count = fem.Function(space)
+            self._rules = [Rule(p, np.ones(len(p))) for p in [interpolation_points(space)]]
+
+    def take(self) -> None:
+        """Put the functions to the shown state."""
+        if not self.functions:
+            return
+        for function in (*self.functions, self._count):
+            function.x.array[:] = 0
+        for shell in self._shells:
+            cells, values = shell.mesh.group(shell.group), equivalent_on_faces(
+                self._record, shell, self._record.forces(shell))
+            points = section_points_of(self._record.path.discretisation, shell)
+            through = extrapolation(self._mesh.domain.basix_cell(), Rule(points, np.ones(len(points))), *self._rules)
+            nodes = self._nodes[cells].ravel()
+            np.add.at(self._count.x.array, nodes, 1.0)
+            for function, face in zip(self.functions, values, strict=True):
+                np.add.at(function.x.array, nodes, (face @ through.T).ravel())
+        for function in (*self.functions, self._count):
+            function.x.scatter_reverse(la.InsertMode.add)
+            function.x.scatter_forward()
+        for function in self.functions:
+            function.x.array[:] = np.maximum(function.x.array / np.maximum(self._count.x.array, 1.0), 0.0)
+
+
+def equivalent_on_faces(record: Shown, shell: Shell, forces: np.ndarray) -> np.ndarray | None:
+    """Equivalent stress on both faces at the points of `forces`, of plastic shells in outermost layers; or None."""
+    if not is_plastic(shell):
+        return on_faces(shell, forces)
+    half = shell.sections.typical.thickness / 2
+    return np.stack([von_mises(record.stresses(shell, height)) for height in (-half, half)])
 
 
 def _plastic_fields(record: Shown, mesh: NamedMesh) -> dict[fem.Function, Callable]:
