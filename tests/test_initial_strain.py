@@ -46,6 +46,29 @@ def test_heated_column_between_fixed_ends_buckles(control):
     assert len(ends) == 2 and abs(sum(ends)) < 1e-9 < abs(ends[0])
 
 
+class Heating(fx.Load):
+    """Heat as a load of one's own, that does work on the axial strain of a beam."""
+
+    def __init__(self, beam):
+        self.beam = beam
+
+    def work(self, fields):
+        beam = self.beam
+        strains = beam.strains(fields.displacement(beam.mesh), fields.rotation(beam.mesh), beam.frame())
+        return fields.factor * E * A * HEAT * fields.vary(strains[0]) * beam.measure()
+
+
+def test_own_load_that_only_stresses_is_followed_and_one_that_does_nothing_refused():
+    _, scene = column(loads=Heating)
+    record = fx.trace(fx.Case(scene, until=fx.Until(load=0.6)))
+    _, same = column()
+    right = fx.trace(fx.Case(same, until=fx.Until(load=0.6)))
+    assert record.critical_points[0].load == pytest.approx(right.critical_points[0].load, rel=1e-9)
+    beam, scene = column(loads=lambda beam: fx.PointForce(beam.mesh, "a", (1.0, 0.0)))
+    with pytest.raises(ValueError, match="does not respond to its loads"):
+        fx.trace(fx.Case(scene))
+
+
 def test_forces_are_those_of_what_is_held():
     beam, scene = column("y rz", "x", joints=True)
     record = fx.trace(fx.Case(scene, until=fx.Until(load=1.0)))
@@ -195,7 +218,8 @@ def test_stress_of_an_own_law_at_rest_is_brought_into_balance():
             fx.Bar(mesh, fx.Rectangle(0.01, 0.01), fx.Elastic(2e7), group="r")]
     scene = fx.Scene(bars, [fx.pin(mesh, "a"), fx.pin(mesh, "b"), fx.Support(mesh, "m", "y")],
                      [fx.PointForce(mesh, "m", (1.0, 0))], fx.Monitor(mesh, "m", "x"))
-    record = fx.trace(fx.Case(scene, fx.LoadControl(0.5)))
+    with pytest.warns(UserWarning, match="out of balance by forces of 50 in all"):
+        record = fx.trace(fx.Case(scene, fx.LoadControl(0.5)))
     assert [s.deflection for s in record.states] == pytest.approx([-50 / 3000, -49.5 / 3000, -49 / 3000], rel=1e-9)
     assert not record.balance().broken
 
@@ -239,6 +263,39 @@ def test_weight_from_density():
     assert hung.load == pytest.approx(5.5 * g) and hung.reaction(held)[2] == pytest.approx(5.5 * g, rel=1e-6)
     with pytest.raises(ValueError, match="Gravity: the Beam on group 'all' has no density; give its material one"):
         fx.Gravity(column()[0], (0.0, -g))
+
+
+def test_what_is_free_or_turned_is_the_same():
+    """An offset changes nothing of a body that expands alike; a column that lies otherwise buckles at the same heat."""
+    mesh = fx.read(lambda: fx.meshes.rectangle((3, 3)), 3, 2)
+    shell = fx.Shell(mesh, fx.Plate(0.01), fx.Elastic(E, 0.3), offset=0.05)
+    free = fx.trace(fx.Case(fx.Scene([shell], [], [fx.Temperature(shell, *HOT)], fx.Monitor(mesh, "north-east", "x")),
+                            fx.LoadControl()))
+    assert np.abs(free.forces(shell)).max() < 1e-9 * E * 0.01 * HEAT
+
+    def turned(angle):
+        way = np.array([np.cos(angle), np.sin(angle), 0.0])
+        line = fx.read(lambda: fx.meshes.frame({n: tuple(d * way) for n, d in (("a", 0), ("m", 5), ("b", 10))},
+                                               {"l": ("a", "m", 4), "r": ("m", "b", 4)}), 3)
+        beam = fx.Beam(line, fx.Rectangle(0.1, 0.12), fx.Elastic(E))
+        scene = fx.Scene([beam], [fx.clamp(line, "a"), fx.clamp(line, "b")], [fx.Temperature(beam, *HOT)],
+                         fx.Monitor(line, "m", "z"))
+        return [p.load for p in fx.trace(fx.Case(scene, until=fx.Until(load=0.6))).critical_points]
+
+    assert turned(0.0) == pytest.approx(turned(0.7), rel=1e-8) and len(turned(0.0)) == 2
+
+
+def test_tight_membrane_sounds():
+    """sqrt(2) / 2a sqrt(n / m) for a square one, whose bending stiffness is nothing beside its tension."""
+    mesh = fx.read(lambda: fx.meshes.rectangle((8, 8)), 3, 2)
+    shell = fx.Shell(mesh, fx.Plate(1e-4), fx.Elastic(1e9, 0.3, 1000.0))
+    tight = fx.Stage([fx.InitialStress(shell, (100.0, 100.0, *7 * [0.0]))], at_once=True)
+    scene = fx.Scene([shell], [fx.Support(mesh, at, "x y z") for at in ("west", "east", "south", "north")],
+                     [fx.SurfaceForce(shell, (0, 0, 1.0))],
+                     fx.Monitor(mesh, mesh.name_points("middle", (0.5, 0.5, 0.0)), "z"), stages=[tight])
+    record = fx.trace(fx.Case(scene, until=fx.Until(steps=0)))
+    (first,) = record.frequencies(record.states[0], 1)
+    assert first.frequency == pytest.approx(np.sqrt(2) / 2 * np.sqrt(1000), rel=1e-4)
 
 
 def test_on_two_processes_and_resumed():

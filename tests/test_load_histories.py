@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -123,3 +125,36 @@ def test_energy_of_a_fall_is_dissipated():
     balance, (fall,) = record.balance(), record.path.falls
     assert balance.dissipated[-1] == pytest.approx(fall.energy_released, rel=1e-6) and not balance.broken
     assert balance.dissipated[fall.before.step] == 0.0 and balance.off < 1e-2
+
+
+def column(force):
+    mesh = fx.read(lambda: fx.meshes.frame({"a": (0, 0), "m": (0.5, 0), "b": (1, 0)},
+                                           {"l": ("a", "m", 8), "r": ("m", "b", 8)}), 2)
+    beam = fx.Beam(mesh, fx.Rectangle(0.01, 0.01), fx.Elastic(2.1e11))
+    return fx.Scene([beam], [fx.Support(mesh, "a", "x y"), fx.Support(mesh, "b", "y")],
+                    [fx.PointForce(mesh, "b", (-force, 0.0))], fx.Monitor(mesh, "m", "y"))
+
+
+def test_column_falls_onto_its_branch_and_goes_on():
+    """A perfect column beyond Euler's load, beside its branch; few steps follow the fall."""
+    euler = np.pi**2 * 2.1e11 * 0.01**4 / 12
+    record = fx.trace(fx.Case(column(1.2 * euler), fx.LoadControl(), snaps=True))
+    assert len(record.path.falls) == 1 and len(record.states) < 15
+    whole = fx.trace(fx.Case(column(1.2 * euler), fx.LoadControl()))
+    (point,) = [p for p in whole.critical_points if p.kind == "bifurcation"]
+    *_, last = fx.Path(column(1.2 * euler), fx.ArcLength(), fx.Until(load=1.2 * euler),
+                       start=[whole.branches(point)[0].start])
+    assert abs(record.states[-1].deflection) == pytest.approx(abs(last.deflection), rel=1e-6)
+
+
+def test_stages_and_resumed_paths():
+    """A load before the history takes its part of the limit; from any of its states the path ends where it did."""
+    scene = toggle()
+    mesh = scene.parts[0].mesh
+    preloaded = replace(scene, stages=[fx.Stage([fx.PointForce(mesh, "o", (0.0, -10.0))])])
+    record = fx.trace(fx.Case(preloaded, fx.LoadControl(), snaps=True))
+    assert record.path.falls[0].before.load == pytest.approx(LIMIT - 10, rel=1e-6)
+    record = fx.trace(fx.Case(scene, fx.LoadControl(), snaps=True))
+    for number in range(1, len(record.states)):
+        *_, last = fx.Path(scene, fx.LoadControl(), start=record.states[:number], snaps=True)
+        assert last.deflection == pytest.approx(record.states[-1].deflection, rel=1e-9)

@@ -10,6 +10,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from ..discrete.free_motions import usual_stiffness
+from ..notices import warn
 from ..rounding import NONE, SAFETY, noise
 from .callbacks import interruptible
 from .control import LoadControl, LoadResponse, StepRule, weight_where_nothing_moves
@@ -90,6 +91,10 @@ class Tracer(Measuring):
             off.append(self.distance(0.0, self._load.array))
         if off[0] <= SAFETY * off[1]:
             return
+        if not system.factor:
+            warn(f"Scene: the unloaded structure is out of balance by forces of {residual.norm():.4g} in all, of "
+                 "stress at rest in a law or joint; the path begins where it is in balance. Put them on by a Stage of "
+                 "InitialStrain to have the way there")
         found = self._attempted(LoadControl(), self.tangent, 0.0)
         if found is None:
             raise ValueError(f"Scene: the structure that the path begins with is out of balance by forces of "
@@ -374,7 +379,8 @@ class Tracer(Measuring):
         held = system.load(self._load)
         with system.clock("solve"):
             self.stepper.linear.solve(self._load, self._response)
-        only_stressed = system.strains_itself and self._is_held(held)
+        only_stressed = self._is_held(held) and (
+            self._load_stiffens() if self._reference is None else self.tangent.least_weight > 0)
         if only_stressed:
             self._response.zeroEntries()
         work = self._load.dot(self._response)
@@ -387,6 +393,19 @@ class Tracer(Measuring):
             self._reference = (self.tangent.least_weight, 0.0) if only_stressed else (self.tangent.norm2, work)
         self.tangent.initial_norm2 = self._reference[0]
         self.tangent.current_stiffness = self._reference[1] / work if work else 1.0
+
+    def _load_stiffens(self) -> bool:
+        """Whether the load changes the tangent, though it moves nothing: it stresses what is held."""
+        system = self.system
+        here = system.matrix.copy()
+        system.configure(self.x, system.factor + 1.0)
+        system.extrapolate_stress()
+        change = system.tangent().copy()
+        change.axpy(-1.0, here, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+        system.configure(self.x, system.factor - 1.0)
+        system.extrapolate_stress()
+        self.stepper.factorise(self.snes, self.x)
+        return change.norm() > NONE * here.norm()
 
     def _is_held(self, held: np.ndarray) -> bool:
         """Whether supports alone take the load; `held` are its forces on fixed increments of this process."""

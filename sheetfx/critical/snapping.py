@@ -63,6 +63,6 @@ class Falling:
         event = CriticalPoint("event", start.load, start.deflection, start.step, start.length, name="snap")
         self.falls.append(fall)
         yield replace(start, critical=(*passed, event))
-        end = self.control.facing(replace(fall.after, step=start.step + 1, next_length=0.0))
+        end = self.control.facing(replace(fall.after, step=start.step + 1, next_length=tracer.usual))
         tracer.back_to(end)
         yield end

@@ -202,11 +202,6 @@ class System:
                     contribution.load(forces)
             return self._gather(forces, out)
 
-    @property
-    def strains_itself(self) -> bool:
-        """Whether the load of the present stage changes strains at which parts are free of stress."""
-        return any(c.stage == self.factors.stage and not c.tells_work for c in self.contributions)
-
     def tangent(self, only: Sequence[Contribution] | None = None) -> PETSc.Mat:
         """Derivative of the residual with respect to increments of the current configuration.
 

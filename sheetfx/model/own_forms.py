@@ -274,7 +274,7 @@ def _look_at(points: _Points, title: str, function: Callable, count: int | None)
         if (wrong := np.abs(rest[0]) * lengths > ROUNDING).any():
             i = int(np.argmax(wrong))
             raise ValueError(f"{title}: {names[i]} is {rest[0, i]:.6g} at rest, where u and rotation are zero; "
-                             "subtract its value there")
+                             "subtract its value there, or give a prestress by fx.InitialStrain")
         _require_rigid(points, title, names, point, change, lengths)
         slopes.append(np.abs(change).max(axis=0) * lengths)
     for name, slope in zip(names, np.max(slopes, axis=0), strict=True):
