@@ -10,24 +10,21 @@ import numpy as np
 from petsc4py import PETSc
 
 from ..discrete.free_motions import usual_stiffness
-from ..notices import warn
-from ..rounding import NONE, SAFETY, noise
 from .callbacks import interruptible
-from .control import LoadControl, LoadResponse, StepRule, weight_where_nothing_moves
+from .control import LoadResponse, StepRule, weight_where_nothing_moves
 from .corrector import FLOWS_TO_AND_FRO, TO_AND_FRO, create, fewer_iterations
 from .enforcement import Enforcement
+from .first_state import PROBE, FirstState
 from .inertia import Uncounted, UnstableModes, first_critical
 from .linear import SingularTangent
-from .measuring import Measuring
 from .problem import Problem
 from .spectrum import diagonal, nearest_to_zero
 from .state import State
 
-PROBE = 1e-6  # distance along the response at which the change of the tangent is looked at
 NEAR = 1e-9  # of a step, distance of a state from where the tangent was factored that serves as its own
 
 
-class Tracer(Measuring):
+class Tracer(FirstState):
     """Takes single steps from the current state with a SNES, and returns to earlier states.
 
     Attributes
@@ -66,69 +63,6 @@ class Tracer(Measuring):
         self._look_ahead()
         self._choose_first_length()
         self.state = replace(self.state, next_length=self.first)
-
-    def _at_first(self, stage: int) -> float:
-        """Load factor with which a stage begins."""
-        return float(any(s.at_once for s in self.discretisation.stages[stage:stage + 1]))
-
-    def _balance(self) -> None:
-        """Find the balance that a stage begins with, where its first state is out of balance by more than rounding.
-
-        Contact without load finds its own in the first step.
-
-        Raises
-        ------
-        ValueError
-            Where none is found.
-        """
-        start, system = self.state, self.system
-        residual, off = system.create_vector(), []
-        system.residual(residual)
-        if not ((system.smooth or system.factor) and residual.norm() > 0):
-            return
-        for force in (residual, noise(system, self.x)):
-            self.stepper.linear.solve(force, self._load)
-            off.append(self.distance(0.0, self._load.array))
-        if off[0] <= SAFETY * off[1]:
-            return
-        if not system.factor:
-            warn(f"Scene: the unloaded structure is out of balance by forces of {residual.norm():.4g} in all, of "
-                 "stress at rest in a law or joint; the path begins where it is in balance. Put them on by a Stage of "
-                 "InitialStrain to have the way there")
-        found = self._attempted(LoadControl(), self.tangent, 0.0)
-        if found is None:
-            raise ValueError(f"Scene: the structure that the path begins with is out of balance by forces of "
-                             f"{residual.norm():.4g} in all, and no balance is found ({self.reason()}); let loads or "
-                             "InitialStrain put them on in a Stage")
-        self.state = replace(found, step=start.step, increment=start.increment, length=0.0)
-
-    def _look_ahead(self) -> None:
-        """Give the first state the response that leads on from it where laws of parts have cases there.
-
-        The moduli of a kink depend on the way that leads away: that of each response gives the next one, until it
-        stays. Stresses are those of the first state.
-        """
-        cases, system, tangent = [c for c in self.system.contributions if c.kinks and not c.remembers], self.system, (
-            self.tangent)
-        sign, last = self.control.direction(self.state), self.system.create_vector()
-        system.load(self._load)
-        for _ in range(self.control.iterations_allowed if cases else 0):
-            self._response.copy(last)
-            ahead = sign * PROBE / sqrt(tangent.norm2 + tangent.least_weight)
-            last.copy(self.x)
-            self.x.scale(ahead)
-            system.configure(self.x, self.state.factor + ahead)
-            self.stepper.factorise(self.snes, self.x)
-            self.stepper.linear.solve(self._load, self._response)
-            last.axpy(-1.0, self._response)
-            if tangent.inner(last, last) <= PROBE * tangent.norm2:
-                break
-        if cases:
-            self._reference = tangent.norm2, self._load.dot(self._response)
-            tangent.initial_norm2 = tangent.norm2
-            self.state = replace(self.state, response=self._response.array.copy(), reference=self._reference,
-                                 load_rate=sign / sqrt(tangent.norm2 + self._load_weight()))
-            self._undo(self.state)
 
     @property
     def total_factorisations(self) -> int:
@@ -393,23 +327,6 @@ class Tracer(Measuring):
             self._reference = (self.tangent.least_weight, 0.0) if only_stressed else (self.tangent.norm2, work)
         self.tangent.initial_norm2 = self._reference[0]
         self.tangent.current_stiffness = self._reference[1] / work if work else 1.0
-
-    def _load_stiffens(self) -> bool:
-        """Whether the load changes the tangent, though it moves nothing: it stresses what is held."""
-        system = self.system
-        here = system.matrix.copy()
-        system.configure(self.x, system.factor + 1.0)
-        system.extrapolate_stress()
-        change = system.tangent().copy()
-        change.axpy(-1.0, here, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
-        system.configure(self.x, system.factor - 1.0)
-        system.extrapolate_stress()
-        self.stepper.factorise(self.snes, self.x)
-        return change.norm() > NONE * here.norm()
-
-    def _is_held(self, held: np.ndarray) -> bool:
-        """Whether supports alone take the load; `held` are its forces on fixed increments of this process."""
-        return self._load.norm() <= NONE * self.system.comm.allreduce(float(held @ held)) ** 0.5
 
     def _passes_extreme(self, start: State) -> bool:
         """Whether the displacement along the load has had an extreme since a state.
