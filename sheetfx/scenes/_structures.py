@@ -27,6 +27,7 @@ from ._benchmark import Form
 from ._plastic import plastic_quantities, yield_events
 
 MODELS = "bars", "flange", "coupled", "contact"
+MILLIMETRES = " (mm)", " (N)"  # units of the thesis
 GRADED = 4.0  # with contact: cells at the welds, where forces are large, a quarter of those in the middle of bars
 
 Data = Annotated[str, Option(help="JSON file of the structure, see `read_structure`")]
@@ -83,15 +84,16 @@ def from_file(scene: str, title: str, end: float, name: str = "m1") -> Callable[
     ) -> Case:
         structure = read_structure(data, coordinates)
         joining = Joining(weld, screws, radius, tie, faces, edges, gap, friction, pairs, stiffness, enforcement)
-        return case_of(structure, model, eccentric, elastic, divisions, grading, form, joining, to, step)
+        units = MILLIMETRES if data == str(meshes.tables.STRUCTURES[name]) else ("", "")
+        return case_of(structure, model, eccentric, elastic, divisions, grading, form, joining, to, step, units)
 
     case.__doc__, case.__module__ = title, f"{__package__}.{scene}"
     return looked_at(case)
 
 
 def case_of(structure: Structure, model: str, eccentric: bool, elastic: bool, divisions: int, grading: float | None,
-            form: str, joining: Joining, to: float, step: float | None) -> Case:
-    """Case of a structure by one of `MODELS`."""
+            form: str, joining: Joining, to: float, step: float | None, units: tuple[str, str]) -> Case:
+    """Case of a structure by one of `MODELS`; `units` of deflection and load are what plots say."""
     if elastic:
         structure = structure.elastic()
     cells = Cells(divisions, grading or (GRADED if model == "contact" else 1.0), form)
@@ -108,7 +110,7 @@ def case_of(structure: Structure, model: str, eccentric: bool, elastic: bool, di
     at, component, _ = structure.monitor
     return Case(scene=scene, control=ArcLength() if step is None else ArcLength(step=step), until=Until(deflection=to),
                 quantities=quantities, pictures=pictures, events=yield_events(scene),
-                axes=(f"deflection of {at} along {component}", "load"))
+                axes=(f"deflection of {at} along {component}{units[0]}", f"load{units[1]}"))
 
 
 def quantities(record: Record) -> dict[str, float]:
