@@ -53,7 +53,8 @@ def case(
     """A plan that M3 of the thesis may have had: its limit load."""
     joining = Joining(weld, screws, radius, tie, faces, edges, gap, friction, pairs, stiffness, enforcement)
     structure = ribs(bays, span, rise, held)
-    case = with_.case_of(structure, model, eccentric, elastic, divisions, grading, form, joining, to, step, with_.MILLIMETRES)
+    case = with_.case_of(structure, model, eccentric, elastic, divisions, grading, form, joining, to, step,
+                         with_.MILLIMETRES)
     return case if slide is None else replace(case, scene=on_floor(structure, case.scene, slide))
 
 
