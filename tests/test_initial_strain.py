@@ -46,6 +46,17 @@ def test_heated_column_between_fixed_ends_buckles(control):
     assert len(ends) == 2 and abs(sum(ends)) < 1e-9 < abs(ends[0])
 
 
+def test_prestress_that_moves_nothing_and_stiffens_nothing():
+    """Two bars alike in a line, held across: their forces are those that are given."""
+    mesh = fx.read(lambda: fx.meshes.frame({"a": (0, 0), "m": (1.0, 0), "b": (2.0, 0)},
+                                           {"l": ("a", "m", 1), "r": ("m", "b", 1)}), 2)
+    bars = fx.Bar(mesh, fx.Rectangle(1.0, 1.0), fx.Elastic(1e6))
+    scene = fx.Scene([bars], [fx.pin(mesh, "a"), fx.pin(mesh, "b"), fx.Support(mesh, "m", "y")],
+                     [fx.InitialStrain(bars, -1e-3)], fx.Monitor(mesh, "m", "x"))
+    record = fx.trace(fx.Case(scene, fx.LoadControl()))
+    assert record.forces(bars).ravel() == pytest.approx([1000.0, 1000.0]) and not record.states[-1].deflection
+
+
 class Heating(fx.Load):
     """Heat as a load of one's own, that does work on the axial strain of a beam."""
 

@@ -105,8 +105,10 @@ class FirstState(Measuring):
             self._undo(self.state)
 
     def _load_stiffens(self) -> bool:
-        """Whether the load changes the tangent, though it moves nothing: it stresses what is held."""
+        """Whether the load stresses what is held, though it moves nothing: by natural strains, or the tangent tells."""
         system = self.system
+        if any(c.stage == system.factors.stage and not c.tells_work for c in system.contributions):
+            return True
         matrix: Any = system.matrix
         here = matrix.copy()
         system.configure(self.x, system.factor + 1.0)
