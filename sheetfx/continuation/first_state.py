@@ -82,13 +82,14 @@ class FirstState(Measuring):
         The moduli of a kink depend on the way that leads away: that of each response gives the next one, until it
         stays. Stresses are those of the first state.
         """
-        cases, system, tangent = [c for c in self.system.contributions if c.kinks and not c.remembers], self.system, (
-            self.tangent)
-        sign, last = self.control.direction(self.state), self.system.create_vector()
+        system, tangent = self.system, self.tangent
+        if tangent.least_weight or not any(c.kinks and not c.remembers for c in system.contributions):
+            return
+        sign, last = self.control.direction(self.state), system.create_vector()
         system.load(self._load)
-        for _ in range(self.control.iterations_allowed if cases else 0):
+        for _ in range(self.control.iterations_allowed):
             self._response.copy(last)
-            ahead = sign * PROBE / sqrt(tangent.norm2 + tangent.least_weight)
+            ahead = sign * PROBE / sqrt(tangent.norm2)
             last.copy(self.x)
             self.x.scale(ahead)
             system.configure(self.x, self.state.factor + ahead)
@@ -97,12 +98,11 @@ class FirstState(Measuring):
             last.axpy(-1.0, self._response)
             if tangent.inner(last, last) <= PROBE * tangent.norm2:
                 break
-        if cases:
-            self._reference = tangent.norm2, self._load.dot(self._response)
-            tangent.initial_norm2 = tangent.norm2
-            self.state = replace(self.state, response=self._response.array.copy(), reference=self._reference,
-                                 load_rate=sign / sqrt(tangent.norm2 + self._load_weight()))
-            self._undo(self.state)
+        self._reference = tangent.norm2, self._load.dot(self._response)
+        tangent.initial_norm2 = tangent.norm2
+        self.state = replace(self.state, response=self._response.array.copy(), reference=self._reference,
+                             load_rate=sign / sqrt(tangent.norm2 + self._load_weight()))
+        self._undo(self.state)
 
     def _load_stiffens(self) -> bool:
         """Whether the load stresses what is held, though it moves nothing: by natural strains, or the tangent tells."""
