@@ -276,7 +276,7 @@ class Record:
         """
         if is_plastic(part):
             return plastic_stresses(self._structure, part, at)
-        return stresses(part, self.forces(part), at)
+        return stresses(part, self.forces(part), at) + self._structure.fields.residual_stresses(part, at)
 
     def transverse_shear(self, part, at: float = 0.0) -> np.ndarray:
         """Shear stresses between layers in the shown state, from equilibrium, see `model.stresses.transverse_shear`."""

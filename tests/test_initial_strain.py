@@ -186,6 +186,34 @@ def test_load_of_a_heated_plate_has_an_error_bar_and_a_gradient():
     assert abs(slope * 0.01 / point.load - 2) < 5e-3  # the load goes with the square of the thickness
 
 
+def test_strip_of_two_metals():
+    """Timoshenko 1925: a circle, with layers that press and pull each other without resultants."""
+    alpha, moduli, thick, hot = (2e-5, 1e-5), (70e3, 210e3), (0.4, 0.6), 50.0
+    mesh = fx.read(lambda: fx.meshes.rectangle((8, 1), (20.0, 1.0)), 3, 2)
+    plies = fx.Laminate([fx.Ply(t, 0.0, e, e, 0.3, e / 2.6, expansion=(a, a))
+                         for t, e, a in zip(thick, moduli, alpha, strict=True)])
+    shell = fx.Shell(mesh, plies, axis=(1, 0, 0))
+    held = [fx.symmetry(mesh, "west", "x"), fx.Support(mesh, "south-west", "y z"), fx.Support(mesh, "north-west", "z")]
+    scene = fx.Scene([shell], held, [fx.Temperature(shell, hot)], fx.Monitor(mesh, "south-east", "z"))
+    record = fx.trace(fx.Case(scene, fx.LoadControl()))
+    m, n, whole = thick[0] / thick[1], moduli[0] / moduli[1], sum(thick)
+    bend = 6 * (alpha[1] - alpha[0]) * hot * (1 + m) ** 2 / (
+        whole * (3 * (1 + m) ** 2 + (1 + m * n) * (m**2 + 1 / (m * n))))
+    assert abs(record.linear().displacement("south-east")[2]) == pytest.approx(abs(bend) * 20**2 / 2, rel=2e-3)
+    assert np.abs(record.forces(shell)).max() < 1e-3 * moduli[1] * 1e-5 * hot
+    places = np.linspace(-0.499, 0.499, 2001)
+    stress = np.array([record.stresses(shell, z)[0, 0, 0] for z in places])
+    assert np.abs(stress).max() > 5.0 and abs(np.trapezoid(stress, places)) < 0.02 * np.abs(stress).max()
+    assert abs(np.trapezoid(stress * places, places)) < 0.01 * np.abs(stress).max()
+    (low, high), step = (record.stresses(shell, z)[0, 0, 0] for z in (-0.1001, -0.0999)), alpha[0] - alpha[1]
+    strains = [s * (1 - 0.3) / e for s, e in zip((low, high), moduli, strict=True)]
+    assert strains[1] - strains[0] == pytest.approx(step * hot, rel=1e-2)
+    with pytest.raises(ValueError, match="Ply: expansion is None"):
+        fx.Temperature(replace(shell, section=fx.Laminate([fx.Ply(1.0, 0.0, 1.0, 1.0, 0.3, 0.4)])), hot)
+    with pytest.raises(ValueError, match="the part has no plies"):
+        fx.Temperature(column()[0], hot)
+
+
 def net(shift=0.0, at_once=True, strain=-1e-3, loads=()):
     """Four cables from the middle of a cross, one of them tighter by `shift`."""
     ends = {"o": (0, 0, 0), "a": (2, 0, 0), "b": (-2, 0, 0), "c": (0, 2, 0), "d": (0, -2, 0)}

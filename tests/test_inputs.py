@@ -169,7 +169,7 @@ LEGITIMATE = [
     Right("one of several loads; where all are zero the path says so", (0, (0.0, 0.0)), "Moment.moment "
           "ObstacleForce.force Pressure.pressure LinePressure.pressure FollowerForce.force LineForce.force "
           "PointForce.force"),
-    Right("at the centroid", ((0.0, 0.0),), "*.shear_centre"),
+    Right("at the centroid; nothing expands", ((0.0, 0.0),), "*.shear_centre Ply.expansion"),
     Right("held where it is", (0,), "PrescribedDisplacement.distance PrescribedRotation.rotation"),
     Right("nothing resists", (0, (0.0, 0.0)), "Foundation.stiffness Spring.stiffness ShellStiffness.drilling"),
     Right("down from a loaded state", (0,), "LoadControl.target"),

@@ -108,6 +108,13 @@ class Fields:
         """What moments are conjugate to; None where parts have no rotation."""
         return self._kinematics[mesh].spin
 
+    def residual_stresses(self, part, at) -> np.ndarray | float:
+        """Stresses without resultants in a layer of a part now, as of plies that expand unlike."""
+        loads = [(self._factors.value(n), load) for n, stage in enumerate(self.scene.all_stages)
+                 for load in stage.loads if isinstance(load, StressFree) and load.part is part]
+        found = [factor * own for factor, load in loads if (own := load.residual(float(np.ravel(at)[0]))) is not None]
+        return np.sum(found, axis=0) if found else 0.0
+
     def natural_strains(self, part):
         """Strains at which a part is free of stress by the present load factors, a UFL vector; None: at none."""
         factors = [(self._factors.symbols[n], load) for n, stage in enumerate(self.scene.all_stages)

@@ -13,6 +13,7 @@ from .. import forms
 from ..checks import check, require_components, require_vector
 from ..mesh.numbers import as_constants
 from .beam import Bar, Beam
+from .laminate import Laminate
 from .loads import Load
 from .own_forms import called, title_of
 from .shell import Shell
@@ -39,6 +40,10 @@ class StressFree(Load):
     def natural(self):
         """Strains without stress for a load factor of 1: UFL vector in the order of the strains of the part."""
         raise NotImplementedError
+
+    def residual(self, height: float) -> np.ndarray | None:
+        """Stresses in a layer of a shell, for a load factor of 1, that have no resultants; None: there are none."""
+        return None
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,20 +129,20 @@ class InitialStress(StressFree):
 
 @dataclass(frozen=True, eq=False)
 class Temperature(StressFree):
-    """Change of temperature of a part, for a load factor of 1, by which it expands alike in all directions.
+    """Change of temperature of a part, for a load factor of 1.
 
     Attributes
     ----------
     part : Bar, Beam or Shell
     change : at the centroid or the mid-surface: a number, or a function from the place (UFL vector) to one
-    expansion : coefficient of linear expansion, per degree
+    expansion : coefficient of linear expansion in all directions, per degree; None: of a Laminate those of its plies
     gradient : change of temperature per length: of shells along their normal; of beams along the depth, as heights are
         counted by `Record.stresses`, in space also along the width
     """
 
     part: Beam | Bar | Shell
     change: float | Callable
-    expansion: float
+    expansion: float | None = None
     gradient: float | tuple[float, float] = 0.0
 
     def __post_init__(self):
@@ -146,7 +151,12 @@ class Temperature(StressFree):
         require_components("Temperature: gradient", np.ravel(self.gradient), wanted)
         if isinstance(self.part, Bar) and self.gradient:
             raise ValueError(f"Temperature: gradient is {self.gradient}, but bars do not bend; leave it out")
-        if not self.expansion:
+        if self.expansion is None:
+            if not isinstance(self.part.section, Laminate):
+                raise ValueError("Temperature: expansion is None, and the part has no plies that have their own; give "
+                                 "the coefficient of linear expansion")
+            _ = self.part.section.expansions()
+        elif not self.expansion:
             raise ValueError("Temperature: expansion is 0, so that no temperature does anything; give the "
                              "coefficient of linear expansion")
         _ = self._change
@@ -164,6 +174,12 @@ class Temperature(StressFree):
 
     def natural(self):
         domain, count = self.part.mesh.domain, strains_of(self.part)
+        if self.expansion is None:
+            by_change, by_gradient = self.part.section.expansions()
+            bent = (float(np.ravel(self.gradient)[0]) * by_gradient).tolist()
+            uniform = as_constants(domain, by_change.tolist())
+            given = [c * self._change + g for c, g in zip(uniform, as_constants(domain, bent), strict=True)]
+            return ufl.as_vector([*given, 0.0, 0.0, 0.0])
         expansion, *gradient = as_constants(domain, [float(self.expansion), *np.ravel(self.gradient).astype(float)])
         axial, bends = expansion * self._change, [expansion * g for g in gradient]
         return ufl.as_vector({
@@ -171,6 +187,18 @@ class Temperature(StressFree):
             3: lambda: [axial, 0.0, -bends[0]],
             6: lambda: [axial, 0.0, 0.0, 0.0, *([bends[1], -bends[0]] if len(bends) > 1 else [0.0, 0.0])],
             9: lambda: [axial, axial, 0.0, bends[0], bends[0], 0.0, 0.0, 0.0, 0.0]}[count]())
+
+    def residual(self, height):
+        if self.expansion is not None:
+            return None
+        if callable(self.change):
+            raise ValueError("Temperature: stresses of plies that expand unlike are not known where change is a "
+                             "function of the place; give a number")
+        section, gradient = self.part.section, float(np.ravel(self.gradient)[0])
+        ply, (by_change, by_gradient) = section.ply_at(height), section.expansions()
+        laminate = self.change * by_change + gradient * by_gradient
+        own = (self.change + gradient * height) * ply.expansions()
+        return ply.plane_stress() @ (laminate[:3] + height * laminate[3:] - own)
 
 
 def strains_of(part: Beam | Bar | Shell) -> int:

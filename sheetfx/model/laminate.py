@@ -29,6 +29,8 @@ class Ply:
     shear : modulus G12
     transverse : moduli G13 and G23; None: both G12
     density : mass per volume, for vibrations; None: that of the shell's material
+    expansion : coefficients of linear expansion along and across the fibres, per degree, see `Temperature`; None: not
+        known
     """
 
     thickness: Positive
@@ -39,6 +41,7 @@ class Ply:
     shear: Positive
     transverse: tuple[Positive, Positive] | None = None
     density: Positive | None = None
+    expansion: tuple[float, float] | None = None
 
     def __post_init__(self):
         check(self)
@@ -55,6 +58,20 @@ class Ply:
         c, s = self._direction()
         strains = np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
         return strains.T @ own @ strains
+
+    def expansions(self) -> np.ndarray:
+        """Strains (e11, e22, 2 e12) by a degree on the axes of the shell (Jones 1975, eq. 4.80).
+
+        Raises
+        ------
+        ValueError
+            If the ply has no expansion.
+        """
+        if self.expansion is None:
+            raise ValueError("Ply: expansion is None, so that what a temperature does is not known; give the "
+                             "coefficients along and across the fibres, or Temperature one for all plies")
+        (along, across), (c, s) = self.expansion, self._direction()
+        return np.array([c * c * along + s * s * across, s * s * along + c * c * across, 2 * c * s * (along - across)])
 
     def transverse_shear(self) -> np.ndarray:
         """Stiffness for the transverse shear strains (g1, g2) on the axes of the shell, shape (2, 2)."""
@@ -130,6 +147,21 @@ class Laminate(ShellSection):
 
     def weighs(self, material) -> bool:
         return super().weighs(material) or all(ply.density for ply in self.plies)
+
+    def expansions(self) -> np.ndarray:
+        """Membrane and bending strains by a degree, and by a degree per length along the normal, shape (2, 6)."""
+        heights, given = _heights(self.plies), self.stiffness()
+        powers = [np.diff(heights**n) / n for n in (1, 2, 3)]
+        loads = np.array([ply.plane_stress() @ ply.expansions() for ply in self.plies])
+        forces = [np.concatenate([powers[n] @ loads, powers[n + 1] @ loads]) for n in (0, 1)]
+        moduli = np.block([[np.array(given.membrane), np.array(given.coupling)],
+                           [np.array(given.coupling), np.array(given.bending)]])
+        return np.linalg.solve(moduli, np.array(forces).T).T
+
+    def ply_at(self, height: float) -> Ply:
+        """The ply at a height above the middle; of two that meet there the upper one."""
+        tops = _heights(self.plies)[1:]
+        return self.plies[min(int(np.searchsorted(tops, height, side="right")), len(tops) - 1)]
 
     def inertia(self, material) -> list[float]:
         mass, first, second = self._moments(material)

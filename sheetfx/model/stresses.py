@@ -121,15 +121,6 @@ def von_mises(stresses: np.ndarray) -> np.ndarray:
     return np.sqrt(s11**2 - s11 * s22 + s22**2 + 3 * s12**2)
 
 
-def on_faces(shell: Shell, resultants: np.ndarray) -> np.ndarray | None:
-    """Equivalent stress on the lower and the upper face of a shell, shape (2, ...); None where it is not told."""
-    half = shell.sections.typical.thickness / 2
-    try:
-        return np.stack([von_mises(stresses(shell, resultants, height)) for height in (-half, half)])
-    except ValueError:
-        return None
-
-
 def _in_beam(beam: Beam, resultants: np.ndarray, place: np.ndarray) -> np.ndarray:
     """N / A and E (z k_n - y k_b), with the curvatures of the moments; see `plasticity.Fibres`."""
     (about_normal, about_binormal), product = beam.section.second_moments, beam.section.product
@@ -151,6 +142,4 @@ def _in_shell(shell: Shell, resultants: np.ndarray, height: float) -> np.ndarray
         raise ValueError(f"Shell: the stiffness of its {type(section).__name__} does not tell stresses; give a Plate "
                          "or a Laminate")
     strains = np.linalg.solve(_moduli_of(section), forces[..., None])[..., 0]
-    tops = np.cumsum([ply.thickness for ply in section.plies]) - section.thickness / 2
-    ply = section.plies[min(int(np.searchsorted(tops, height, side="right")), len(tops) - 1)]
-    return (strains[..., :3] + height * strains[..., 3:]) @ ply.plane_stress()
+    return (strains[..., :3] + height * strains[..., 3:]) @ section.ply_at(height).plane_stress()

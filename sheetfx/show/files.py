@@ -13,13 +13,12 @@ from dolfinx.io import VTKFile
 from ..compat import interpolation_points
 from ..continuation.state import State
 from ..discrete.kinematics import Kinematics
-from ..discrete.plastic import is_plastic
 from ..discrete.section_forces import section_points_of
 from ..jit import compiled_expression
 from ..mesh.quadrature import Rule, extrapolation
 from ..mesh.reader import NamedMesh
 from ..model.shell import Shell
-from ..model.stresses import on_faces, von_mises
+from ..model.stresses import von_mises
 from .evaluate import last_state_kept
 from .plastic import largest_strain, mean_share, of_cells, plastic_parts
 from .shown import Shown
@@ -104,7 +103,7 @@ class _Resultants:
                 self._function("thickness", self._space).x.array[cells] = thickness
             for name, column in zip(names_of(part, values.shape[1]), values.T, strict=True):
                 self._function(name, self._space).x.array[cells] = column
-            if isinstance(part, Shell) and (faces := equivalent_on_faces(self._record, part, forces)) is not None:
+            if isinstance(part, Shell) and (faces := equivalent_on_faces(self._record, part)) is not None:
                 for name, found in zip(FACES, faces, strict=True):
                     self._function(name, self._space).x.array[cells] = found.max(axis=1)
             axes = self._record.section_points(part).axes.mean(axis=1)
@@ -132,7 +131,7 @@ class _NodalStresses:
     def __init__(self, record: Shown, mesh: NamedMesh, degree: int):
         self._record, self._mesh = record, mesh
         shells = [p for p in record.case.scene.parts if p.mesh is mesh and isinstance(p, Shell)]
-        self._shells = [s for s in shells if equivalent_on_faces(record, s, record.forces(s)) is not None]
+        self._shells = [s for s in shells if equivalent_on_faces(record, s) is not None]
         self.functions: list[fem.Function] = []
         if self._shells:
             space = fem.functionspace(mesh.domain, ("P", degree))
@@ -148,8 +147,7 @@ class _NodalStresses:
         for function in (*self.functions, self._count):
             function.x.array[:] = 0
         for shell in self._shells:
-            cells, values = shell.mesh.group(shell.group), equivalent_on_faces(
-                self._record, shell, self._record.forces(shell))
+            cells, values = shell.mesh.group(shell.group), equivalent_on_faces(self._record, shell)
             points = section_points_of(self._record.path.discretisation, shell)
             through = extrapolation(self._mesh.domain.basix_cell(), Rule(points, np.ones(len(points))), *self._rules)
             nodes = self._nodes[cells].ravel()
@@ -163,12 +161,13 @@ class _NodalStresses:
             function.x.array[:] = np.maximum(function.x.array / np.maximum(self._count.x.array, 1.0), 0.0)
 
 
-def equivalent_on_faces(record: Shown, shell: Shell, forces: np.ndarray) -> np.ndarray | None:
-    """Equivalent stress on both faces at the points of `forces`, of plastic shells in outermost layers; or None."""
-    if not is_plastic(shell):
-        return on_faces(shell, forces)
+def equivalent_on_faces(record: Shown, shell: Shell) -> np.ndarray | None:
+    """Equivalent stress on the lower and the upper face at the points of `forces`; None where it is not told."""
     half = shell.sections.typical.thickness / 2
-    return np.stack([von_mises(record.stresses(shell, height)) for height in (-half, half)])
+    try:
+        return np.stack([von_mises(record.stresses(shell, height)) for height in (-half, half)])
+    except ValueError:
+        return None
 
 
 def _plastic_fields(record: Shown, mesh: NamedMesh) -> dict[fem.Function, Callable]:
