@@ -211,6 +211,17 @@ def imperfect_arch(amplitude: float, step: float | None) -> fx.Case:
     return fx.Case(hinged_arch(mesh), fx.ArcLength(step), fx.Until(deflection=20.0))
 
 
+def nearly_straight_column() -> fx.Case:
+    """A column that is bent by a ten-millionth of its length: its path bends away where the straight one's branches."""
+    mesh = fx.read(lambda: fx.meshes.frame({"a": (0, 0), "m": (0.5, 1e-7), "b": (1, 0)},
+                                           {"l": ("a", "m", 8), "r": ("m", "b", 8)}), 2)
+    beam = fx.Beam(mesh, fx.Rectangle(0.01, 0.01), fx.Elastic(2.1e11))
+    euler = np.pi**2 * 2.1e11 * 0.01**4 / 12
+    scene = fx.Scene([beam], [fx.Support(mesh, "a", "x y"), fx.Support(mesh, "b", "y")],
+                     [fx.PointForce(mesh, "b", (-euler, 0.0))], fx.Monitor(mesh, "m", "y"))
+    return fx.Case(scene, fx.ArcLength(0.05), fx.Until(deflection=0.2, steps=60))
+
+
 def scene(name: str, steps: int | None = None, **options) -> Callable[[], fx.Case]:
     """A built-in scene, or its first steps."""
     def case() -> fx.Case:
@@ -241,6 +252,7 @@ CASES: dict[str, Callable[[], fx.Case]] = {
     "wedge": lambda: wedge(None),
     "wedge-stiff": lambda: wedge(1e4),
     "prop": prop,
+    "column-nearly-straight": nearly_straight_column,
     "imperfect-arch": lambda: imperfect_arch(1e-4, None),
     "imperfect-arch-short": lambda: imperfect_arch(1e-4, 4.672885757e-3),
     "imperfect-arch-shorter": lambda: imperfect_arch(3e-6, 2.871219167e-3),
