@@ -158,3 +158,12 @@ def test_stages_and_resumed_paths():
     for number in range(1, len(record.states)):
         *_, last = fx.Path(scene, fx.LoadControl(), start=record.states[:number], snaps=True)
         assert last.deflection == pytest.approx(record.states[-1].deflection, rel=1e-9)
+
+
+def test_a_fall_is_drawn_as_no_stable_way():
+    from sheetfx.show.curves import path_knots
+
+    record = fx.trace(fx.Case(toggle(), fx.LoadControl(), fx.Until(load=200.0), snaps=True))
+    knots, unstable = path_knots(record.states)
+    (place,) = np.flatnonzero(unstable)
+    assert knots[place + 1, 0] == pytest.approx(record.path.falls[0].after.deflection)
