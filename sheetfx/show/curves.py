@@ -204,7 +204,8 @@ def draw_errors(axes, bars: Sequence[ErrorBar]) -> None:
 def path_knots(states: Sequence[State]) -> tuple[np.ndarray, np.ndarray]:
     """Points of the path in order, and whether it is unstable between each and the next.
 
-    Events change no stability; a fall, which ends in a state that no step leads to, is no stable way. Deflections that are zero but for rounding are zero.
+    Events change no stability. A fall, which ends in a state that no step leads to, is no stable way.
+    Deflections that are zero but for rounding are zero.
 
     Returns
     -------
@@ -215,7 +216,7 @@ def path_knots(states: Sequence[State]) -> tuple[np.ndarray, np.ndarray]:
         inside = points_in(states, after)
         changes = np.cumsum([0, *(p.kind != "event" for p in inside)])
         unstable += [bool((after if n == changes[-1] else before).unstable_modes) or 0 < n < changes[-1]
-                     or (not after.length and n == changes[-1]) for n in changes]
+                     or (getattr(after, "length", None) == 0.0 and n == changes[-1]) for n in changes]
         rows += [*((p.deflection, p.load) for p in inside), (after.deflection, after.load)]
     knots = np.array(rows)
     if stays(states):
