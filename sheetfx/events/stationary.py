@@ -30,12 +30,15 @@ def surround(segment: Segment, length: float, reaches: Sequence[float] = REACHES
 def stationary_loads(segment: Segment) -> tuple[list[Limit], list[float]]:
     """Where the load rate is zero: limit points, and lengths of returns.
 
+    Near a return load rates waver about zero. Returns without a state between them are one.
+
     Raises
     ------
     Missed
         If states between two whose rates have other signs do not converge, and the segment is guarded.
     """
-    limits, returns = [], []
+    limits: list[Limit] = []
+    returns: list[float] = []
     for left, right in segment.pairs():
         if not segment[left].load_rate * segment[right].load_rate < 0:
             continue
@@ -43,7 +46,8 @@ def stationary_loads(segment: Segment) -> tuple[list[Limit], list[float]]:
         try:
             length = segment.stationary(left, right, ROUGHLY)
             if _returns(segment, length):
-                returns.append(length)
+                if not returns or any(returns[-1] < s < length for s in segment.states):
+                    returns.append(length)
             else:
                 limits.append(Limit(segment, segment.stationary(left, right, SAME), rising))
         except Missed:
@@ -117,10 +121,11 @@ def returning(segment: Segment, length: float) -> Crossing:
 
 def _stationary(segment: Segment, length: float, count: int) -> Crossing:
     """Where the load rate is zero by an interpolation between the nearest states."""
-    samples = sorted(segment.states, key=lambda s: abs(s - length))[:count]
+    nearest = sorted(segment.states, key=lambda s: abs(s - length))
+    left, right = (next(s for s in nearest if (s - length) * side > 0) for side in (-1, 1))
+    samples = [left, right, *(s for s in nearest if s not in (left, right))][:count]
     table = KroghInterpolator(samples, [(segment[s].load_rate, segment[s].load, segment[s].deflection)
                                         for s in samples])
-    left, right = max(s for s in samples if s < length), min(s for s in samples if s > length)
     found = root(lambda s: table(s)[0], left, right)
     _, load, deflection = table(found)
     return Crossing(found, float(load), float(deflection))
