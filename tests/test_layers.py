@@ -11,10 +11,10 @@ from helpers import on_two_processes
 import sheetfx as fx
 
 
-def strip(section, material=None, cells=16):
+def strip(section, material=None, cells=16, form="naghdi-q2"):
     """A strip of 10 x 1 that spans along x under a uniform load of 1, its long edges free."""
-    mesh = fx.read(lambda: fx.meshes.rectangle((cells, 1), (10.0, 1.0)), 3, 2)
-    shell = fx.Shell(mesh, section, material, axis=(1, 0, 0))
+    mesh = fx.read(lambda: fx.meshes.rectangle((cells, 1), (10.0, 1.0), "-t" in form), 3, 2)
+    shell = fx.Shell(mesh, section, material, axis=(1, 0, 0), form=form)
     held = [fx.Support(mesh, "west", "x z"), fx.Support(mesh, "east", "z"), fx.Support(mesh, "south-west", "y")]
     scene = fx.Scene([shell], held, [fx.SurfaceForce(shell, (0.0, 0.0, 1.0))], fx.Monitor(mesh, "north-west", "ry"))
     return shell, fx.trace(fx.Case(scene, until=fx.Until(steps=0)))
@@ -126,11 +126,12 @@ print(*record.value_at(shell, forces, (5.0, 0.5, 0.0))[:6], *record.value_at(she
     assert list(map(float, on_two_processes(script)[0].split())) == pytest.approx(own, abs=1e-5 * np.abs(own).max())
 
 
-def test_stresses_at_nodes_for_paraview(tmp_path):
+@pytest.mark.parametrize("form", ["naghdi-q2", "naghdi-q3", "naghdi-t2", "naghdi-t3"])
+def test_stresses_at_nodes_for_paraview(form, tmp_path):
     """Of a strip in cylindrical bending the von Mises stress of both faces, at nodes and by cells."""
     import pyvista
 
-    shell, record = strip(fx.Plate(1.0), fx.Elastic(1e6, 0.0), cells=8)
+    shell, record = strip(fx.Plate(1.0), fx.Elastic(1e6, 0.0), 8, form)
     record = fx.trace(fx.Case(record.case.scene, fx.LoadControl(0.5), fx.Until(steps=2)))
     fx.show.paraview(record, tmp_path)
     made = pyvista.get_reader(str(tmp_path / "paraview" / "path.pvd"))

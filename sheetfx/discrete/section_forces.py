@@ -118,7 +118,7 @@ def value_at(discretisation: Discretisation, part, values: np.ndarray, at: str |
         points = np.asarray(section_points_of(discretisation, part))
         for number in chosen:
             reference = Cells(mesh, cells[[number]]).closest(place[None])[1]
-            found.append(np.tensordot(_through(mesh, points, reference), values[number], 1)[0])
+            found.append(np.tensordot(through_points(mesh, points, reference), values[number], 1)[0])
     everywhere = [(n, v) for n, own in lasting(mesh.comm).allgather((near, found)) for v in own]
     nearest = min((n for n, _ in everywhere), default=np.inf)
     if not nearest <= NEAR * mesh.size:
@@ -134,9 +134,9 @@ def section_points_of(discretisation: Discretisation, part) -> np.ndarray:
     return work.points if work.resultants_inside else _resultants(discretisation, part)[1]
 
 
-def _through(mesh, points: np.ndarray, reference: np.ndarray) -> np.ndarray:
-    """Values at a reference point by those at the points of a cell; their mean where no polynomial passes through."""
+def through_points(mesh, points: np.ndarray, reference: np.ndarray) -> np.ndarray:
+    """Values at reference points by those at the points of a cell; their mean where no polynomial passes through."""
     try:
         return extrapolation(mesh.domain.basix_cell(), *(Rule(p, np.ones(len(p))) for p in (points, reference)))
     except ValueError:
-        return np.full((1, len(points)), 1 / len(points))
+        return np.full((len(reference), len(points)), 1 / len(points))

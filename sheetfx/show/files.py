@@ -13,9 +13,8 @@ from dolfinx.io import VTKFile
 from ..compat import interpolation_points
 from ..continuation.state import State
 from ..discrete.kinematics import Kinematics
-from ..discrete.section_forces import section_points_of
+from ..discrete.section_forces import section_points_of, through_points
 from ..jit import compiled_expression
-from ..mesh.quadrature import Rule, extrapolation
 from ..mesh.reader import NamedMesh
 from ..model.shell import Shell
 from ..model.stresses import von_mises
@@ -60,8 +59,8 @@ def _write(record: Shown, mesh: NamedMesh, file: Folder) -> None:
     share = fem.Function(space)
     _add(share, np.ones((*space.dofmap.list[mesh.group(None)].shape, 3)), mesh)
     functions = [fem.Function(space, name=name) for name in values]
-    plastic, forces, nodal = _plastic_fields(record, mesh), _Resultants(record, mesh), _NodalStresses(
-        record, mesh, degree)
+    plastic, forces = _plastic_fields(record, mesh), _Resultants(record, mesh)
+    stresses = _FaceStresses(record, mesh, degree)
     with VTKFile(mesh.comm, file, "w") as stream:
         for state in record.states:
             record.show(state)
@@ -73,8 +72,8 @@ def _write(record: Shown, mesh: NamedMesh, file: Folder) -> None:
                 function.x.array[mesh.group(None)] = of_cells(record, mesh, take)
                 function.x.scatter_forward()
             forces.take(state)
-            nodal.take()
-            stream.write_function([*functions, *nodal.functions, *plastic, *forces.functions.values()],
+            stresses.take()
+            stream.write_function([*functions, *stresses.functions, *plastic, *forces.functions.values()],
                                   float(state.step))
 
 
@@ -103,9 +102,6 @@ class _Resultants:
                 self._function("thickness", self._space).x.array[cells] = thickness
             for name, column in zip(names_of(part, values.shape[1]), values.T, strict=True):
                 self._function(name, self._space).x.array[cells] = column
-            if isinstance(part, Shell) and (faces := equivalent_on_faces(self._record, part)) is not None:
-                for name, found in zip(FACES, faces, strict=True):
-                    self._function(name, self._space).x.array[cells] = found.max(axis=1)
             axes = self._record.section_points(part).axes.mean(axis=1)
             axes /= np.linalg.norm(axes, axis=2, keepdims=True)
             for name, axis in zip(AXES[part.mesh.domain.topology.dim], axes.transpose(1, 0, 2), strict=False):
@@ -120,25 +116,26 @@ class _Resultants:
         return self.functions[name]
 
 
-class _NodalStresses:
-    """Equivalent stresses on both faces of the shells of a mesh at its nodes, means of the cells that meet there.
+class _FaceStresses:
+    """Equivalent stresses on both faces of the shells of a mesh, the largest of each cell and at nodes.
+
+    At nodes they are means of the cells that meet there.
 
     Attributes
     ----------
-    functions : of the lower and the upper face; none where no shell tells its stresses
+    functions : of the lower and the upper face in cells, and of both at nodes; none where no shell tells its stresses
     """
 
     def __init__(self, record: Shown, mesh: NamedMesh, degree: int):
-        self._record, self._mesh = record, mesh
+        self._record, discretisation = record, record.path.discretisation
         shells = [p for p in record.case.scene.parts if p.mesh is mesh and isinstance(p, Shell)]
-        self._shells = [s for s in shells if equivalent_on_faces(record, s) is not None]
-        self.functions: list[fem.Function] = []
-        if self._shells:
-            space = fem.functionspace(mesh.domain, ("P", degree))
-            self.functions = [fem.Function(space, name=f"{face} at nodes") for face in FACES]
-            self._nodes = space.dofmap.list
-            self._count = fem.Function(space)
-            self._rules = [Rule(p, np.ones(len(p))) for p in [interpolation_points(space)]]
+        cells, nodes = (fem.functionspace(mesh.domain, family) for family in (("DG", 0), ("P", degree)))
+        self._shells = [(s, through_points(mesh, section_points_of(discretisation, s), interpolation_points(nodes)))
+                        for s in shells if equivalent_on_faces(record, s) is not None]
+        self._of_cells = [fem.Function(cells, name=face) for face in FACES if self._shells]
+        self._nodal = [fem.Function(nodes, name=f"{face} at nodes") for face in FACES if self._shells]
+        self._count, self._nodes = fem.Function(nodes), nodes.dofmap.list
+        self.functions = [*self._of_cells, *self._nodal]
 
     def take(self) -> None:
         """Put the functions to the shown state."""
@@ -146,19 +143,19 @@ class _NodalStresses:
             return
         for function in (*self.functions, self._count):
             function.x.array[:] = 0
-        for shell in self._shells:
+        for shell, through in self._shells:
             cells, values = shell.mesh.group(shell.group), equivalent_on_faces(self._record, shell)
-            points = section_points_of(self._record.path.discretisation, shell)
-            through = extrapolation(self._mesh.domain.basix_cell(), Rule(points, np.ones(len(points))), *self._rules)
             nodes = self._nodes[cells].ravel()
             np.add.at(self._count.x.array, nodes, 1.0)
-            for function, face in zip(self.functions, values, strict=True):
-                np.add.at(function.x.array, nodes, (face @ through.T).ravel())
-        for function in (*self.functions, self._count):
+            for largest, nodal, face in zip(self._of_cells, self._nodal, values, strict=True):
+                largest.x.array[cells] = face.max(axis=1)
+                np.add.at(nodal.x.array, nodes, (face @ through.T).ravel())
+        for function in (*self._nodal, self._count):
             function.x.scatter_reverse(la.InsertMode.add)
-            function.x.scatter_forward()
-        for function in self.functions:
+        for function in self._nodal:
             function.x.array[:] = np.maximum(function.x.array / np.maximum(self._count.x.array, 1.0), 0.0)
+        for function in self.functions:
+            function.x.scatter_forward()
 
 
 def equivalent_on_faces(record: Shown, shell: Shell) -> np.ndarray | None:
