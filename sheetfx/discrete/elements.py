@@ -225,9 +225,8 @@ class ElementWork(Contribution):
 
     def apart(self) -> bool:
         """Whether no point has flowed in the step that leads here, nor is on the point of it; cases may be."""
-        still = all(memory.stands_still(self._accepted[f"{self._name} {n}"])
-                    for n, (_, memory) in enumerate(self._memories))
-        still = still and bool(self._memories)
+        still = bool(self._memories) and all(memory.stands_still(self._accepted[f"{self._name} {n}"])
+                                             for n, (_, memory) in enumerate(self._memories))
         return self.smooth or lasting(self.internal.domain.comm).allreduce(still, op=MPI.LAND)
 
     @property

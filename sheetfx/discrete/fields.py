@@ -17,7 +17,6 @@ from ..mesh.projection import Cells, cells_at
 from ..mesh.reader import NamedMesh
 from ..mesh.samples import Samples
 from ..mesh.whole import whole
-from ..model.initial_strain import StressFree
 from ..model.scene import Scene
 from .condensed_pairs import CondensedPairs
 from .gaping import refuse_apart, tell_gaping
@@ -110,19 +109,16 @@ class Fields:
 
     def residual_stresses(self, part, at) -> np.ndarray | float:
         """Stresses without resultants in a layer of a part now, as of plies that expand unlike."""
-        loads = [(self._factors.value(n), load) for n, stage in enumerate(self.scene.all_stages)
-                 for load in stage.loads if isinstance(load, StressFree) and load.part is part]
-        found = [factor * own for factor, load in loads if (own := load.residual(float(np.ravel(at)[0]))) is not None]
+        height = float(np.ravel(at)[0])
+        found = [self._factors.value(stage) * own for stage, load in self.scene.stress_free
+                 if load.part is part and (own := load.residual(height)) is not None]
         return np.sum(found, axis=0) if found else 0.0
 
     def natural_strains(self, part):
         """Strains at which a part is free of stress by the present load factors, a UFL vector; None: at none."""
-        factors = [(self._factors.symbols[n], load) for n, stage in enumerate(self.scene.all_stages)
-                   for load in stage.loads if isinstance(load, StressFree) and load.part is part]
-        if not factors:
-            return None
-        first, *others = [factor * load.natural() for factor, load in factors]
-        return constants_on(part.mesh.domain.ufl_domain(), sum(others, first))
+        found = [self._factors.symbols[stage] * load.natural() for stage, load in self.scene.stress_free
+                 if load.part is part]
+        return constants_on(part.mesh.domain.ufl_domain(), sum(found[1:], found[0])) if found else None
 
     def vary(self, expression):
         """Variation of a UFL expression of the fields and numbers."""

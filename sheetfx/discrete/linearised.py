@@ -24,8 +24,7 @@ class LinearSolution:
 
     def __init__(self, record, state, factor: float):
         self._record, self._state, self.factor = record, state, factor
-        system = record.path.discretisation.system
-        size = (system.weights * system.create_vector(state.response)).dot(system.create_vector(state.response)) ** 0.5
+        size = record.path.tracer.distance(0.0, state.response)
         self._ahead = AHEAD / size if size else 1.0
 
     def __str__(self) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from ..model.initial_strain import StressFree
 from ..model.loads import Load
 from ..model.scene import Scene
 from .contribution import Contribution
@@ -39,7 +38,5 @@ def _work_of(loads: Sequence[Load], fields: Fields) -> Iterator[Contribution]:
 
 def works_of_natural_strains(scene: Scene, parts: Sequence[ElementWork]) -> Iterator[Contribution]:
     """Load vectors of changes of the strains at which parts are free of stress."""
-    for number, stage in enumerate(scene.all_stages):
-        for load in stage.loads:
-            if isinstance(load, StressFree):
-                yield NaturalStrainLoad(parts[scene.parts.index(load.part)], load.natural(), number)
+    for stage, load in scene.stress_free:
+        yield NaturalStrainLoad(parts[scene.parts.index(load.part)], load.natural(), stage)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -151,14 +151,9 @@ class Holds:
 
     def along(self, snapshots: Sequence[dict], of: object, about: Sequence[float] | None = None) -> ReactionPath:
         """Resultants of `at(of)` in configurations that snapshots of the system give, and back to where it was."""
-        chosen, forces, moments = self.at(of), [], []
-        with self._discretisation.visiting(self._discretisation.system.snapshot()):
-            for snapshot in snapshots:
-                self._discretisation.system.restore(snapshot)
-                together = joined([r for thing, r in self.reactions() if any(thing is other for other in chosen)])
-                forces.append(together.force)
-                moments.append(together.moment(about))
-        return ReactionPath(np.array(forces), np.array(moments))
+        chosen = self.at(of)
+        return _along(self._discretisation, snapshots, about, lambda: joined(
+            [r for thing, r in self.reactions() if any(thing is other for other in chosen)]))
 
     @contextmanager
     def _without_motions(self) -> Iterator[None]:
@@ -209,11 +204,17 @@ def joint_path(discretisation: Discretisation, snapshots: Sequence[dict], joint:
         named = "one mesh alone" if len(meshes) == 1 else "several meshes"
         raise ValueError(f"joint_forces: {_name(joint)} is on {named}; name in `on` the mesh of the part that it "
                          "acts on (forces of two ends on one mesh cancel out)")
-    mesh, forces, moments = on or meshes[1], [], []
+    return _along(discretisation, snapshots, about, lambda: joint_reaction(discretisation, joint, on or meshes[1]))
+
+
+def _along(discretisation: Discretisation, snapshots: Sequence[dict], about: Sequence[float] | None,
+           reaction: Callable[[], Reaction]) -> ReactionPath:
+    """Resultants of a reaction in configurations that snapshots give; the system ends where it was."""
+    forces, moments = [], []
     with discretisation.visiting(discretisation.system.snapshot()):
         for snapshot in snapshots:
             discretisation.system.restore(snapshot)
-            found = joint_reaction(discretisation, joint, mesh)
+            found = reaction()
             forces.append(found.force)
             moments.append(found.moment(about))
     return ReactionPath(np.array(forces), np.array(moments))

@@ -158,11 +158,10 @@ class NamedMesh:
             If the name is taken, or there is no vertex.
         """
         x = self._coordinates(name)
-        if not callable(where):
-            require_components(f"name_points {name!r}: where", where, self.dimension)
         if callable(where):
             chosen = np.asarray(where(x.T), dtype=bool)
         else:
+            require_components(f"name_points {name!r}: where", where, self.dimension)
             apart = np.linalg.norm(x[:, :self.dimension] - np.asarray(where, dtype=float), axis=1)
             chosen = apart <= ROUNDING * self.size
             nearest = self.comm.allgather(min(zip(apart.tolist(), x.tolist(), strict=True), default=(np.inf, [])))

@@ -10,7 +10,7 @@ import numpy as np
 
 from .. import forms
 from ..checks import check, require_known
-from ..mesh.lines import places_of
+from ..mesh.lines import SAME, places_of
 from ..mesh.projection import Cells, cells_at
 from ..mesh.reader import COMPONENTS, NamedMesh
 from ..mesh.whole import whole
@@ -134,20 +134,19 @@ class DistributingCoupling(_Coupling):
     """
 
     def unknowns(self, fields) -> None:
-        dimension = self.mesh.dimension
-        fields.add_numbers(self, self.mesh, "tie", np.zeros(1, dtype=np.int64), dimension * (dimension + 1) // 2,
-                           whole=True)
+        motions = len(COMPONENTS[self.mesh.dimension])
+        fields.add_numbers(self, self.mesh, "tie", np.zeros(1, dtype=np.int64), motions, whole=True)
 
     def contributions(self, fields):
         places, dimension = self._nodes(fields)[0], self.mesh.dimension
-        if np.linalg.matrix_rank(places - places.mean(axis=0), 1e-6 * self.to[0].size) < dimension - 1:
+        if np.linalg.matrix_rank(places - places.mean(axis=0), SAME * self.to[0].size) < dimension - 1:
             raise ValueError(f"DistributingCoupling at {self.at!r}: the nodes of {self.to[1]!r} are on a line (or one "
                              "point), about which they do not tell how it turns; name an edge that bends, or more "
                              "points")
         first = self._reference(fields, len(places))
         second = self._traces(fields, self.to[0], places)[:1]
         numbers = np.zeros(len(places), dtype=np.int64)
-        ties = [fields.own_trace(self, "tie", numbers + i) for i in range(dimension * (dimension + 1) // 2)]
+        ties = [fields.own_trace(self, "tie", numbers + i) for i in range(len(COMPONENTS[dimension]))]
         middle = places.mean(axis=0)
 
         def strains(values, data, factor):

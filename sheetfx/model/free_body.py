@@ -8,6 +8,7 @@ import numpy as np
 import ufl
 
 from .. import forms
+from ..mesh.reader import COMPONENTS
 from .beam import Bar, Beam
 from .joints import Joint
 from .shell import Shell
@@ -28,8 +29,7 @@ class FreeBody(Joint):
         self._part, self._first = part, first or self
 
     def _names(self) -> Sequence[str]:
-        dimension = self._part.mesh.dimension
-        return [f"motion {n}" for n in range(dimension * (dimension + 1) // 2)]
+        return [f"motion {name}" for name in COMPONENTS[self._part.mesh.dimension]]
 
     def unknowns(self, fields) -> None:
         if self._first is self:

@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 import ufl
+from scipy.linalg import block_diag
 
 from .. import forms
 from ..checks import check, require_components, require_vector
@@ -115,11 +116,8 @@ class InitialStress(StressFree):
     def natural(self):
         part, given = self.part, np.ravel(self.resultants).astype(float)
         if isinstance(part, Shell):
-            stiffness = np.zeros((9, 9))
             own = part.sections.typical.stiffness(part.material)
-            membrane, coupling, bending = (np.array(block) for block in (own.membrane, own.coupling, own.bending))
-            stiffness[:6, :6] = np.block([[membrane, coupling], [coupling, bending]])
-            stiffness[6:8, 6:8], stiffness[8, 8] = np.array(own.shear), own.drilling or 1.0
+            stiffness = block_diag(own.moduli, own.shear, own.drilling or 1.0)
         else:
             stiffness = np.array(part._stiffness_of(part.sections.typical), dtype=float)
             stiffness = np.diag(stiffness) if stiffness.ndim == 1 else stiffness

@@ -150,13 +150,11 @@ class Laminate(ShellSection):
 
     def expansions(self) -> np.ndarray:
         """Membrane and bending strains by a degree, and by a degree per length along the normal, shape (2, 6)."""
-        heights, given = _heights(self.plies), self.stiffness()
+        heights = _heights(self.plies)
         powers = [np.diff(heights**n) / n for n in (1, 2, 3)]
         loads = np.array([ply.plane_stress() @ ply.expansions() for ply in self.plies])
         forces = [np.concatenate([powers[n] @ loads, powers[n + 1] @ loads]) for n in (0, 1)]
-        moduli = np.block([[np.array(given.membrane), np.array(given.coupling)],
-                           [np.array(given.coupling), np.array(given.bending)]])
-        return np.linalg.solve(moduli, np.array(forces).T).T
+        return np.linalg.solve(self.stiffness().moduli, np.array(forces).T).T
 
     def ply_at(self, height: float) -> Ply:
         """The ply at a height above the middle; of two that meet there the upper one."""

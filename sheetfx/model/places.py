@@ -80,16 +80,14 @@ def meeting_of(mesh: NamedMesh, places: Sequence[str | Stretch | Disc], to: Ends
 def _meeting_at(mesh: NamedMesh, at: str | Stretch | Disc, second: Cells, to: Ends, reach: float, title: str,
                 along_lines: AlongLines) -> Meeting:
     other, there = to
-    point = there if there is not None and there in other.points else None
+    others = places_of(other, there) if there is not None and there in other.points else None
     if isinstance(at, Disc):
         part = Cells(mesh, cells_at(mesh, None))
-        others = None if point is None else places_of(other, point)
         return over_area(part, second, *at.samples(part, title), others, reach, title)
     first = _cells_along(mesh, at)
     if isinstance(at, str) and at in mesh.points:
-        others = None if point is None else places_of(other, point)
         return at_points(first, second, places_of(mesh, at), others, reach, title)
-    if point is not None:
+    if others is not None:
         raise ValueError(f"{title}: a line cannot be joined to the point {there!r}; name an edge or a group of cells")
     if isinstance(at, str) and mesh.domain.topology.dim == 2 and at not in mesh.edges:
         raise ValueError(f"{title}: is a surface; give an edge, or a Stretch of a line on it")

@@ -46,6 +46,12 @@ class ShellStiffness:
     drilling: NotNegative
 
     @property
+    def moduli(self) -> np.ndarray:
+        """Matrix (6, 6) of membrane and bending, with their coupling."""
+        membrane, coupling, bending = (np.array(block) for block in (self.membrane, self.coupling, self.bending))
+        return np.block([[membrane, coupling], [coupling, bending]])
+
+    @property
     def uncoupled(self) -> np.ndarray:
         """Matrix (9, 9) of membrane, bending, shear and drilling in the order of `forms.section.linear_shell`."""
         return block_diag(self.membrane, self.bending, self.shear, self.drilling)

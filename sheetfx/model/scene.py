@@ -125,6 +125,12 @@ class Scene:
         self._tell_short()
 
     @property
+    def stress_free(self) -> list[tuple[int, StressFree]]:
+        """Loads that change the strains without stress, with the numbers of their stages."""
+        return [(number, load) for number, stage in enumerate(self.all_stages) for load in stage.loads
+                if isinstance(load, StressFree)]
+
+    @property
     def free(self) -> bool:
         """Whether nothing holds the structure: no support, no obstacle, no joint to the ground."""
         return not (self.supports or self.contacts or any(joint.on_ground for joint in self.joints))
@@ -162,8 +168,8 @@ class Scene:
 
     def _check_initial_strains(self) -> None:
         """Refuse initial strains of what is no part: they would act on nothing."""
-        for load in self.all_loads:
-            if isinstance(load, StressFree) and not any(load.part is part for part in self.parts):
+        for _, load in self.stress_free:
+            if not any(load.part is part for part in self.parts):
                 raise ValueError(f"{type(load).__name__}: its {part_named(load.part)} is no part of the scene; give "
                                  "one of the parts themselves, not one like it")
 

@@ -79,16 +79,10 @@ def transverse_shear(shell: Shell, resultants: np.ndarray, at: float) -> np.ndar
         As `stresses`; for a section that has no layers.
     """
     _require_elastic(shell)
-    section, half = shell.section, shell.section.thickness / 2
-    if not (abs(at) <= half * (1 + 2 * EDGE)):
-        raise ValueError(f"Shell: at is {at:g}, outside of its thickness {2 * half:g}; give a height between minus and "
-                         "plus half of it")
+    section, half = _layered(shell, at), shell.section.thickness / 2
     if isinstance(section, Plate):
         return resultants[..., 6:8] * 1.5 / (2 * half) * (1 - (at / half) ** 2)
-    if not isinstance(section, Laminate):
-        raise ValueError(f"Shell: the stiffness of its {type(section).__name__} does not tell stresses; give a Plate "
-                         "or a Laminate")
-    compliance, bottom, shares = np.linalg.inv(_moduli_of(section)), -half, np.zeros(2)
+    compliance, bottom, shares = np.linalg.inv(section.stiffness().moduli), -half, np.zeros(2)
     for ply in section.plies:
         low, high = bottom, min(bottom + ply.thickness, at)
         bottom += ply.thickness
@@ -99,13 +93,6 @@ def transverse_shear(shell: Shell, resultants: np.ndarray, at: float) -> np.ndar
                 stretched, bent = plane[axis] @ rates[:3], plane[axis] @ rates[3:]
                 shares[axis] -= stretched * (high - low) + bent * (high**2 - low**2) / 2
     return resultants[..., 6:8] * shares
-
-
-def _moduli_of(section: Laminate) -> np.ndarray:
-    """Forces and moments by membrane and bending strains, shape (6, 6)."""
-    given = section.stiffness()
-    return np.block([[np.array(given.membrane), np.array(given.coupling)],
-                     [np.array(given.coupling), np.array(given.bending)]])
 
 
 def von_mises(stresses: np.ndarray) -> np.ndarray:
@@ -132,14 +119,20 @@ def _in_beam(beam: Beam, resultants: np.ndarray, place: np.ndarray) -> np.ndarra
 
 
 def _in_shell(shell: Shell, resultants: np.ndarray, height: float) -> np.ndarray:
-    section, forces = shell.section, resultants[..., :6]
-    if abs(height) > section.thickness * (0.5 + EDGE):
-        raise ValueError(f"Shell: at is {height:g}, outside of its thickness {section.thickness:g}; give a height "
-                         "between minus and plus half of it")
+    section, forces = _layered(shell, height), resultants[..., :6]
     if isinstance(section, Plate):
         return forces[..., :3] / section.thickness + 12 * height / section.thickness**3 * forces[..., 3:]
-    if not isinstance(section, Laminate):
+    strains = np.linalg.solve(section.stiffness().moduli, forces[..., None])[..., 0]
+    return (strains[..., :3] + height * strains[..., 3:]) @ section.ply_at(height).plane_stress()
+
+
+def _layered(shell: Shell, height: float) -> Plate | Laminate:
+    """Section of a shell that tells stresses at a height, which has to be within its thickness."""
+    section = shell.section
+    if not abs(height) <= section.thickness * (0.5 + EDGE):
+        raise ValueError(f"Shell: at is {height:g}, outside of its thickness {section.thickness:g}; give a height "
+                         "between minus and plus half of it")
+    if not isinstance(section, Plate | Laminate):
         raise ValueError(f"Shell: the stiffness of its {type(section).__name__} does not tell stresses; give a Plate "
                          "or a Laminate")
-    strains = np.linalg.solve(_moduli_of(section), forces[..., None])[..., 0]
-    return (strains[..., :3] + height * strains[..., 3:]) @ section.ply_at(height).plane_stress()
+    return section
