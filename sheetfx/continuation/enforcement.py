@@ -30,7 +30,7 @@ class Enforcement:
         again : whether a step from the same state has failed before
         begins : whether no step has led to that state
         """
-        ways = [(False, self._multiples), (False, [1.0])] if len(self._multiples) > 1 else [(False, [1.0])]
+        ways = [(False, [1.0]), (False, self._multiples)] if len(self._multiples) > 1 else [(False, [1.0])]
         ways += [(False, [1.0])] * any(c.retreats for c in self._rough)
         if again and begins and len(self._detours) > 1:
             ways += [(False, self._detours)]

@@ -8,14 +8,13 @@ import numpy as np
 from scipy.interpolate import KroghInterpolator
 
 from ..continuation.segment import Missed, Segment
-from ..continuation.state import State
 from ..continuation.work import WAVER
 from ..rounding import SAME, root
 from .crossings import REACHES, SAMPLES, Crossing
 from .turning import SHORT, Limit
 
 ROUGHLY = 1e-6  # relative error of the load where a limit point may be a return
-ONWARD = 0.1  # rate of a displacement at a limit point, over the larger one beside it
+ONWARD = 0.1  # rate of a displacement where the load is stationary, over the larger one beside it
 TURNED = 1e-5  # of the change of the load in a step, that by which it has turned, not wavered
 
 
@@ -29,8 +28,6 @@ def surround(segment: Segment, length: float, reaches: Sequence[float] = REACHES
 
 def stationary_loads(segment: Segment) -> tuple[list[Limit], list[float]]:
     """Where the load rate is zero: limit points, and lengths of returns.
-
-    Near a return load rates waver about zero. Returns without a state between them are one.
 
     Raises
     ------
@@ -46,8 +43,7 @@ def stationary_loads(segment: Segment) -> tuple[list[Limit], list[float]]:
         try:
             length = segment.stationary(left, right, ROUGHLY)
             if _returns(segment, length):
-                if not returns or any(returns[-1] < s < length for s in segment.states):
-                    returns.append(length)
+                returns.append(length)
             else:
                 limits.append(Limit(segment, segment.stationary(left, right, SAME), rising))
         except Missed:
@@ -62,30 +58,37 @@ def _returns(segment: Segment, length: float) -> bool:
     """Whether the path comes back here to the one that it branched off, and the load turns at that bifurcation.
 
     A branch that is symmetric about the bifurcation leads through it to its mirror image: load and the displacement
-    that it works on turn together. At a limit point the load alone turns, and the current stiffness passes zero. The
-    states on both sides that say so stay, those nearer are dropped.
+    that it works on turn together. At a limit point the load alone turns, and the current stiffness passes zero. There
+    the tangent is singular and rates are rounding: states on both sides tell them. These stay, those nearer are
+    dropped.
     """
-    def sides(reach: float) -> list[State]:
+    def sides(reach: float) -> list[float]:
         wanted = (length - reach, length + reach)
-        near = (max((s for s in segment.states if s <= wanted[0]), default=0.0),
-                min((s for s in segment.states if s >= wanted[1]), default=segment.after.length))
-        return [segment[s] for s in near]
+        return [max((s for s in segment.states if s <= wanted[0]), default=0.0),
+                min((s for s in segment.states if s >= wanted[1]), default=segment.after.length)]
 
     def stiff(reach: float) -> bool:
-        one, other = sides(reach)
-        return one.current_stiffness * other.current_stiffness > 0
+        one, other = (segment[s].current_stiffness for s in sides(reach))
+        return one * other > 0
 
     if not (segment.guarded and segment.tracer.system.conservative):
         return False
-    reach = REACHES[1] * segment.after.length
-    rate, *beside = (abs(s.load_rate / s.current_stiffness) for s in (segment[length], *sides(reach)))
-    if not stiff(reach) or rate > ONWARD * max(beside):
+    coarse, fine = (reach * segment.after.length for reach in REACHES[1:3])
+    if not stiff(coarse):
         return False
     surround(segment, length, REACHES[:3])
-    one, other = sides(reach / 2)
-    if one.unstable_modes != other.unstable_modes or not stiff(reach / 2):
+    one, other = sides(coarse / 2)
+    if segment[one].unstable_modes != segment[other].unstable_modes or not stiff(coarse / 2):
         return False
-    segment.forget(length, REACHES[2] * segment.after.length / 2)
+    beside = sorted({one, other, *sides(fine / 2)})
+    rates = KroghInterpolator(beside, [(s.load_rate, s.load_rate / s.current_stiffness)
+                                       for s in map(segment.__getitem__, beside)])
+    if rates(one)[0] * rates(other)[0] > 0:
+        return False
+    onward = abs(rates(root(lambda s: rates(s)[0], one, other))[1])
+    if onward > ONWARD * max(abs(rates(s)[1]) for s in (one, other)):
+        return False
+    segment.forget(length, fine / 2)
     return True
 
 

@@ -7,6 +7,7 @@ from typing import Annotated
 from typer import Option
 
 from ..checks import POSITIVE
+from ..continuation.state import State
 from ..events.event import Event
 from ..events.yielding import NAME, first_yield
 from ..model.plasticity import Plastic
@@ -14,6 +15,7 @@ from ..model.scene import Scene
 from ..model.section import Elastic
 from ..record import Record
 from ..show.evaluate import last_state_kept
+from ..show.pictures import state_of
 
 Yield = Annotated[float | None, POSITIVE, Option("--yield", help="yield stress (von Mises); default: elastic")]
 Hardening = Annotated[float, Option(help="increase of the yield stress by plastic strain, with --yield")]
@@ -36,21 +38,21 @@ def yield_events(scene: Scene) -> list[Event]:
 def plastic_quantities(record: Record) -> dict[str, float]:
     """Load and deflection of first yield, and the share of the volume that has flowed at limit points and at the end.
 
-    That at a limit point lies between those of the states beside it, in a straight line.
+    Of a limit point whose state does not converge again, the share is that at the end of its step.
     """
     if not isinstance(record.case.scene.parts[0].material, Plastic):
         return {}
     events = [p for p in record.critical_points if p.kind == "event" and p.name == NAME]
     values = {"first_yield_load": events[0].load, "first_yield_deflection": events[0].deflection} if events else {}
+    limits = [p for p in record.critical_points if p.kind == "limit"][:2]
+    at_limits = [state_of(record, point) for point in limits]
+
+    def share(state: State) -> float:
+        record.show(state)
+        return record.plastic_share()
+
     with last_state_kept(record):
-        shares = {}
-        for state in record.states:
-            record.show(state)
-            shares[state.step] = record.plastic_share()
-    lengths = {state.step: state.length for state in record.states}
-    names = iter(("limit", "lower_limit"))
-    for point in (p for p in record.critical_points if p.kind == "limit"):
-        if name := next(names, ""):
-            part = point.length / lengths[point.step]
-            values[f"plastic_share_at_{name}"] = (1 - part) * shares[point.step - 1] + part * shares[point.step]
-    return values | {"plastic_share": shares[record.states[-1].step], "largest_plastic_share": max(shares.values())}
+        shares = [share(state) for state in record.states]
+        values |= {f"plastic_share_at_{name}": share(state)
+                   for name, state in zip(("limit", "lower_limit"), at_limits, strict=False)}
+    return values | {"plastic_share": shares[-1], "largest_plastic_share": max(shares)}
