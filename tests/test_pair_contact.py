@@ -349,6 +349,10 @@ def test_a_point_is_as_stiff_in_all_units(unit):
 
 
 def leaf_spring(friction, load, enforcement="penalty"):
+    return fx.trace(two_leaves(friction, load, enforcement))
+
+
+def two_leaves(friction, load, enforcement="penalty"):
     """Two equal leaves clamped at one end touch along their length, without a gap; the upper one's tip is loaded."""
     length, depth = 1.0, 0.05
     upper, lower = (line(n, (0.0, y), (length, y)) for n, y in ((8, depth), (10, 0.0)))
@@ -358,28 +362,34 @@ def leaf_spring(friction, load, enforcement="penalty"):
     scene = fx.Scene(leaves, [fx.clamp(m, "start") for m in (upper, lower)],
                      [fx.PointForce(upper, "end", (0.0, -load))],
                      fx.Monitor(upper, "end", "y", -1.0), joints=[touch])
-    return fx.trace(fx.Case(scene, until=fx.Until(load=abs(load))))
+    return fx.Case(scene, until=fx.Until(load=abs(load)))
+
+
+LEAVES = [1000.0, 800.0, 600.0]
+
+
+def graded_leaves(cells, friction):
+    """Three leaves touch along their length, without a gap; the upper one, which is loaded, is the longest."""
+    depth = 8.0
+    meshes = [line(cells + n, (0.0, -n * depth), (reach, -n * depth)) for n, reach in enumerate(LEAVES)]
+    leaves = [fx.Beam(m, fx.Rectangle(50.0, depth), fx.Elastic(2e5, 0.0)) for m in meshes]
+    touch = [fx.PairContact(lower, "bar", (upper, None), reach=2 * depth, friction=friction, toward=(0.0, 1.0))
+             for upper, lower in zip(meshes, meshes[1:], strict=False)]
+    scene = fx.Scene(leaves, [fx.clamp(m, "start") for m in meshes], [fx.PointForce(meshes[0], "end", (0.0, -1.0))],
+                     fx.Monitor(meshes[0], "end", "y", -1.0), joints=touch)
+    return fx.Case(scene, until=fx.Until(load=10.0))
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])
 @pytest.mark.parametrize("cells", [24, pytest.param(60, marks=pytest.mark.slow)])
 def test_graded_leaves_on_fine_meshes(cells, friction):
-    """Three leaves touch along their length, without a gap; the upper one, which is loaded, is the longest.
+    """They press each other at tips alone (the last pairs are a quarter of a per cent beside these).
 
-    They press each other at tips alone (the last pairs are a quarter of a per cent beside these), and friction bends
-    them by its arm, half a per cent. Stiff pairs used to open and close by turns, so that no step converged; it takes
-    seven factorisations. 60 cells have more pairs than a step may have that is no first one.
+    Friction bends them by its arm, half a per cent. Stiff pairs used to open and close by turns, so that no step
+    converged; it takes seven factorisations. 60 cells have more pairs than a step may have that is no first one.
     """
-    length, depth, width, load, modulus = 1000.0, 8.0, 50.0, 10.0, 2e5
-    lengths = [length, 0.8 * length, 0.6 * length]
-    meshes = [line(cells + n, (0.0, -n * depth), (reach, -n * depth)) for n, reach in enumerate(lengths)]
-    leaves = [fx.Beam(m, fx.Rectangle(width, depth), fx.Elastic(modulus, 0.0)) for m in meshes]
-    touch = [fx.PairContact(lower, "bar", (upper, None), reach=2 * depth, friction=friction, toward=(0.0, 1.0))
-             for upper, lower in zip(meshes, meshes[1:], strict=False)]
-    scene = fx.Scene(leaves, [fx.clamp(m, "start") for m in meshes], [fx.PointForce(meshes[0], "end", (0.0, -1.0))],
-                     fx.Monitor(meshes[0], "end", "y", -1.0), joints=touch)
-    record = fx.trace(fx.Case(scene, until=fx.Until(load=load)))
-    tip = _tip_of_leaves(lengths, load, friction * depth / 2) / (modulus * width * depth**3 / 12)
+    record = fx.trace(graded_leaves(cells, friction))
+    tip = _tip_of_leaves(LEAVES, 10.0, friction * 8.0 / 2) / (2e5 * 50.0 * 8.0**3 / 12)
     assert record.states[-1].deflection == pytest.approx(tip, rel=2e-3)
     assert record.path.tracer.total_factorisations < 20
 
@@ -505,6 +515,26 @@ def test_condensed_pairs_take_fewer_factorisations(friction):
     assert spent[1] < spent[0] / 2
 
 
+def plate_on_a_frame(divisions, **how):
+    """A square plate under its weight on bars along its edges, which it presses at their middles alone."""
+    middles, corners = [(0, 1), (1, 2), (2, 1), (1, 0)], [(0, 0), (0, 2), (2, 2), (2, 0)]
+    nodes = {f"{i}{j}": (i / 2, j / 2, 0.0) for i in range(3) for j in range(3)}
+    around = ["{}{}".format(*place) for both in zip(corners, middles, strict=True) for place in both]
+    bars = list(zip(around, around[1:] + around[:1], strict=True))
+    panels = [(f"{i}{j}", f"{i + 1}{j}", f"{i + 1}{j + 1}", f"{i}{j + 1}") for i in range(2) for j in range(2)]
+    table = fx.meshes.Table(nodes, bars, panels)
+    mesh = fx.read_mixed(lambda: fx.meshes.structure(table, divisions, separate="bars"), ["bars"])
+    plate = fx.Shell(mesh.surfaces, fx.Plate(0.01), fx.Elastic(1.0, 0.3), form="naghdi-t2")
+    frame = fx.Beam(mesh.curves, fx.Rectangle(0.1, 0.1), fx.Elastic(1e6))
+    on_bars = {f"edge {a}-{b} of panels" for a, b in bars} | {f"edge {b}-{a} of panels" for a, b in bars}
+    edges = [name for name in fx.meshes.edges_of(table, "bars") if name in on_bars]
+    supports = [fx.Support(mesh.surfaces, "11 of panels", "x y"), fx.Support(mesh.surfaces, "21 of panels", "y"),
+                *(fx.clamp(mesh.curves, node) for node in around)]
+    contact = fx.PairContact(mesh.surfaces, edges, (mesh.curves, None), toward=(0.0, 0.0, -1.0), **how)
+    return fx.Scene([plate, frame], supports, [fx.SurfaceForce(plate, (0.0, 0.0, -1e-9))],
+                    fx.Monitor(mesh.surfaces, "11 of panels", "z", -1.0), joints=[contact])
+
+
 @pytest.mark.slow
 def test_plate_lifts_its_corners_off_a_frame():
     """Pairs open one after another from the corners within the first iteration: that took 72 factorisations.
@@ -512,25 +542,9 @@ def test_plate_lifts_its_corners_off_a_frame():
     With corners that are held the plate's deflection is the one known from Timoshenko and Woinowsky-Krieger (1959), by
     a per cent, since it may twist along its edges; free corners make it softer.
     """
-    middles, corners = [(0, 1), (1, 2), (2, 1), (1, 0)], [(0, 0), (0, 2), (2, 2), (2, 0)]
-    nodes = {f"{i}{j}": (i / 2, j / 2, 0.0) for i in range(3) for j in range(3)}
-    around = ["{}{}".format(*place) for both in zip(corners, middles, strict=True) for place in both]
-    bars = list(zip(around, around[1:] + around[:1], strict=True))
-    panels = [(f"{i}{j}", f"{i + 1}{j}", f"{i + 1}{j + 1}", f"{i}{j + 1}") for i in range(2) for j in range(2)]
-    table = fx.meshes.Table(nodes, bars, panels)
-    mesh = fx.read_mixed(lambda: fx.meshes.structure(table, 12, separate="bars"), ["bars"])
-    plate = fx.Shell(mesh.surfaces, fx.Plate(0.01), fx.Elastic(1.0, 0.3), form="naghdi-t2")
-    frame = fx.Beam(mesh.curves, fx.Rectangle(0.1, 0.1), fx.Elastic(1e6))
-    on_bars = {f"edge {a}-{b} of panels" for a, b in bars} | {f"edge {b}-{a} of panels" for a, b in bars}
-    edges = [name for name in fx.meshes.edges_of(table, "bars") if name in on_bars]
-    supports = [fx.Support(mesh.surfaces, "11 of panels", "x y"), fx.Support(mesh.surfaces, "21 of panels", "y"),
-                *(fx.clamp(mesh.curves, node) for node in around)]
     rigidity, found = 0.01**3 / 12 / (1 - 0.3**2), {}
     for name, how in (("free", {}), ("other way", {"enforcement": "penalty"}), ("held", {"strength": 1.0})):
-        contact = fx.PairContact(mesh.surfaces, edges, (mesh.curves, None), toward=(0.0, 0.0, -1.0), **how)
-        scene = fx.Scene([plate, frame], supports, [fx.SurfaceForce(plate, (0.0, 0.0, -1e-9))],
-                         fx.Monitor(mesh.surfaces, "11 of panels", "z", -1.0), joints=[contact])
-        path = fx.Path(scene, until=fx.Until(deflection=1e-5))
+        path = fx.Path(plate_on_a_frame(12, **how), until=fx.Until(deflection=1e-5))
         *_, last = path
         found[name] = 1e-5 * rigidity / (1e-9 * last.factor)
         if name == "free":

@@ -11,7 +11,7 @@ from .linear import DirectSolver
 
 
 class Enforcement:
-    """Solves a step: approach through stronger regularisation, then augmentation, until all contributions hold."""
+    """Solves a step, then augments, until all contributions hold."""
 
     def __init__(self, system: System):
         self._system = system
@@ -22,16 +22,13 @@ class Enforcement:
     def approaches(self, eliminates: bool, again: bool, begins: bool) -> list[tuple[bool, list[float]]]:
         """Ways to try: whether contact forces are eliminated, and multiples of the regularisation, the last one is 1.
 
-        Thick contact layers make long steps converge; a step shorter than their indentation fails in them.
-
         Parameters
         ----------
         eliminates : whether contact forces can be; where that fails, a shorter step is tried before other ways
         again : whether a step from the same state has failed before
         begins : whether no step has led to that state
         """
-        ways = [(False, [1.0]), (False, self._multiples)] if len(self._multiples) > 1 else [(False, [1.0])]
-        ways += [(False, [1.0])] * any(c.retreats for c in self._rough)
+        ways = [(False, [1.0])] * (1 + any(c.retreats for c in self._rough))
         if again and begins and len(self._detours) > 1:
             ways += [(False, self._detours)]
         if not (eliminates and self._eliminates):
@@ -50,7 +47,7 @@ class Enforcement:
 
     @property
     def _multiples(self) -> list[float]:
-        """Of the regularisation, through which solutions are approached."""
+        """Of the regularisation, through which eliminated forces are approached."""
         return sorted({1.0, *(times for c in self._rough for times in c.approaches if times > 1)},
                       reverse=True)
 

@@ -31,8 +31,6 @@ class ContactWork(FormWork):
         super().__init__(unknowns, fields.work(unknowns.vary), smooth=False, conservative=not fields.contact.friction)
         self.fields, self._clock = fields, clock
         self._kept = fields.multiplier if fields.block is None else None
-        if fields.layer:
-            self.approaches = fields.contact.approach
         self.augments = fields.enforcement != "penalty"
         if self.augments:
             self.without_descent = (f"contact with enforcement {fields.enforcement!r} has no energy between its "

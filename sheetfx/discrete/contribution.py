@@ -74,7 +74,7 @@ class Contribution:
     kinks : whether its moduli may jump where its strains pass some values: laws with history, and laws with cases
     remembers, history_moved : whether it has laws with history, whose forces do work but have no energy; whether one
         remembers something by now, such as plastic strains, on any process
-    approaches : multiples of its regularisation through which a step's solution is approached
+    approaches : multiples of its regularisation through which eliminated forces are approached
     detours : those through which a first step's is that fails otherwise, however short
     retreats : whether a step that does not converge begins again with less stiffness
     steep : whether its forces change with motions that are far smaller than those of a step, but act on few unknowns at

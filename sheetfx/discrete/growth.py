@@ -48,11 +48,6 @@ class Growth:
         return STIFFER**max(self.begun, self._least)
 
     @property
-    def approaches(self) -> tuple[float, ...]:
-        """How many times softer pairs are through which a step is approached that fails otherwise, as past a corner."""
-        return (STIFFER, 1.0) if self.begun and not self._least else (1.0,)
-
-    @property
     def retreats(self) -> bool:
         """Whether a step that does not converge begins again with the stiffness that is given."""
         return bool(self._least and self.begun)

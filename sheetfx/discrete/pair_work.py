@@ -66,10 +66,6 @@ class PairWork(PointWork):
         self._table = pairs.table()
         self._law.weigh(pairs.weights * self._here)
 
-    @property
-    def approaches(self) -> Sequence[float]:  # type: ignore[override]
-        return self._growth.approaches
-
     def _begin(self) -> None:
         """Bring the partners to where they are opposite before anything moves."""
         self._partners.begin(self.pairs.points, self.pairs.axes[:, 1])

@@ -27,7 +27,7 @@ class Contact:
     scale : augmentation, pressure per length of penetration; None: from the bending stiffness
     layer : length of an elastic contact layer of the stiffness EI / layer^4; 0: exact; None: 0 at nodes, otherwise that
         of a penalty's `scale`, or as thin as it can be for a smooth path
-    approach : multiples of the layer through which each step's solution is approached
+    approach : multiples of the layer through which forces are approached that a step does not find at once
     distance : from the axis to where it touches; None: half the depth, as the faces are; 0: at the axis
     """
 

@@ -26,7 +26,10 @@ NO_CONSTANTS = ("discrete/closest_point.py:ROWS",
                 "discrete/obstacle_work.py:SLIPPED",
                 "discrete/zones.py:SAMPLES", "discrete/zones.py:POINTS", "continuation/work.py:POINTS",
                 "critical/descent.py:POINTS", "critical/descent.py:WEIGHTS", "critical/branches.py:TURN",
-                "continuation/control.py:LoadControl.target")
+                "continuation/control.py:LoadControl.target",
+                # fields of the state, before there is one
+                "continuation/control.py:LoadResponse.initial_norm2",
+                "continuation/control.py:LoadResponse.current_stiffness")
 SIGNALS = "Jump", "Missed", "Hidden", "Uncounted", "Unsettled"
 # What each predicate, retry or homotopy gives where it is switched off.
 SWITCHES = {

@@ -12,6 +12,7 @@ from math import pi, radians
 import numpy as np
 from forty import STRUCTURES
 from helpers import hinged_arch, whole_arch
+from test_pair_contact import graded_leaves, plate_on_a_frame, two_leaves
 from test_plastic_steps import dome
 
 import sheetfx as fx
@@ -247,6 +248,11 @@ CASES: dict[str, Callable[[], fx.Case]] = {
     "arch-on-floor": lambda: arch_on_floor(False),
     "arch-on-floor-exact": lambda: arch_on_floor(True),
     "leaves": leaves,
+    "leaves-in-line": lambda: two_leaves(0.3, 0.05),
+    "leaves-apart": lambda: two_leaves(0.3, -0.05),
+    "leaves-graded": lambda: graded_leaves(24, 0.3),
+    "plate-lifts-corners": lambda: fx.Case(plate_on_a_frame(12), until=fx.Until(deflection=1e-5)),
+    "arch-punch-yielding": scene("arch", elements=80, yield_stress=40.0, to=30.0),
     "drawn-tip": drawn_tip,
     "drawn-tip-uzawa": lambda: drawn_tip(enforcement="uzawa"),
     "wedge": lambda: wedge(None),
