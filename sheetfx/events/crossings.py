@@ -25,6 +25,7 @@ ALTERNATELY = (0.1, (-1,)), (0.03, (1,)), (0.01, (-1,))  # likewise, first on on
 ROUGH = 1e-5  # relative error of the load, which is too large
 SAMPLES = 6  # states that are interpolated between
 CLOSEST, CORNERED = 1e-4, 1 / 64  # of a step, piece that is not divided any more, in general and with contact
+STEEP = 4  # of an even change over the step, that of eigenvalues between two neighbouring states where they jump
 FOLD = 0.9  # of the length of a piece of path, motion along the mode where a limit point is
 NOISE = 1e-6  # of the length of a piece of path, motion along a mode that does not count
 
@@ -44,11 +45,22 @@ def unresolved(segment: Segment, left: float, right: float, count: int) -> list[
     """Crossings that are known to lie between two lengths, and no more; those of a step around a corner: its start."""
     one, other = segment[left], segment[right]
     low, high = sorted((one.load, other.load))
-    corner = segment.nonsmooth and leads_around_corner(segment)
+    corner = segment.nonsmooth and _jumps(segment, Determinant(segment, left, right, count), left, right)
     load, deflection = (one.load + other.load) / 2, (one.deflection + other.deflection) / 2
     if one is segment.before and leads_around_corner(segment):
         load, deflection = one.load, one.deflection
     return [Crossing(left, load, deflection, (low, high), corner)] * count
+
+
+def _jumps(segment: Segment, border: Determinant, left: float, right: float) -> bool:
+    """Whether eigenvalues change far more between two neighbouring states than over as much of the step elsewhere.
+
+    So they do in a step that leads around a corner of the path, which cannot be divided.
+    """
+    if leads_around_corner(segment):
+        return True
+    near, whole = (border.change(*ends) for ends in ((left, right), (0.0, segment.after.length)))
+    return near * segment.after.length > STEEP * whole * (right - left)
 
 
 def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[Crossing]:
@@ -76,7 +88,8 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
         coarser, finer = border.roots(samples[:-1]), border.roots(samples)
         if not _counted(segment, lengths, finer):
             return _pieces(segment, left, right)
-        between, drift = (_load_change(segment, samples[0], float(np.abs(finer - other).max())) for other in (coarser, roots))
+        between, drift = (_load_change(segment, samples[0], float(np.abs(finer - other).max()))
+                          for other in (coarser, roots))
         roots, error = finer, between if between <= exact else max(between, drift)
         worse = segment.nonsmooth and best[0] <= min(ROUGH, error)
         best = min(best, (error, roots, samples), key=itemgetter(0))
@@ -89,7 +102,7 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
         _compare_sides(segment, roots, samples, border)
     found = [Crossing(s, *segment.seen(s)) for s in map(float, roots)]
     if segment.nonsmooth and error > exact:
-        return [replace(c, corner=leads_around_corner(segment)) for c in found]
+        return [replace(c, corner=_jumps(segment, border, *segment.neighbours(c.length))) for c in found]
     return found
 
 
