@@ -67,6 +67,7 @@ _ROOMS = {
     "critical.imperfect": "imperfect",
     "critical.remade": "remade",
     "critical.modes": "mode_displacement",
+    "critical.unilateral": "UnilateralBuckling unilateral_buckling",
     "critical.sensitivity": "imperfection_sensitivity limit_of_imperfect",
     "critical.snap": "Snap snap snaps",
     "critical.vibration": "Vibration frequencies",

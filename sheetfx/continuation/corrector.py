@@ -26,11 +26,9 @@ from .linear import DirectSolver
 Reason = PETSc.SNES.ConvergedReason
 SLOW = 0.1  # residual over that of the iteration before, from which a guess is corrected with a new factor
 WRONG = 1e-3  # residual over the load, above which a guess whose residual grows is given up
-BETTER = 0.1  # of the residual, that of contact forces which are found from a step
 SPARE = 10.0  # of the fall of the residual in an iteration, what one more with the same tangent may leave
 UNDAMPED = 5  # iterations, after which half steps are taken where it cycles
 VAIN = 5  # iterations, after which a residual that has not fallen to half gives up
-CLOSE = 1e-3  # residual over the load, below which it does not
 SAME = 1e-2  # relative difference of residuals that are the same
 TO_AND_FRO = ("contact changes to and fro, as where no equilibrium lies ahead; `record.snap(state, 'displacement')` "
               "finds what the structure falls to")
@@ -173,7 +171,7 @@ class BorderedNewton:
                 return Reason.CONVERGED_SNORM_RELATIVE
             if norm != norm and np.isfinite(x.norm()):
                 self.unfinished = x.array.copy()
-            if norm != norm or norm > 1e12 * max(size, 1.0) or self.tangent.inner(x, x) > FARTHEST**2:
+            if not np.isfinite(norm) or self.tangent.inner(x, x) > FARTHEST**2:
                 return NOT_A_NUMBER
             if iteration == most or self._is_lost():
                 return Reason.DIVERGED_MAX_IT
@@ -257,7 +255,7 @@ class BorderedNewton:
         if elimination := self._eliminating:
             self.system.load(self._load)
             size = max(abs(self.factor_now) * self._load.norm(), self.system.reaction)
-            exact = min(elimination.exact, BETTER * (self.history[-1] if self.history else inf))
+            exact = min(elimination.exact, self.history[-1] if self.history else inf)
             gradient = self.control.gradient(tangent, along, self.load_increment)
             self.load_increment += elimination.correct(x, self.factor_now, self._step, tangent.solution, gradient,
                                                             size, exact)
@@ -288,7 +286,7 @@ class BorderedNewton:
             return len(self.history) > 1 and self.history[-1] > max(WRONG, self.history[-2])
         before, last = self.history[:-VAIN], self.history[-VAIN:]
         newton = self.control.guarded and self.control.newton == "full" and not self.patient
-        vain = bool(before) and 2 * min(last) > min(before) > CLOSE
+        vain = bool(before) and 2 * min(last) > min(before)
         return newton and (vain or self.cycles)
 
     @property

@@ -17,12 +17,11 @@ import numpy as np
 from petsc4py import PETSc
 from scipy.optimize import nnls
 
-from ..rounding import SAFETY, noise
+from ..rounding import SAFETY, SAME, noise
 from .segment import Segment
 
 INSIDE = 0.65  # of a piece, the place whose defect is taken
 SHORTEST = 1 / 64  # of a step, or of the amplitude of a branch, piece whose defect must be small
-MINOR = 1e-6  # of the load itself, correction that matters little
 
 
 def has_small_defect(segment: Segment, left: float, right: float) -> bool:
@@ -34,7 +33,7 @@ def has_small_defect(segment: Segment, left: float, right: float) -> bool:
     cubic = segment.curve(left, right)
     loads = cubic(np.sort([left, right, *_turns(cubic, left, right)]))[:, -1]
     place, residual = _out_of_balance(segment, cubic(left + INSIDE * (right - left)))
-    most = allowed * segment.distance(left, right), allowed * np.abs(np.diff(loads)).sum() + MINOR * abs(system.factor)
+    most = allowed * segment.distance(left, right), allowed * np.abs(np.diff(loads)).sum() + SAME * abs(system.factor)
     off, load = _correction(tracer, residual, system.create_vector(segment.states[right].response))
     if off > most[0] or load > most[1]:
         response = _response_at(tracer, place)

@@ -21,9 +21,7 @@ from scipy.sparse import csc_matrix, csr_matrix
 from ..discrete.system import System
 from .linear import DirectSolver
 
-ITERATIONS, PEELING = 25, 60  # at each thickness, damped ones and full ones
-LOOSE = 1e-2  # error of contact forces over the load, from which one correction more is enough on the way
-CYCLING = 0.9  # error over that of two corrections before, from which half of a correction is taken
+ITERATIONS = 60  # at each thickness
 NEAR = 0.1  # error of a plain step over the load, below which no approach is needed
 AGAIN = 1e-6  # relative difference of errors that are the same: the same points touch as before
 
@@ -123,7 +121,7 @@ class Elimination:
             forces = np.zeros(len(self._rows))
             for times in multiples:
                 self._regularise(times)
-                forces = self._converge(forces, self._exact if times == multiples[-1] else LOOSE)
+                forces = self._converge(forces)
                 if forces is None:
                     break
             self._regularise(1.0)
@@ -131,21 +129,13 @@ class Elimination:
                 return forces
         return None
 
-    def _converge(self, forces: np.ndarray, exact: float) -> np.ndarray | None:
-        """The remaining forces at one thickness; None: not found."""
-        found = self._iterate(forces, exact, damped=True)
-        if found is None and not self._many:
-            found = self._iterate(forces, exact, damped=False)
-        return found
+    def _converge(self, forces: np.ndarray) -> np.ndarray | None:
+        """The remaining forces at one thickness by Newton's iteration; None: not found, as where errors come again.
 
-    def _iterate(self, forces: np.ndarray, exact: float, damped: bool) -> np.ndarray | None:
-        """Newton's iteration, damped where it cycles, else given up where it does.
-
-        Where a panel peels off its bars each iteration opens a few points more. Errors rise and fall meanwhile, as if
-        it cycled, and damped it would stand still.
+        Where a panel peels off its bars each iteration opens a few points more, and errors rise and fall meanwhile.
         """
         errors: list[float] = []
-        for _ in range(ITERATIONS if damped else PEELING):
+        for _ in range(ITERATIONS):
             remainder = self._remainder(self._moved(forces))
             if remainder is None:
                 return None
@@ -157,14 +147,11 @@ class Elimination:
             except np.linalg.LinAlgError:
                 return None
             error = float(np.linalg.norm(off))
-            if not damped and any(abs(error - other) <= AGAIN * other for other in errors):
+            if any(abs(error - other) <= AGAIN * other for other in errors) or not np.isfinite(correction).all():
                 return None
             errors.append(error)
-            cycles = damped and len(errors) > 2 and error > CYCLING * errors[-3]
-            forces = forces + (0.5 if cycles else 1.0) * correction
-            if not np.isfinite(correction).all():
-                return None
-            if error <= exact * self._size:
+            forces = forces + correction
+            if error <= self._exact * self._size:
                 return forces
         return None
 

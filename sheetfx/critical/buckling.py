@@ -101,13 +101,14 @@ def buckling(path, state: State, count: int = 6, *, supports: Sequence | None = 
     with (home.visiting(state.fields), discretisation.visiting(state.fields), home.system.history.frozen(),
           discretisation.system.history.frozen()):
         motions = home.system.motions(home.system.create_vector(state.response))
-        problem = _Problem(discretisation, state, motions, state.step > 0 if prebuckling is None else prebuckling)
+        prebuckling = state.step > 0 if prebuckling is None else prebuckling
+        problem = BucklingProblem(discretisation, state, motions, prebuckling)
         found = _complete(problem, count, tolerance)
         problem.tell(*found[0], tolerance, state.contact_points)
         return problem.describe(found, tolerance, home)
 
 
-class _Problem:
+class BucklingProblem:
     """LoadResponse of a state, its derivative along the response, and the eigenproblem of both."""
 
     def __init__(self, discretisation: Discretisation, state: State, motions: Sequence, prebuckling: bool):
@@ -121,7 +122,11 @@ class _Problem:
         self.slope = self._by_differences(STEP / length) if prebuckling else self._by_stress(1 / length)
         if not self.slope.norm() > 0:
             raise ValueError("buckling: no stress changes with the load; with mixed_points=False give prebuckling=True")
-        self.solver = DirectSolver(self._ksp(), self.tangent, self.system.conservative)
+        self.take(self.tangent)
+
+    def take(self, tangent: PETSc.Mat) -> None:
+        """Have a tangent of the state, and its factor."""
+        self.tangent, self.solver = tangent, DirectSolver(self._ksp(), tangent, self.system.conservative)
         self.solver.factorise()
         pivots = self.solver.negative_pivots()
         self.definite, self.stable = pivots == 0, pivots == self.system.multipliers
@@ -203,7 +208,8 @@ class _Problem:
         """Warn where contact stays as it is, or else where the tangent is not linear as far as a buckling load."""
         if self.system.rough:
             warn(f"buckling: contact stays as it is in the state, where {touching} points touch: modes hold these "
-                 "together and pass through all others. The path itself finds where structures with contact buckle")
+                 "together and pass through all others. unilateral_buckling lets modes lift off; the path itself finds "
+                 "where structures with contact buckle")
         elif self.prebuckling and abs((share := self.nonlinear(increment, mode)) - 1) > tolerance:
             where = (f"to second order the nearest increment of the load factor is {increment * share:.6g} instead of "
                      f"{increment:.6g}" if np.isfinite(share) else
@@ -229,7 +235,7 @@ class _Problem:
         """Loads with their clusters, and modes in the components of another discretisation of the structure."""
         numbers = clusters([increment for increment, _ in pairs], tolerance)
         return [BucklingLoad(
-            self.state.factor + increment, self._total_load(increment), increment, number, numbers.count(number),
+            self.state.factor + increment, self.total_load(increment), increment, number, numbers.count(number),
             self.residual(increment, mode), scaled(home, self._in_components_of(home, mode)))
                 for (increment, mode), number in zip(pairs, numbers, strict=True)]
 
@@ -240,7 +246,8 @@ class _Problem:
         self.system.configure(self.system.create_vector(), self.state.factor)
         return home.system.step_by(self.system.motions(self.system.create_vector(mode.array)))
 
-    def _total_load(self, increment: float) -> float:
+    def total_load(self, increment: float) -> float:
+        """On the whole structure, at an increment of the load factor."""
         x = self.response.copy()
         x.scale(increment)
         self.system.configure(x, self.state.factor + increment)
@@ -262,7 +269,7 @@ def clusters(increments: Sequence[float], tolerance: float) -> list[int]:
     return numbers
 
 
-def _complete(problem: _Problem, count: int, tolerance: float) -> list[tuple[float, PETSc.Vec]]:
+def _complete(problem: BucklingProblem, count: int, tolerance: float) -> list[tuple[float, PETSc.Vec]]:
     """The pairs nearest to the state, at least `count`, up to the end of a cluster, and none missed."""
     asked = count + 4
     while True:
@@ -288,7 +295,7 @@ def _end(pairs, count: int, tolerance: float) -> int | None:
     return None
 
 
-def _all_found(problem: _Problem, pairs, end: int) -> bool:
+def _all_found(problem: BucklingProblem, pairs, end: int) -> bool:
     middle = (abs(pairs[end - 1][0]) + abs(pairs[end][0])) / 2
     return all(problem.below(sign * middle) == sum(sign * increment > 0 for increment, _ in pairs[:end])
                for sign in (1.0, -1.0))

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from scipy.sparse import bsr_matrix, csr_matrix
+from scipy.sparse import bsr_matrix
 
-from .layout import Layout
 from .pair_work import PairWork
 
 CLINGING = 1e300  # tensile strength of pairs that do not open
@@ -28,18 +27,6 @@ class CondensedPairs(PairWork):
         table[self._pressed, 4] = CLINGING
         self._law.give(self._data_of_history + 1, table)
         return True
-
-    def pattern(self, layout: Layout):
-        self._layout = layout
-        return super().pattern(layout)
-
-    def motions(self) -> csr_matrix:
-        """Derivatives of gaps and slips by the increments of all processes, pair by pair."""
-        matrix = self._law.slopes(self.values())[:, :1 + self._slips] @ self._derivatives()
-        columns = np.broadcast_to(self._numbers(self._layout)[:, None, :], matrix.shape)
-        free = columns >= 0
-        ends = np.append(0, np.cumsum(free.sum(axis=2)))
-        return csr_matrix((matrix[free], columns[free], ends), shape=(len(ends) - 1, self._layout.global_size))
 
     def law_of_changes(self) -> Callable[[np.ndarray], tuple[np.ndarray, bsr_matrix]]:
         """Function from changes of gaps and slips to forces on these, and their derivatives; partners stay."""

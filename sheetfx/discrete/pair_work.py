@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.sparse import csr_matrix
 
 from .. import forms
 from .contact import OPEN, SLIP, STICK
@@ -63,7 +64,7 @@ class PairWork(PointWork):
         self._committed, self._elastic = self._history.copy(), np.zeros((pairs.count, 1 + self._slips))
         self._partners_committed = self._partners.history() if self._partners else None
         self._pattern_nodes = self._seen = None
-        self._table = pairs.table()
+        self._table, self._left_open = pairs.table(), np.zeros(pairs.count, dtype=bool)
         self._law.weigh(pairs.weights * self._here)
 
     def _begin(self) -> None:
@@ -139,6 +140,7 @@ class PairWork(PointWork):
 
     def pattern(self, layout: Layout):
         """Entries of pairs that act or may do so next, and of those that share theirs, on the same unknowns."""
+        self._layout = layout
         acting, gap = self._acting()
         near = np.argsort(np.where(acting, -np.inf, gap), kind="stable")
         alike = np.unique(self._numbers(layout), axis=0, return_inverse=True)[1].ravel()
@@ -164,9 +166,32 @@ class PairWork(PointWork):
 
     def _linearised(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         pairs = np.arange(self.pairs.count)[self._stiff]
-        acting, stiffness = self._acting()[0][pairs], np.zeros((len(pairs), z.shape[1], z.shape[1]))
+        acting, stiffness = self._acting()[0] & ~self._left_open, np.zeros((len(pairs), z.shape[1], z.shape[1]))
+        acting = acting[pairs]
         stiffness[acting] = self._law.stiffness(z, pairs[acting])
         return self._forces(z), stiffness
+
+    def motions(self) -> csr_matrix:
+        """Derivatives of gaps and slips by the increments of all processes, pair by pair."""
+        matrix = self._law.slopes(self.values())[:, :1 + self._slips] @ self._derivatives()
+        columns = np.broadcast_to(self._numbers(self._layout)[:, None, :], matrix.shape)
+        free = columns >= 0
+        ends = np.append(0, np.cumsum(free.sum(axis=2)))
+        return csr_matrix((matrix[free], columns[free], ends), shape=(len(ends) - 1, self._layout.global_size))
+
+    def across(self) -> tuple[csr_matrix, np.ndarray]:
+        """Derivatives of gaps, as in `motions`, and the stiffnesses across them at the end of a step."""
+        stiffness = self.pairs.table()[:, 0] * self._growth.reached * self.pairs.weights * self._here
+        return self.motions()[::1 + self._slips], stiffness
+
+    def leave_open(self, pairs: np.ndarray) -> None:
+        """Leave the stiffness of some pairs out of tangents.
+
+        Parameters
+        ----------
+        pairs : whether to, for each
+        """
+        self._left_open = pairs
 
     def _put_history(self, history: np.ndarray) -> None:
         self._history = history

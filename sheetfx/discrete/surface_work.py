@@ -55,6 +55,9 @@ class SurfaceLaw(PointLaw):
         slips = np.einsum("nid,and->nia", self._partners.axes[points], self._partners.undeformed(1)[1:, points])
         return np.concatenate([gap[:, None], slips @ closest.moves], axis=1)
 
+    def slopes(self, z):
+        return self._slopes(self._closest(z))
+
     def strains(self, z):
         return super().strains(self._kinematics(self._closest(z)))
 

@@ -26,13 +26,8 @@ ROUGH = 1e-5  # relative error of the load, which is too large
 SAMPLES = 6  # states that are interpolated between
 CLOSEST, CORNERED = 1e-4, 1 / 64  # of a step, piece that is not divided any more, in general and with contact
 STEEP = 4  # of an even change over the step, that of eigenvalues between two neighbouring states where they jump
-APART = 0.1  # of a piece of path, distance of crossings that are looked for one by one
-EVEN = 0.5  # smaller rate of the load factor over the larger one at the outer samples, where it tells them apart
-DOUBT = 4  # of the last correction of a load, difference from another value of it that shows which one is noise
-FAR = 0.05  # of a piece of path, distance from crossings of states that tell how far apart these are
 FOLD = 0.9  # of the length of a piece of path, motion along the mode where a limit point is
 NOISE = 1e-6  # of the length of a piece of path, motion along a mode that does not count
-STEADY = 100  # of what tangents are off by beside a crossing, motion along the mode that is no rounding
 
 
 @dataclass(frozen=True)
@@ -79,14 +74,9 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
     border, lengths, exact = Determinant(segment, left, right, count), [left, right], segment.tracer.control.exact
     if len(border.numbers) != count:
         return _halves(segment, left, right)
-    roots, samples, between, close = border.roots(lengths), lengths, np.inf, CLOSEST * segment.after.length
+    roots, samples, between = border.roots(lengths), lengths, np.inf
     best = np.inf, roots, samples  # in the end rounding takes over, so that nearer samples are worse
     for reach, sides in (*ALTERNATELY, *((reach, (-1, 1)) for reach in REACHES)):
-        gaps = np.diff(roots)
-        if len(gaps) and gaps.max() > APART * (right - left):
-            middle = float(roots[np.argmax(gaps)] + gaps.max() / 2)
-            if segment.reach(middle):
-                return _pieces(segment, left, right)
         try:
             lengths = _sampled(border, segment, lengths, roots, reach * (right - left), sides)
         except Jump:  # off the path for rounding: the samples that there are must do
@@ -98,7 +88,8 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
         coarser, finer = border.roots(samples[:-1]), border.roots(samples)
         if not _counted(segment, lengths, finer):
             return _pieces(segment, left, right)
-        between, drift = (_load_change(segment, samples[0], _moved(finer, other, close)) for other in (coarser, roots))
+        between, drift = (_load_change(segment, samples[0], float(np.abs(finer - other).max()))
+                          for other in (coarser, roots))
         roots, error = finer, between if between <= exact else max(between, drift)
         worse = segment.nonsmooth and best[0] <= min(ROUGH, error)
         best = min(best, (error, roots, samples), key=itemgetter(0))
@@ -109,59 +100,10 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
         return _halves(segment, left, right)
     if segment.guarded:
         _compare_sides(segment, roots, samples, border)
-    found = _at_loads(segment, _together(border, roots, lengths, close), samples, border)
+    found = [Crossing(s, *segment.seen(s)) for s in map(float, roots)]
     if segment.nonsmooth and error > exact:
         return [replace(c, corner=_jumps(segment, border, *segment.neighbours(c.length))) for c in found]
     return found
-
-
-def _moved(roots: np.ndarray, others: np.ndarray, close: float) -> float:
-    """Largest distance of crossings from others, where they lie close together that of their means.
-
-    Rounding parts crossings that lie together, and the more the nearer the states are, but hardly moves their means.
-    """
-    groups = np.split(roots - others, np.flatnonzero(np.diff(roots) > close) + 1)
-    return max(abs(float(group.mean())) for group in groups)
-
-
-def _together(border: Determinant, roots: np.ndarray, lengths: Sequence[float], close: float) -> np.ndarray:
-    """Crossings that are close to each other as far apart as states that are further off have them, if that is less.
-
-    Rounding splits eigenvalues that are alike by as much as it moves states along the mode, in inverse proportion to
-    their distance from the crossing; where they lie together these know less exactly, but how far they are apart.
-    """
-    size, middle = lengths[-1] - lengths[0], roots.mean()
-    far = [s for s in lengths if abs(s - middle) >= FAR * size]
-    if not 0 < np.ptp(roots) < close or len(far) < 2:
-        return roots
-    found = border.roots(_nearest(far, roots))
-    nearer = np.isfinite(found).all() and np.ptp(found) < np.ptp(roots)
-    return middle + found - found.mean() if nearer else roots
-
-
-def _at_loads(segment: Segment, roots: np.ndarray, samples: Sequence[float], border: Determinant) -> list[Crossing]:
-    """Crossings at lengths, with their loads.
-
-    Rounding moves states along the mode, the more the nearer they are, which changes the length of the path up to them
-    and the tangents there, but hardly their loads. The samples' eigenvalues as functions of the load factor, where this
-    changes evenly, give loads that do not feel it. They are taken where the others are far beyond their own error.
-    """
-    found = np.array([segment.seen(float(s)) for s in roots])
-    states = [segment[s] for s in sorted(samples)]
-    rises, rates = np.diff([state.factor for state in states]), [states[0].load_rate, states[-1].load_rate]
-    if abs(np.sign(rises).sum()) == len(rises) and min(rates) * max(rates) > EVEN * max(np.square(rates)):
-        factors = [segment[s].factor for s in samples]
-        values = KroghInterpolator(factors, [(segment[s].load, segment[s].deflection) for s in samples])
-        coarser, finer = (values(border.roots(samples[:n], factors[:n])[::int(np.sign(rises[0]))])
-                          for n in (len(samples) - 1, len(samples)))
-        off, doubt = finer - found, finer - coarser
-        if np.ptp(roots) < CLOSEST * segment.after.length:
-            off, doubt = (np.tile(v.mean(axis=0), (len(roots), 1)) for v in (off, doubt))
-        exact = segment.tracer.control.exact * np.abs(found[:, 0])
-        noisy = np.abs(off[:, 0]) > DOUBT * np.maximum(np.abs(doubt[:, 0]), exact)
-        found[noisy] += off[noisy]
-    return [Crossing(float(s), float(load), float(deflection))
-            for s, (load, deflection) in zip(roots, found, strict=True)]
 
 
 def _load_change(segment: Segment, near: float, change: float) -> float:
@@ -250,17 +192,6 @@ def _compare_sides(segment: Segment, roots: np.ndarray, samples: Sequence[float]
         with np.errstate(divide="ignore"):
             grown = np.abs(critical / np.subtract([segment[s].factor for s in (left, right)], critical)).sum()
         strays = abs(moved - led) > size / 2 and size > NOISE * distance + rounding.NONE * grown
-        if (strays or abs(moved) > FOLD * distance) and (
-                size > STEADY * _stray_beside(segment, mode, left, right)
-                or size > max(rounding.off_path(segment.tracer, segment[s]) for s in (left, right))):
+        if (strays or abs(moved) > FOLD * distance) and size > max(
+                rounding.off_path(segment.tracer, segment[s]) for s in (left, right)):
             raise Jump("the path bends away from a bifurcation that the step passes")
-
-
-def _stray_beside(segment: Segment, mode: np.ndarray, left: float, right: float) -> float:
-    """How far tangents are off along a mode on the pieces before and behind two states, on the better one.
-
-    Where it is rounding that moves the two states, it moves these pieces' ends too. Infinite where one is missing.
-    """
-    pieces = [piece for piece in segment.pairs() if piece[1] == left or piece[0] == right]
-    strays = [abs(np.subtract(*segment.along(mode, *piece))) for piece in pieces]
-    return min(strays) if len(strays) == 2 else np.inf

@@ -9,6 +9,7 @@ from math import radians
 import numpy as np
 from failure_map.traps import TRAPS, contact
 from helpers import hinged_arch, whole_arch
+from test_unilateral import spans
 
 import sheetfx as fx
 from sheetfx.record import Record
@@ -140,6 +141,12 @@ def gradients(record: Record) -> dict[str, float]:
     return found
 
 
+def unilateral(record: Record) -> dict[str, float]:
+    """The lowest and the highest solution, and how many contacts the lowest one presses."""
+    found = fx.unilateral_buckling(record.path, record.states[0])
+    return {"lowest": found.factor, "pressed": found.pressed, "highest": max(found.others, default=found.load)}
+
+
 def trap(name: str) -> Callable[[], fx.Case]:
     return lambda: TRAPS[name].case()
 
@@ -166,6 +173,7 @@ AFTERWARDS: dict[str, tuple[Callable[[], fx.Case], Callable[[Record], dict[str, 
     "falls-star-dome": (trap("star-dome"), BY_LOAD),
     "buckling-roorda": (trap("roorda-frame"), linear),
     "buckling-panel": (trap("cylinder-panel"), linear),
+    "unilateral": (lambda: fx.Case(spans(2), until=fx.Until(steps=1)), unilateral),
     "vibrations": (heavy_column, vibrations),
     "errors-panel": (trap("cylinder-panel"), errors),
     "errors-frame": (trap("lee-frame"), errors),

@@ -12,7 +12,7 @@ from math import pi, radians
 import numpy as np
 from forty import STRUCTURES
 from helpers import hinged_arch, whole_arch
-from test_pair_contact import graded_leaves, plate_on_a_frame, two_leaves
+from test_pair_contact import arch_above_a_beam, graded_leaves, plate_on_a_frame, two_leaves
 from test_plastic_steps import dome
 
 import sheetfx as fx
@@ -248,6 +248,7 @@ CASES: dict[str, Callable[[], fx.Case]] = {
     "arch-on-floor": lambda: arch_on_floor(False),
     "arch-on-floor-exact": lambda: arch_on_floor(True),
     "leaves": leaves,
+    "arch-meets-beam": lambda: fx.Case(arch_above_a_beam("condensed")[0], until=fx.Until(deflection=30.0)),
     "leaves-in-line": lambda: two_leaves(0.3, 0.05),
     "leaves-apart": lambda: two_leaves(0.3, -0.05),
     "leaves-graded": lambda: graded_leaves(24, 0.3),
