@@ -43,8 +43,6 @@ from .rounding import SAME, same
 if TYPE_CHECKING:
     from .critical.snap import Snap
 
-CORNERED = 1 / 16  # of a step, length with which it fails where the path is taken to have a corner
-NEAR = 1e-3  # of the load, most that such a step would change it: a step around a corner leaves out what is before it
 THERE = 1e-6  # of the load, most that it changes up to where contact does, of a state that lies there
 SHORT = 1 / 64  # of a step that fails and with half of its length does, length that gets past a corner close ahead
 BEHIND = 1 / 8  # of such a step, from which the next one grows: what made both fail may lie further ahead
@@ -216,8 +214,7 @@ class Path:
             if length == wanted / 2 and (taken := self._past_corner(before, wanted)):
                 length = BEHIND * wanted
                 break
-            cornered = self._at_corner(before, wanted, length) and not self._at_corner(before, wanted, 2 * length)
-            if (shortest or cornered) and (taken := self._around_corner(before, wanted, length)):
+            if shortest and (taken := self._around_corner(before, wanted, length)):
                 length = taken[0].length
                 break
             if length <= wanted / 2 and (taken := self._by_change(before, wanted, length)):
@@ -261,11 +258,6 @@ class Path:
             return self._around_corner(before, wanted, failed) if failed == wanted / 2 else None
         after = up_to_change(self.tracer, before, ahead) if ahead else None
         return None if after is None else self._searched(before, after, self._earlier, self.control.turn)
-
-    def _at_corner(self, before: State, wanted: float, failed: float) -> bool:
-        """Whether the path is taken to have a corner where a short step fails, at hardly another load."""
-        near = not before.length or abs(before.load_rate) * failed <= NEAR * abs(before.factor)
-        return near and failed <= CORNERED * wanted
 
     def _around_corner(self, before: State, wanted: float,
                        failed: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:

@@ -19,6 +19,7 @@ NUDGE = 1e3  # last digits, by which noise is sampled: many, and so few that for
 SAME = 1e-12  # relative difference of numbers that are the same but for some thousand roundings
 NONE = 1e-10  # relative size of a component that is none but for a solution with the tangent
 SPLIT = 1e-6  # imaginary part over the size of a double eigenvalue, which rounding splits by its root
+DIFFERENCE = 1e-4  # of central differences of the tangent, in the scaled norm or of a length: 1e-8 of what they give
 
 
 def same(one: float, other: float) -> bool:

@@ -11,12 +11,11 @@ from collections.abc import Iterable
 import numpy as np
 from scipy.interpolate import KroghInterpolator
 
-from ..rounding import root
+from ..rounding import DIFFERENCE, root
 from .state import State
 
 MOST = 4  # states that are interpolated between
 APART = 0.1  # of their distance from the place in question, that of states from each other
-DIFFERENCE = 1e-4  # of a length, for its rate
 
 
 class DenseOutput:

@@ -27,10 +27,9 @@ from ..continuation.spectrum import solve_by
 from ..continuation.state import State
 from ..discrete.discretisation import Discretisation
 from ..notices import warn
-from ..rounding import NONE, is_real
+from ..rounding import DIFFERENCE, NONE, is_real
 from .modes import scaled
 
-STEP = 1e-4
 PREFIX = "sheetfx_buckling_"
 
 
@@ -119,7 +118,7 @@ class BucklingProblem:
         if not length > 0:
             raise ValueError("buckling: the structure does not respond to its load; check loads and supports")
         self.tangent = self._tangent_at(0.0)
-        self.slope = self._by_differences(STEP / length) if prebuckling else self._by_stress(1 / length)
+        self.slope = self._by_differences(DIFFERENCE / length) if prebuckling else self._by_stress(1 / length)
         if not self.slope.norm() > 0:
             raise ValueError("buckling: no stress changes with the load; with mixed_points=False give prebuckling=True")
         self.take(self.tangent)

@@ -19,10 +19,9 @@ import numpy as np
 from petsc4py import PETSc
 
 from ..continuation.state import CriticalPoint, State
-from ..rounding import TINIEST, UNIT, residual
+from ..rounding import DIFFERENCE, TINIEST, UNIT, residual
 from .modes import scaled
 
-STEP = 1e-4  # of differences of the Hessian, in the scaled norm of increments
 LONGEST = 0.1  # of differences of the gradient
 AGREED = 1e-7  # relative change of a coefficient by shorter differences, from which it is good enough
 RESOLVED = 1e-6  # amplitude, in the scaled norm, for a load changed by one per cent; less beside a limit point
@@ -61,7 +60,7 @@ class Energy:
         ----------
         about : increments since the state, and load factor, where it changes; None: the state's
         """
-        step = STEP / max(self._tracer.distance(0.0, along.array), TINIEST)
+        step = DIFFERENCE / max(self._tracer.distance(0.0, along.array), TINIEST)
         x, factor = about or (along.duplicate(), self._factor)
         ahead, behind = (self.hessian(x + sign * step * along, factor + sign * step * load, modes)
                          for sign in (1.0, -1.0))

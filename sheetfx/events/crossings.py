@@ -27,7 +27,6 @@ SAMPLES = 6  # states that are interpolated between
 CLOSEST, CORNERED = 1e-4, 1 / 64  # of a step, piece that is not divided any more, in general and with contact
 STEEP = 4  # of an even change over the step, that of eigenvalues between two neighbouring states where they jump
 FOLD = 0.9  # of the length of a piece of path, motion along the mode where a limit point is
-NOISE = 1e-6  # of the length of a piece of path, motion along a mode that does not count
 
 
 @dataclass(frozen=True)
@@ -191,7 +190,7 @@ def _compare_sides(segment: Segment, roots: np.ndarray, samples: Sequence[float]
         size, critical = max(abs(moved), abs(led)), factors(root)
         with np.errstate(divide="ignore"):
             grown = np.abs(critical / np.subtract([segment[s].factor for s in (left, right)], critical)).sum()
-        strays = abs(moved - led) > size / 2 and size > NOISE * distance + rounding.NONE * grown
+        strays = abs(moved - led) > size / 2 and size > rounding.NONE * grown
         if (strays or abs(moved) > FOLD * distance) and size > max(
                 rounding.off_path(segment.tracer, segment[s]) for s in (left, right)):
             raise Jump("the path bends away from a bifurcation that the step passes")

@@ -11,11 +11,10 @@ from __future__ import annotations
 from ..continuation.segment import Segment
 from ..continuation.state import State
 from ..continuation.tracer import Tracer
-from ..rounding import SAME
+from ..rounding import DIFFERENCE, SAME
 from .determinant import ABOUT
 
 MODES = 4  # nearest to zero, whose eigenvalues are followed
-AHEAD = 1e-4  # distance along the path, at which the change of the tangent is looked at
 
 
 def hides(segment: Segment, left: float, right: float) -> bool:
@@ -46,13 +45,13 @@ def _with_rates(tracer: Tracer, state: State) -> list[tuple[float, float]]:
     rate, motion = state.tangent
     system, product = tracer.system, tracer.system.create_vector()
     with system.additive_increments():
-        system.configure(system.create_vector(AHEAD * motion), state.factor + AHEAD * rate)
+        system.configure(system.create_vector(DIFFERENCE * motion), state.factor + DIFFERENCE * rate)
         system.extrapolate_stress()
         there, found = system.tangent(), []
         for value, mode in zip(values, modes, strict=True):
             if SAME * abs(value) > nearest:
                 continue
             there.mult(mode, product)
-            found.append((value, (product.dot(mode) - value) / AHEAD))
+            found.append((value, (product.dot(mode) - value) / DIFFERENCE))
     tracer.back_to(state)
     return found

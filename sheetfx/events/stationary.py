@@ -13,7 +13,6 @@ from ..rounding import SAME, root
 from .crossings import REACHES, SAMPLES, Crossing
 from .turning import SHORT, Limit
 
-ROUGHLY = 1e-6  # relative error of the load where a limit point may be a return
 ONWARD = 0.1  # rate of a displacement where the load is stationary, over the larger one beside it
 TURNED = 1e-5  # of the change of the load in a step, that by which it has turned, not wavered
 
@@ -41,11 +40,11 @@ def stationary_loads(segment: Segment) -> tuple[list[Limit], list[float]]:
             continue
         rising = segment[left].load_rate > 0
         try:
-            length = segment.stationary(left, right, ROUGHLY)
+            length = segment.stationary(left, right, SAME)
             if _returns(segment, length):
                 returns.append(length)
             else:
-                limits.append(Limit(segment, segment.stationary(left, right, SAME), rising))
+                limits.append(Limit(segment, length, rising))
         except Missed:
             if segment.guarded:
                 raise
