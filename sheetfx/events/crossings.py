@@ -26,6 +26,7 @@ ROUGH = 1e-5  # relative error of the load, which is too large
 SAMPLES = 6  # states that are interpolated between
 CLOSEST, CORNERED = 1e-4, 1 / 64  # of a step, piece that is not divided any more, in general and with contact
 STEEP = 4  # of an even change over the step, that of eigenvalues between two neighbouring states where they jump
+FAR = 0.05  # of a piece of path, distance from crossings of states that tell how far apart these are
 FOLD = 0.9  # of the length of a piece of path, motion along the mode where a limit point is
 
 
@@ -73,7 +74,7 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
     border, lengths, exact = Determinant(segment, left, right, count), [left, right], segment.tracer.control.exact
     if len(border.numbers) != count:
         return _halves(segment, left, right)
-    roots, samples, between = border.roots(lengths), lengths, np.inf
+    roots, samples, between, close = border.roots(lengths), lengths, np.inf, CLOSEST * segment.after.length
     best = np.inf, roots, samples  # in the end rounding takes over, so that nearer samples are worse
     for reach, sides in (*ALTERNATELY, *((reach, (-1, 1)) for reach in REACHES)):
         try:
@@ -87,8 +88,7 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
         coarser, finer = border.roots(samples[:-1]), border.roots(samples)
         if not _counted(segment, lengths, finer):
             return _pieces(segment, left, right)
-        between, drift = (_load_change(segment, samples[0], float(np.abs(finer - other).max()))
-                          for other in (coarser, roots))
+        between, drift = (_load_change(segment, samples[0], _moved(finer, other, close)) for other in (coarser, roots))
         roots, error = finer, between if between <= exact else max(between, drift)
         worse = segment.nonsmooth and best[0] <= min(ROUGH, error)
         best = min(best, (error, roots, samples), key=itemgetter(0))
@@ -99,10 +99,34 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
         return _halves(segment, left, right)
     if segment.guarded:
         _compare_sides(segment, roots, samples, border)
-    found = [Crossing(s, *segment.seen(s)) for s in map(float, roots)]
+    found = [Crossing(s, *segment.seen(s)) for s in map(float, _together(border, roots, lengths, close))]
     if segment.nonsmooth and error > exact:
         return [replace(c, corner=_jumps(segment, border, *segment.neighbours(c.length))) for c in found]
     return found
+
+
+def _moved(roots: np.ndarray, others: np.ndarray, close: float) -> float:
+    """Largest distance of crossings from others, where they lie close together that of their means.
+
+    Rounding parts crossings that lie together, and the more the nearer the states are, but hardly moves their means.
+    """
+    groups = np.split(roots - others, np.flatnonzero(np.diff(roots) > close) + 1)
+    return max(abs(float(group.mean())) for group in groups)
+
+
+def _together(border: Determinant, roots: np.ndarray, lengths: Sequence[float], close: float) -> np.ndarray:
+    """Crossings that are close to each other as far apart as states that are further off have them, if that is less.
+
+    Rounding splits eigenvalues that are alike by as much as it moves states along the mode, in inverse proportion to
+    their distance from the crossing; where they lie together these know less exactly, but how far they are apart.
+    """
+    size, middle = lengths[-1] - lengths[0], roots.mean()
+    far = [s for s in lengths if abs(s - middle) >= FAR * size]
+    if not 0 < np.ptp(roots) < close or len(far) < 2:
+        return roots
+    found = border.roots(_nearest(far, roots))
+    nearer = np.isfinite(found).all() and np.ptp(found) < np.ptp(roots)
+    return middle + found - found.mean() if nearer else roots
 
 
 def _load_change(segment: Segment, near: float, change: float) -> float:
