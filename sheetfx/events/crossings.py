@@ -27,6 +27,7 @@ SAMPLES = 6  # states that are interpolated between
 CLOSEST, CORNERED = 1e-4, 1 / 64  # of a step, piece that is not divided any more, in general and with contact
 STEEP = 4  # of an even change over the step, that of eigenvalues between two neighbouring states where they jump
 FAR = 0.05  # of a piece of path, distance from crossings of states that tell how far apart these are
+APART = 0.1  # of a piece of path, distance of crossings that are looked for one by one
 FOLD = 0.9  # of the length of a piece of path, motion along the mode where a limit point is
 
 
@@ -77,6 +78,11 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
     roots, samples, between, close = border.roots(lengths), lengths, np.inf, CLOSEST * segment.after.length
     best = np.inf, roots, samples  # in the end rounding takes over, so that nearer samples are worse
     for reach, sides in (*ALTERNATELY, *((reach, (-1, 1)) for reach in REACHES)):
+        gaps = np.diff(roots)
+        if len(gaps) and gaps.max() > APART * (right - left):
+            middle = float(roots[np.argmax(gaps)] + gaps.max() / 2)
+            if segment.reach(middle):
+                return _pieces(segment, left, right)
         try:
             lengths = _sampled(border, segment, lengths, roots, reach * (right - left), sides)
         except Jump:  # off the path for rounding: the samples that there are must do

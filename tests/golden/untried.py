@@ -12,6 +12,8 @@ from math import pi, radians
 import numpy as np
 from forty import STRUCTURES
 from helpers import hinged_arch, whole_arch
+from random_shapes import truss
+from random_structures import scene as random_scene
 from test_pair_contact import arch_above_a_beam, graded_leaves, plate_on_a_frame, two_leaves
 from test_plastic_steps import dome
 
@@ -232,6 +234,12 @@ def scene(name: str, steps: int | None = None, **options) -> Callable[[], fx.Cas
     return case
 
 
+def whole_truss() -> fx.Case:
+    """A random dome to its end, beyond the steps that random structures are given; limits at 1e-3 of its loads."""
+    structure = truss(0)
+    return fx.Case(random_scene(structure), until=fx.Until(deflection=structure.deflection))
+
+
 CASES: dict[str, Callable[[], fx.Case]] = {
     "chain": lambda: chain(None),
     "chain-long-steps": lambda: chain(0.08),
@@ -249,6 +257,7 @@ CASES: dict[str, Callable[[], fx.Case]] = {
     "arch-on-floor-exact": lambda: arch_on_floor(True),
     "leaves": leaves,
     "arch-meets-beam": lambda: fx.Case(arch_above_a_beam("condensed")[0], until=fx.Until(deflection=30.0)),
+    "whole-truss": whole_truss,
     "leaves-in-line": lambda: two_leaves(0.3, 0.05),
     "leaves-apart": lambda: two_leaves(0.3, -0.05),
     "leaves-graded": lambda: graded_leaves(24, 0.3),
