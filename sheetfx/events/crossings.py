@@ -159,19 +159,11 @@ def _halves(segment: Segment, left: float, right: float) -> list[Crossing]:
 
 
 def _pieces(segment: Segment, left: float, right: float) -> list[Crossing]:
-    """Crossings between two lengths, between neighbouring states each.
-
-    Raises
-    ------
-    Jump
-        If none lies between, or they are too close to each other.
-    """
+    """Crossings between two lengths, between neighbouring states each; where these are too close, not told apart."""
     lengths = [s for s in sorted(segment.states) if left <= s <= right]
     counts = [segment[s].unstable_modes or 0 for s in lengths]
     closest = CORNERED if segment.nonsmooth else CLOSEST
     if len(lengths) < 3 or right - left < closest * segment.after.length:
-        if segment.guarded:
-            raise Jump("eigenvalues pass zero in the step, but not smoothly")
         if right - left >= closest * segment.after.length:
             require_convergence(segment, left)
         return unresolved(segment, left, right, abs(counts[0] - counts[-1]))
