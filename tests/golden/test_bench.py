@@ -30,10 +30,10 @@ def test_rows_are_told_apart():
 @pytest.mark.parametrize("factor", [0.5, 2.0])
 def test_constant_is_moved_wherever_it_is_and_put_back(factor):
     def now():
-        return vars(defect)["MINOR"]
+        return vars(defect)["SHORTEST"]
 
     usual = now()
-    with moved.changed(row("MINOR", "continuation/defect.py"), factor) as possible:
+    with moved.changed(row("SHORTEST", "continuation/defect.py"), factor) as possible:
         assert possible and now() == factor * usual
     assert now() == usual
 
