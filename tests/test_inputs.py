@@ -27,7 +27,7 @@ WRONG = [nan, inf, -inf, None, "", "wrong", 0, -1, True, (), (1.0,), (1.0, nan),
 
 # Classes whose objects the program makes and nobody else: what they hold has been computed, not given.
 MADE_BY_THE_PROGRAM = {"Branch", "BucklingLoad", "Critical", "ErrorBar", "MeshesByKind", "MixedMesh", "NamedMesh",
-                       "Record", "Snap", "Trace", "Vibration"}
+                       "Record", "Snap", "Trace", "UnilateralBuckling", "Vibration"}
 
 
 def public_dataclasses() -> dict[str, type]:

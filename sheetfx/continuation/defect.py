@@ -17,7 +17,7 @@ import numpy as np
 from petsc4py import PETSc
 from scipy.optimize import nnls
 
-from ..rounding import SAFETY, SAME, noise
+from ..rounding import SAFETY, noise
 from .segment import Segment
 
 INSIDE = 0.65  # of a piece, the place whose defect is taken
@@ -27,13 +27,15 @@ SHORTEST = 1 / 64  # of a step, or of the amplitude of a branch, piece whose def
 def has_small_defect(segment: Segment, left: float, right: float) -> bool:
     """Whether the cubic between two states has a small defect.
 
-    Off the path the defect counts over the length of the piece, in the load over the way that the load goes to and fro.
+    Off the path the defect counts over the length of the piece, in the load over the way that the load goes to and fro,
+    beyond what the solver leaves of the load itself: that stays as it is where a structure collapses.
     """
     tracer, system, allowed = segment.tracer, segment.tracer.system, segment.tracer.control.defect
-    cubic = segment.curve(left, right)
+    cubic, (exact, *_) = segment.curve(left, right), tracer.snes.getTolerances()
     loads = cubic(np.sort([left, right, *_turns(cubic, left, right)]))[:, -1]
     place, residual = _out_of_balance(segment, cubic(left + INSIDE * (right - left)))
-    most = allowed * segment.distance(left, right), allowed * np.abs(np.diff(loads)).sum() + SAME * abs(system.factor)
+    least = SAFETY * exact * abs(system.factor)
+    most = allowed * segment.distance(left, right), allowed * np.abs(np.diff(loads)).sum() + least
     off, load = _correction(tracer, residual, system.create_vector(segment.states[right].response))
     if off > most[0] or load > most[1]:
         response = _response_at(tracer, place)

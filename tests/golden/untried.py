@@ -15,6 +15,7 @@ from helpers import hinged_arch, whole_arch
 from random_shapes import truss
 from random_structures import scene as random_scene
 from test_pair_contact import arch_above_a_beam, graded_leaves, plate_on_a_frame, two_leaves
+from test_plastic_paths import hinged_beam
 from test_plastic_steps import dome
 
 import sheetfx as fx
@@ -273,6 +274,7 @@ CASES: dict[str, Callable[[], fx.Case]] = {
     "imperfect-arch-short": lambda: imperfect_arch(1e-4, 4.672885757e-3),
     "imperfect-arch-shorter": lambda: imperfect_arch(3e-6, 2.871219167e-3),
     "plastic-bar": plastic_bar,
+    "plastic-beam": lambda: fx.Case(hinged_beam(), fx.DisplacementControl(step=1e-4), fx.Until(deflection=6e-4)),
     "plastic-portal": plastic_portal,
     "lying-plate": lying_plate,
     "arch-semismooth": scene("arch", elements=40, enforcement="semismooth", to=20.0),
