@@ -88,6 +88,13 @@ def test_column_on_another():
     assert solution.upper == pytest.approx(2 * np.pi**2, rel=2e-3)
 
 
+def test_friction_changes_nothing():
+    """Modes are without it; the tangent counts as unsymmetric then."""
+    scene = spans(2)
+    rough = replace(scene, joints=[replace(scene.joints[0], friction=0.3)])
+    assert found(rough).load == pytest.approx(found(scene).load, rel=1e-8)
+
+
 @pytest.mark.slow
 def test_the_same_on_two_processes():
     lines = on_two_processes("""

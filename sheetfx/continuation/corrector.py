@@ -250,7 +250,7 @@ class BorderedNewton:
     def _hold_contacts(self, x, tangent: LoadResponse, along) -> None:
         """Change a step, with `load_increment` at its end, so that contacts hold after it; the control's is `along`.
 
-        They do so more exactly than equilibrium at its start.
+        They do so as exactly as equilibrium at its start at least.
         """
         if elimination := self._eliminating:
             self.system.load(self._load)

@@ -21,7 +21,7 @@ from scipy.sparse import csc_matrix, csr_matrix
 from ..discrete.system import System
 from .linear import DirectSolver
 
-ITERATIONS = 60  # at each thickness
+ITERATIONS = 60  # Newton's, at each thickness
 NEAR = 0.1  # error of a plain step over the load, below which no approach is needed
 AGAIN = 1e-6  # relative difference of errors that are the same: the same points touch as before
 

@@ -96,24 +96,26 @@ def unilateral_buckling(path, state: State, count: int = 3) -> UnilateralBucklin
         response, closed = _response(home, state, touching)
         problem = BucklingProblem(home, state, home.system.motions(response), prebuckling=False)
         cone, same, before = _Cone(problem, touching, closed), tracer_of(path).control.same_load, np.inf
-        every, found = np.ones(len(closed), dtype=bool), cone.starts(closed, count)
+        modes = cone.starts(count)
         for _ in range(MOST):
-            solutions = [cone.solution(mode, count) for _, mode, _ in found]
+            solutions = [cone.solution(mode, count) for mode in modes]
             found = _distinct([solution for solution in solutions if solution], same)
             if not found:
                 raise ValueError("unilateral_buckling: no mode keeps the contacts that it presses; follow the path, or "
                                  "give another count")
             if abs(before - found[0][0]) <= (STIFFER - 1) * ACCURATE * found[0][0]:
                 break
-            before, touching.stiffness = found[0][0], STIFFER * touching.stiffness
-        lower, upper = (cone.modes(held, 1) for held in (closed, every))
-        return _described(problem, found, *(modes[0][0] if modes else np.inf for modes in (lower, upper)))
+            before, modes = found[0][0], [mode for _, mode, _ in found]
+            touching.stiffness = STIFFER * touching.stiffness
+        lower, upper = (cone.modes(held, 1) for held in (cone.held, cone.every))
+        return _described(problem, found, *(pairs[0][0] if pairs else np.inf for pairs in (lower, upper)))
 
 
 class _Touching:
     """Contacts that touch in a state: derivatives of their gaps, the same on all processes, and stiffnesses across."""
 
-    def __init__(self, works: Sequence[PairWork]):
+    def __init__(self, works: Sequence[PairWork], symmetric: bool):
+        self._symmetric = symmetric
         across = [work.across() for work in works]
         self.works, self.chosen = works, [work.place() <= work.pairs.tolerance for work in works]
         self.gaps = csr_matrix(vstack([g[c] for (g, _), c in zip(across, self.chosen, strict=True)]))
@@ -130,7 +132,7 @@ class _Touching:
             name = other[0].called or type(other[0]).__name__
             raise ValueError(f"unilateral_buckling: {name} does not tell its gaps; use PairContact, SurfaceContact or "
                              "ObstacleContact for contact that buckling may open")
-        touching = cls(works) if works else None
+        touching = cls(works, system.conservative) if works else None
         if touching is None or not len(touching.stiffness):
             raise ValueError("unilateral_buckling: nothing touches in this state; use buckling, or a state in which "
                              "parts touch (gaps of zero)")
@@ -150,7 +152,8 @@ class _Touching:
         added = PETSc.Mat().createAIJ((matrix.getSizes()), csr=(own.indptr, own.indices, own.data), comm=matrix.comm)
         found = matrix.copy()
         found.axpy(1.0, added, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
-        found.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+        if self._symmetric:
+            found.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         return found
 
 
@@ -166,7 +169,7 @@ def _response(home, state: State, touching: _Touching) -> tuple[PETSc.Vec, np.nd
     system.load(load)
     closed = np.ones(len(touching.stiffness), dtype=bool)
     for _ in range(len(closed) + 1):
-        solver = DirectSolver(PETSc.KSP().create(system.comm), touching.closing(closed, matrix), True)
+        solver = DirectSolver(PETSc.KSP().create(system.comm), touching.closing(closed, matrix), system.conservative)
         solver.factorise()
         solver.solve(load, response)
         gaps = touching.gaps @ system.everywhere(response)
@@ -179,13 +182,19 @@ def _response(home, state: State, touching: _Touching) -> tuple[PETSc.Vec, np.nd
 
 
 class _Cone:
-    """Modes whose closed contacts are those that they press, and those that the load does."""
+    """Modes whose closed contacts are those that they press, and those that the load does.
+
+    Attributes
+    ----------
+    held, every : contacts that the load presses, and all, as whether each is closed
+    """
 
     def __init__(self, problem: BucklingProblem, touching: _Touching, held: np.ndarray):
-        self._problem, self._touching, self._held, self._open = problem, touching, held, problem.tangent
+        self._problem, self._touching, self.held, self._open = problem, touching, held, problem.tangent
+        self.every = np.ones_like(held)
         self._known: dict[tuple, list] = {}
 
-    def starts(self, closed: np.ndarray, count: int) -> list[tuple[float, PETSc.Vec, np.ndarray]]:
+    def starts(self, count: int) -> list[PETSc.Vec]:
         """Both signs of the first modes with no contacts closed but those that the load presses, and of one with all.
 
         Raises
@@ -193,12 +202,10 @@ class _Cone:
         ValueError
             If no load is critical with contacts open.
         """
-        every = np.ones(len(closed), dtype=bool)
-        if not (open_ones := self.modes(closed, count)):
+        if not (open_ones := self.modes(self.held, count)):
             raise ValueError("unilateral_buckling: no load of this sense makes the structure buckle, even with all "
                              "contacts open")
-        return [(increment, mode * sign, closed) for increment, mode in [*open_ones, *self.modes(every, 1)]
-                for sign in (1.0, -1.0)]
+        return [mode * sign for _, mode in [*open_ones, *self.modes(self.every, 1)] for sign in (1.0, -1.0)]
 
     def modes(self, closed: np.ndarray, count: int) -> list[tuple[float, PETSc.Vec]]:
         """Increments and modes with some contacts closed, the smallest first; none where no load is critical."""
@@ -213,26 +220,25 @@ class _Cone:
 
     def solution(self, mode: PETSc.Vec, count: int) -> tuple[float, PETSc.Vec, np.ndarray] | None:
         """Increment, mode and closed contacts of the solution that a mode leads to; None: sets come again."""
-        weights, before, known, increment = self._problem.system.weights, None, set(), np.inf
-        for _ in range(len(self._held) + 1):
+        known: dict[bytes, float] = {}
+        weights, before = self._problem.system.weights, self.held
+        for _ in range(len(self.held) + 1):
             closed = self._pressed(mode, before)
-            if before is not None and (closed == before).all():
-                return increment, mode, closed
-            if closed.tobytes() in known:
-                return None
-            known.add(closed.tobytes())
-            if not (modes := self.modes(closed, count)):
+            if known and (closed == before).all():
+                return known[closed.tobytes()], mode, closed
+            if closed.tobytes() in known or not (modes := self.modes(closed, count)):
                 return None
             products = [(weights * other).dot(mode) / (weights * other).dot(other) ** 0.5 for _, other in modes]
             nearest = int(np.argmax(np.abs(products)))
-            increment, mode = modes[nearest][0], modes[nearest][1] * float(np.sign(products[nearest]))
+            known[closed.tobytes()], mode = modes[nearest][0], modes[nearest][1] * float(np.sign(products[nearest]))
             before = closed
         return None
 
-    def _pressed(self, mode: PETSc.Vec, before: np.ndarray | None) -> np.ndarray:
+    def _pressed(self, mode: PETSc.Vec, before: np.ndarray) -> np.ndarray:
+        """Contacts that a mode presses, with those that are held; those that it hardly moves stay as before."""
         gaps = self._touching.gaps @ self._problem.system.everywhere(mode)
         still = np.abs(gaps) <= NONE * np.abs(gaps).max(initial=0.0)
-        return self._held | np.where(still & (before is not None), self._held if before is None else before, gaps < 0)
+        return self.held | np.where(still, before, gaps < 0)
 
 
 def _distinct(found: Sequence[tuple], same: float) -> list[tuple]:
