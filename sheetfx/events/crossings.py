@@ -26,6 +26,8 @@ ROUGH = 1e-5  # relative error of the load, which is too large
 SAMPLES = 6  # states that are interpolated between
 CLOSEST, CORNERED = 1e-4, 1 / 64  # of a step, piece that is not divided any more, in general and with contact
 STEEP = 4  # of an even change over the step, that of eigenvalues between two neighbouring states where they jump
+EVEN = 0.5  # smaller rate of the load factor over the larger one at the outer samples, where it tells them apart
+DOUBT = 4  # of the last correction of a load, difference from another value of it that shows which one is noise
 FAR = 0.05  # of a piece of path, distance from crossings of states that tell how far apart these are
 APART = 0.1  # of a piece of path, distance of crossings that are looked for one by one
 FOLD = 0.9  # of the length of a piece of path, motion along the mode where a limit point is
@@ -105,7 +107,7 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
         return _halves(segment, left, right)
     if segment.guarded:
         _compare_sides(segment, roots, samples, border)
-    found = [Crossing(s, *segment.seen(s)) for s in map(float, _together(border, roots, lengths, close))]
+    found = _at_loads(segment, _together(border, roots, lengths, close), samples, border)
     if segment.nonsmooth and error > exact:
         return [replace(c, corner=_jumps(segment, border, *segment.neighbours(c.length))) for c in found]
     return found
@@ -133,6 +135,31 @@ def _together(border: Determinant, roots: np.ndarray, lengths: Sequence[float], 
     found = border.roots(_nearest(far, roots))
     nearer = np.isfinite(found).all() and np.ptp(found) < np.ptp(roots)
     return middle + found - found.mean() if nearer else roots
+
+
+def _at_loads(segment: Segment, roots: np.ndarray, samples: Sequence[float], border: Determinant) -> list[Crossing]:
+    """Crossings at lengths, with their loads.
+
+    Rounding moves states along the mode, the more the nearer they are, which changes the length of the path up to them
+    and the tangents there, but hardly their loads. The samples' eigenvalues as functions of the load factor, where this
+    changes evenly, give loads that do not feel it. They are taken where the others are far beyond their own error.
+    """
+    found = np.array([segment.seen(float(s)) for s in roots])
+    states = [segment[s] for s in sorted(samples)]
+    rises, rates = np.diff([state.factor for state in states]), [states[0].load_rate, states[-1].load_rate]
+    if abs(np.sign(rises).sum()) == len(rises) and min(rates) * max(rates) > EVEN * max(np.square(rates)):
+        factors = [segment[s].factor for s in samples]
+        values = KroghInterpolator(factors, [(segment[s].load, segment[s].deflection) for s in samples])
+        coarser, finer = (values(border.roots(samples[:n], factors[:n])[::int(np.sign(rises[0]))])
+                          for n in (len(samples) - 1, len(samples)))
+        off, doubt = finer - found, finer - coarser
+        if np.ptp(roots) < CLOSEST * segment.after.length:
+            off, doubt = (np.tile(v.mean(axis=0), (len(roots), 1)) for v in (off, doubt))
+        exact = segment.tracer.control.exact * np.abs(found[:, 0])
+        noisy = np.abs(off[:, 0]) > DOUBT * np.maximum(np.abs(doubt[:, 0]), exact)
+        found[noisy] += off[noisy]
+    return [Crossing(float(s), float(load), float(deflection))
+            for s, (load, deflection) in zip(roots, found, strict=True)]
 
 
 def _load_change(segment: Segment, near: float, change: float) -> float:

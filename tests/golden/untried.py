@@ -14,6 +14,7 @@ from forty import STRUCTURES
 from helpers import hinged_arch, whole_arch
 from random_shapes import truss
 from random_structures import scene as random_scene
+from test_following import pressure, ring
 from test_pair_contact import arch_above_a_beam, graded_leaves, plate_on_a_frame, two_leaves
 from test_plastic_paths import hinged_beam
 from test_plastic_steps import dome
@@ -40,6 +41,11 @@ def chain(step: float | None) -> fx.Case:
     scene = fx.Scene([fx.Bar(mesh, fx.Rectangle(1, 1), fx.Elastic(1e-9))], supports,
                      [fx.PointForce(mesh, "n4", (1.0, 0.0))], fx.Monitor(mesh, "n4", "x"), joints=springs)
     return fx.Case(scene, fx.ArcLength(step), fx.Until(load=3.5, steps=20))
+
+
+def pressed_ring() -> fx.Case:
+    """Half a ring so slender that rounding moves its states along the modes by more than bifurcations are exact."""
+    return fx.Case(ring(pressure, 2, 10), fx.ArcLength(1.5e-6), fx.Until(load=20.0))
 
 
 def toggle_on_floor() -> fx.Case:
@@ -259,6 +265,7 @@ CASES: dict[str, Callable[[], fx.Case]] = {
     "leaves": leaves,
     "arch-meets-beam": lambda: fx.Case(arch_above_a_beam("condensed")[0], until=fx.Until(deflection=30.0)),
     "whole-truss": whole_truss,
+    "ring-pressed": pressed_ring,
     "leaves-in-line": lambda: two_leaves(0.3, 0.05),
     "leaves-apart": lambda: two_leaves(0.3, -0.05),
     "leaves-graded": lambda: graded_leaves(24, 0.3),
