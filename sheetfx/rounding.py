@@ -86,6 +86,6 @@ def off_path(tracer, state) -> float:
     tracer.stepper.linear.solve(left, correction)
     distance = tracer.distance(0.0, correction.array)
     if tracer.stepper.rounding:
-        (value, *_), (mode, *_) = tracer.spectrum(1)
-        distance += tracer.stepper.rounding * mode.norm() / abs(value)
+        for value, mode in zip(*tracer.spectrum(1), strict=True):
+            distance += tracer.stepper.rounding * mode.norm() / abs(value)
     return SAFETY * distance

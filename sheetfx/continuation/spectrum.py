@@ -44,7 +44,7 @@ def nearest_to_zero(solver: Factored, mass: PETSc.Mat, count: int, tolerance: fl
     Raises
     ------
     ArithmeticError
-        If none is found.
+        If none converges. Where multipliers hold all that has mass there are only infinite ones, and none is returned.
     """
     eps, infinite = _solved(solver, mass, count, tolerance, without), _infinite(solver, mass)
     found, farthest = [], max((abs(eps.getEigenvalue(i)) for i in range(min(count, eps.getConverged()))), default=0.0)
@@ -53,7 +53,7 @@ def nearest_to_zero(solver: Factored, mass: PETSc.Mat, count: int, tolerance: fl
         value = eps.getEigenpair(i, real, imaginary)
         if abs(value) < infinite and is_real(value, farthest):
             found.append((value.real, _normed(imaginary if value.imag < 0 else real, mass)))
-    if not found:
+    if not found and not any(abs(eps.getEigenvalue(i)) >= infinite for i in range(eps.getConverged())):
         raise ArithmeticError(f"no eigenvalue of the tangent converges; try PETSC_OPTIONS='-{PREFIX}eps_tol 1e-8'")
     found.sort(key=lambda pair: pair[0])
     return [value for value, _ in found], [mode for _, mode in found]

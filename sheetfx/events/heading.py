@@ -41,7 +41,7 @@ def _with_rates(tracer: Tracer, state: State) -> list[tuple[float, float]]:
     """The same; the infinite ones of multipliers, which have no weight, are rounding beside the nearest to zero."""
     tracer.factorise_at(state)
     values, modes = tracer.spectrum(min(MODES, tracer.system.size), ABOUT)
-    nearest = min(map(abs, values))
+    nearest = min(map(abs, values), default=0.0)
     rate, motion = state.tangent
     system, product = tracer.system, tracer.system.create_vector()
     with system.additive_increments():
