@@ -61,6 +61,7 @@ _ROOMS = {
     "critical.branches": "Branch branches",
     "critical.buckling": "BucklingLoad buckling",
     "events.search": "state_at",
+    "critical.curve": "CriticalCurve CurveEnds CurvePoint",
     "critical.descent": "SnapFailure",
     "critical.error_bar": "ErrorBar",
     "critical.gradient": "LoadGradient",

@@ -42,6 +42,7 @@ class BorderedSolver:
                 matrix.setValue(number, number, k, addv=PETSc.InsertMode.ADD)
         matrix.assemble()
         solver.factorise()
+        self._stiffness = np.array(stiffness)
         self._held = self._solved([self._unit(n, k) for n, k in zip(springs, stiffness, strict=True)])
         self._columns: list[PETSc.Vec] = []
         self._rows: list[PETSc.Vec] = []
@@ -54,6 +55,19 @@ class BorderedSolver:
         self._matrix = np.array([[probe.dot(column) for column in self._columns] for probe in probes])
         self._matrix[len(rows):, len(rows):] += np.eye(len(self._springs))
         self._probes = probes
+
+    def negative(self) -> int | None:
+        """Number of negative eigenvalues of the tangent on what the rows leave, which are the columns; None: not known.
+
+        It follows from those of the factored matrix and of a Schur complement (Haynsworth 1968, inertia additivity).
+        """
+        factored = self._solver.negative_pivots()
+        if factored is None:
+            return None
+        complement = self._matrix.copy()
+        complement[:, len(self._rows):] /= -self._stiffness
+        positive = np.linalg.eigvalsh((complement + complement.T) / 2) > 0
+        return factored + int(positive.sum()) - len(self._rows)
 
     def solve(self, rights: Sequence[PETSc.Vec], below: np.ndarray) -> tuple[list[PETSc.Vec], np.ndarray]:
         """Solutions y, and in a row for each the numbers mu.

@@ -1,19 +1,6 @@
 """Critical points found directly, by Newton's method for state, load and null vectors together.
 
-The tangent K, bordered by weighted vectors C = W Phi near k modes, those that become unstable and others beside them,
-gives V and G with
-
-    K V = C G,    C^T V = 1,
-
-of which G is singular where K is (Griewank and Reddien 1984; Govaerts 2000, chapter 3). Where the eigenvalue of the
-sought mode is zero, with the null vector v = V u, lies
-
-- a limit point:    R(x, factor) = 0,        u^T G u = 0;
-- a bifurcation:    R(x, factor) = C t,      u^T G u = 0,    V^T f = 0,
-
-where f is the load and the forces t vanish with the solution (Moore 1980): they are what an imperfection would have to
-push with, and make the equations regular where two paths cross. The derivatives of G and of V^T f are third variations
-of the energy, by differences of the exact Hessian. Both systems are regular at simple points, so that Newton's method
+The equations are those of `critical.defining`. Both systems are regular at simple points, so that Newton's method
 converges quadratically; at points of several modes together their mean is sought, which symmetry makes regular too.
 Close to other points the tangent is nearly singular in modes that are not sought: they belong to the border. Where the
 tangent of the solution has other null vectors as well, Newton's method goes on with all of them.
@@ -30,16 +17,15 @@ from petsc4py import PETSc
 
 from .. import rounding
 from ..checks import NOT_NEGATIVE, Choice, Count, require
-from ..continuation.bordered import BorderedSolver, pivots
 from ..continuation.control import ArcLength
 from ..continuation.linear import SingularTangent
 from ..continuation.state import CriticalPoint, State
 from ..continuation.tracer import Tracer, tracer_of
 from ..discrete.discretisation import Discretisation
-from ..discrete.free_motions import usual_stiffness
 from ..events.determinant import orthonormal
 from ..model.scene import Scene
-from .koiter import Energy, postbuckling
+from .defining import DefiningSystem, combined
+from .koiter import postbuckling
 from .modes import scaled
 
 KINDS = "limit", "bifurcation"
@@ -238,25 +224,30 @@ class _Newton:
     """
 
     def __init__(self, tracer: Tracer, guess: State, modes: list[PETSc.Vec], sought: int, kind: str | None):
-        self._tracer, self._system, self._guess, self.kind = tracer, tracer.system, guess, kind
-        self.modes, self._sought = modes, np.arange(sought)
-        self._energy = Energy(tracer)
+        self._tracer, self._system, self._guess = tracer, tracer.system, guess
         self._x, self._factor, self._zero = tracer.x, guess.factor, 0.0
         self._residual, self._load = self._system.create_vector(), self._system.create_vector()
         self._iterations: list[Iteration] = []
         self._forces, self._left, self._across = np.zeros(len(modes)), 0.0, False
         self._system.extrapolate_stress()
         self._system.tangent()
-        self._springs, self._least = pivots(modes, self._system.weights), usual_stiffness(tracer.discretisation)
+        self._defining = DefiningSystem(tracer.discretisation, tracer.stepper.linear, modes, sought, kind)
+
+    @property
+    def modes(self) -> list[PETSc.Vec]:
+        return self._defining.modes
+
+    @property
+    def kind(self) -> str | None:
+        return self._defining.kind
 
     @property
     def multiplicity(self) -> int:
-        return len(self._sought)
+        return len(self._defining.sought)
 
     @property
     def sought_modes(self) -> list[PETSc.Vec]:
-        """Those of the modes that are sought, as far as is known."""
-        return [self.modes[n] for n in self._sought]
+        return self._defining.sought_modes
 
     @property
     def eigenvalues(self) -> str:
@@ -336,7 +327,7 @@ class _Newton:
             self._system.extrapolate_stress(step)
             self._system.retract(self._x, step)
             self._system.configure(self._x, self._factor)
-            self._factorise()
+            self._defining.factorise()
             step, before = self._off_modes(), self._tracer.distance(0.0, step.array)
             if self._tracer.distance(0.0, step.array) <= before / 2:
                 break
@@ -353,9 +344,9 @@ class _Newton:
         if self._residual.norm() <= abs(self._factor) * self._load.norm():
             return
         self._system.forget_stress()
-        self._factorise()
+        self._defining.factorise()
         response = self._system.weights * self._system.create_vector(self._guess.response)
-        along = sum(response.dot(self.modes[n]) ** 2 for n in self._sought)
+        along = sum(response.dot(mode) ** 2 for mode in self.sought_modes)
         self._across = self.kind == "bifurcation" or (
             self.kind is None and along < self._tracer.distance(0.0, self._guess.response) ** 2 / 2)
         self._settle(self._off_modes())
@@ -366,21 +357,14 @@ class _Newton:
         self._system.configure(self._x, self._factor)
         self._system.residual(self._residual)
         if not self._across:
-            (step,), _ = self._bordered.solve([-1.0 * self._residual], np.zeros((1, len(self.modes))))
+            (step,), _ = self._defining.bordered.solve([-1.0 * self._residual], np.zeros((1, len(self.modes))))
             return step
         self._system.load(self._load)
-        (step, loaded), _ = self._bordered.solve([-1.0 * self._residual, self._load], np.zeros((2, len(self.modes))))
+        (step, loaded), _ = self._defining.bordered.solve([-1.0 * self._residual, self._load], np.zeros((2, len(self.modes))))
         along = self._system.weights * loaded
         change = -along.dot(step) / along.dot(loaded)
         self._factor += change
         return step + change * loaded
-
-    def _factorise(self) -> None:
-        """Factor the tangent with the stresses that are set."""
-        border = [self._system.weights * mode for mode in self.modes]
-        self._system.tangent()
-        self._bordered = BorderedSolver(self._tracer.stepper.linear, self._springs, self._least)
-        self._bordered.border(border, border)
 
     def _is_last(self, change: float, contraction: float) -> bool:
         """Whether the next correction of the load, which contracts as that of the state did, is less than allowed."""
@@ -399,73 +383,17 @@ class _Newton:
 
     def _correction(self) -> tuple[PETSc.Vec, float]:
         """Newton's step of the unknowns and of the load factor."""
-        system, count = self._system, len(self.modes)
-        system.configure(self._x, self._factor)
-        system.residual(self._residual)
-        system.load(self._load)
+        self._system.configure(self._x, self._factor)
         load = self._tracer.discretisation.total_load()
-        system.extrapolate_stress()
-        self._factorise()
-        bordered = self._bordered
-        vectors, numbers = bordered.solve([], np.eye(count))
-        matrix = -(numbers + numbers.T) / 2
-        (left, loaded), (held, pushed) = bordered.solve([-1.0 * self._residual, self._load], np.zeros((2, count)))
-        values, turned = np.linalg.eigh(matrix)
-        self._sought = np.sort(np.argsort(-np.linalg.norm(turned[self._sought], axis=0))[:self.multiplicity])
-        modes = [_combined(vectors, column) for column in turned.T]
-        held, pushed = held @ turned, pushed @ turned
-        self.kind = self.kind or self._likely(values, pushed, modes, loaded)
-        change, shares = self._solved(values, modes, left, loaded, held, pushed)
-        self._forces = np.zeros(count)
-        if self.kind == "bifurcation":
-            self._forces[self._sought] = (values * shares - held - pushed * change)[self._sought]
-        step = left + change * loaded + _combined(modes, shares)
-        self._iterations.append(Iteration(load, self._tracer.distance(0.0, step.array), tuple(values[self._sought])))
-        self.modes = orthonormal(system.weights, modes)
+        found = self._defining.linearise(self._x, self._factor)
+        step, (change,), self._forces = found.solve()
+        if self.kind != "bifurcation":
+            self._forces[:] = 0.0
+        self._zero = max(self._at_same_load(rates[0], rates[1 + n], found.pushed[0, n])
+                         for rates, n in zip(found.rates, found.sought, strict=True))
+        self._iterations.append(Iteration(load, self._tracer.distance(0.0, step.array),
+                                          tuple(found.values[found.sought])))
         return step, change
-
-    def _likely(self, values, pushed, modes, loaded) -> str:
-        """Whether the response to the load, loaded + sum of mode pushed / value, is along the sought mode or not."""
-        if self.multiplicity > 1:
-            return "bifurcation"
-        (n,), shares = self._sought, pushed / values
-        rest = loaded + _combined(modes, np.where(np.arange(len(values)) == n, 0.0, shares))
-        along = abs(shares[n]) * self._tracer.distance(0.0, modes[n].array)
-        return "limit" if along > self._tracer.distance(0.0, rest.array) else "bifurcation"
-
-    def _solved(self, values, modes, left, loaded, held, pushed) -> tuple[float, np.ndarray]:
-        """Changes of the load factor and of the modes' amplitudes.
-
-        The state changes by left + change * loaded + sum of shares * modes.
-        """
-        along_path = self._third(modes, loaded, 1.0)
-        matrix, right = np.column_stack((-pushed, np.diag(values))), held.copy()
-        rates = np.zeros((self.multiplicity, len(values) + 1))
-        here = np.zeros(self.multiplicity)
-        self._zero = 0.0
-        for row, n in enumerate(self._sought):
-            bent = self._third(modes, modes[n])
-            rates[row] = [modes[n].dot(along_path[n]), *(mode.dot(bent[n]) for mode in modes)]
-            here[row] = values[n] + left.dot(bent[n])
-            self._zero = max(self._zero, self._at_same_load(rates[row, 0], rates[row, 1 + n], pushed[n]))
-            if self.kind == "bifurcation":
-                turning = along_path[n] + self._turning(n, values, modes, pushed)
-                matrix[n] = [-loaded.dot(turning), *(-mode.dot(turning) for mode in modes)]
-                right[n] = left.dot(turning) - pushed[n]
-        solution = np.linalg.solve(np.vstack((rates.mean(axis=0), matrix)), [-here.mean(), *right])
-        return float(solution[0]), solution[1:]
-
-    def _turning(self, n: int, values, modes, pushed) -> PETSc.Vec:
-        """Change of the Hessian's product with mode n along what the response to the load has of modes not sought.
-
-        As the state changes the mode turns towards these, and with it the work of the load along the mode.
-        """
-        others = [m for m in range(len(values))
-                  if m not in self._sought and abs(values[m] - values[n]) > rounding.NONE * abs(values[m])]
-        if not others:
-            return 0.0 * modes[n]
-        along = _combined([modes[m] for m in others], pushed[others] / (values[others] - values[n]))
-        return self._third([modes[n]], along)[0]
 
     def _spread(self, state: State) -> tuple[float, float] | None:
         """Loads between which the point lies where rounding leaves an eigenvalue; None: it is as exact as `exact`."""
@@ -485,14 +413,10 @@ class _Newton:
             return abs(rate) * control.same_load * size
         return (2 * abs(bent * pushed) * rounding.SAFETY * control.exact * size) ** 0.5
 
-    def _third(self, modes: Sequence[PETSc.Vec], along: PETSc.Vec, load: float = 0.0) -> list[PETSc.Vec]:
-        """Change of the Hessian's products with modes along an increment of unknowns and load factor, from here."""
-        return self._energy.third(modes, along, load, about=(self._x, self._factor))
-
     def named(self, state: State, nulls: list[PETSc.Vec], guess: State, factorisations: int) -> Critical:
         """The point that the solution is."""
         tracer = self._tracer
-        weighted = _combined([self._system.weights * mode for mode in self.modes], self._forces)
+        weighted = combined([self._system.weights * mode for mode in self.modes], self._forces)
         unfolding = weighted.norm() / (abs(self._factor) * tracer.load_vector().norm())
         point = CriticalPoint(cast(str, self.kind), state.load, state.deflection, state.step, name="",
                               multiplicity=len(nulls), spread=self._spread(state))
@@ -500,9 +424,3 @@ class _Newton:
             point = postbuckling(tracer, state, nulls, point, [guess, guess])
         modes = tuple(scaled(tracer.discretisation, mode) for mode in nulls)
         return Critical(point, state, modes, unfolding, tuple(self._iterations), factorisations)
-
-
-def _combined(vectors: Sequence[PETSc.Vec], factors) -> PETSc.Vec:
-    total = vectors[0].duplicate()
-    total.maxpy(list(map(float, factors)), list(vectors))
-    return total

@@ -110,7 +110,7 @@ class LoadGradient:
         self._bordered.border(weighted, weighted)
         if self.point.kind == "limit":
             return
-        energy, self._along = Energy(tracer), self._across(self._load)
+        energy, self._along = Energy(system), self._across(self._load)
         self._turning = energy.third(self._modes, self._along, 1.0)
         self._bent = [energy.third(self._modes, mode) for mode in self._modes]
         energy.leave()

@@ -19,6 +19,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from ..continuation.state import CriticalPoint, State
+from ..discrete.system import System
 from ..rounding import DIFFERENCE, TINIEST, UNIT, residual
 from .modes import scaled
 
@@ -29,10 +30,14 @@ NEGLIGIBLE = 1e-2  # share of the slope in a load changed by one per cent, of a 
 
 
 class Energy:
-    """Variations of the energy about the tracer's current state, as a function of the increments since then."""
+    """Variations of the energy about a system's last converged state, as a function of the increments since then."""
 
-    def __init__(self, tracer):
-        self._tracer, self._system, self._factor = tracer, tracer.system, tracer.system.factor
+    def __init__(self, system: System):
+        self._system, self._factor = system, system.factor
+
+    def length(self, x: PETSc.Vec) -> float:
+        """Of increments, in the scaled inner product."""
+        return (self._system.weights * x).dot(x) ** 0.5
 
     def gradient(self, x: PETSc.Vec) -> PETSc.Vec:
         out = x.duplicate()
@@ -60,7 +65,7 @@ class Energy:
         ----------
         about : increments since the state, and load factor, where it changes; None: the state's
         """
-        step = DIFFERENCE / max(self._tracer.distance(0.0, along.array), TINIEST)
+        step = DIFFERENCE / max(self.length(along), TINIEST)
         x, factor = about or (along.duplicate(), self._factor)
         ahead, behind = (self.hessian(x + sign * step * along, factor + sign * step * load, modes)
                          for sign in (1.0, -1.0))
@@ -100,7 +105,7 @@ def expansion(tracer, mode: PETSc.Vec, neighbours: Sequence[State]) -> Expansion
     unit = tracer.system.create_vector(scaled(tracer.discretisation, mode))
     size = 1 / tracer.distance(0.0, unit.array)
     mode = size * unit
-    energy, solve = Energy(tracer), _Complement(tracer, mode)
+    energy, solve = Energy(tracer.system), _Complement(tracer, mode)
     (third,) = energy.third([mode], mode)
     cubic = _cubic(energy, mode)
     slope = solve(tracer.load_vector())

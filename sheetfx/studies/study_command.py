@@ -69,22 +69,21 @@ def variations(name: str, function, parameters: dict[str, Any], texts: Sequence[
             raise ValueError(f"study of {name}: --vary {key} is given twice; give all its values at once")
         if parameters[key] != inspect.signature(function).parameters[key].default:
             raise ValueError(f"study of {name}: {key} is both {parameters[key]} and varied; leave one out")
-        varied[key] = [_value(name, known[key], value.strip()) for value in values.split(",")]
+        varied[key] = [value_of(f"study of {name}: --vary", known[key], value.strip()) for value in values.split(",")]
         if repeated := [value for n, value in enumerate(varied[key]) if value in varied[key][:n]]:
             raise ValueError(f"study of {name}: --vary {text}: {repeated[0]} is there twice; leave one out")
     return varied
 
 
-def _value(name: str, parameter, text: str) -> Any:
+def value_of(said: str, parameter, text: str) -> Any:
     """A value of an option of a scene, as its command would read it."""
     if not text:
-        raise ValueError(f"study of {name}: --vary {parameter.name}: a value is missing; say {parameter.name}="
-                         "value,value")
+        raise ValueError(f"{said} {parameter.name}: a value is missing; give one behind each sign")
     try:
         return parameter.process_value(None, text.split() if parameter.nargs > 1 else text)
     except typer.BadParameter as error:
-        said = error.message if repr(text) in error.message else f"{text!r}: {error.message}"  # as typer has it
-        raise ValueError(f"study of {name}: --vary {parameter.name}: {said}") from None
+        why = error.message if repr(text) in error.message else f"{text!r}: {error.message}"  # as typer has it
+        raise ValueError(f"{said} {parameter.name}: {why}") from None
 
 
 def study_scene(name: str, function, parameters: dict[str, Any], vary: list[str] | None, jobs: int, pictures: bool,

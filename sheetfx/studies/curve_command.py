@@ -1,0 +1,116 @@
+"""The command `sheetfx curve`: a critical load of a scene against one of its options."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import typer
+
+from .run import OF_A_FOLDER, RESUME, Scenes, folder_of, option, run_app, with_options
+from .study_command import value_of
+
+OWN = [
+    option("against", str | None, None, "An option of the scene that is a number, and the range of its values.",
+           "--against", metavar="OPTION=FROM:TO"),
+    option("point", int, 1, "Number of the critical point along the path at the first value.", "--point", min=1),
+    option("parts", int, 20, "Parts of the range, of which a step takes one or two.", "--parts", min=1),
+    option("output", str | None, None, "Folder of the results; default results/NAME-curve.", "-o", "--output",
+           metavar="PATH", rules=[OF_A_FOLDER]),
+    RESUME,
+]
+
+
+class Curves(Scenes):
+    """Sub-commands of `curve`, one for each scene."""
+
+    @staticmethod
+    def runner(name: str, function):
+        def command(**options):
+            own = {parameter.name: options.pop(parameter.name) for parameter in OWN}
+            follow_scene(name, function, options, **own)
+
+        return with_options(command, function, OWN)
+
+
+curve_app = typer.Typer(cls=Curves, no_args_is_help=True,
+                        help="Follow a critical load over the values of an option, from one path.")
+
+
+@curve_app.callback()
+def curve_group() -> None:
+    """Trace the path of a scene, and follow one of its critical points over the values of an option."""
+
+
+def range_of(name: str, function, parameters: dict[str, Any], text: str | None) -> tuple[str, float, float]:
+    """Option and range, from a text OPTION=FROM:TO.
+
+    Raises
+    ------
+    ValueError
+        Where the option is none of the scene, no number or given too, or a value is not fit for it.
+    """
+    if not text:
+        raise ValueError(f"curve of {name}: nothing is varied; add --against option=from:to")
+    key, _, values = text.partition("=")
+    key = key.strip().lstrip("-").replace("-", "_")
+    command = typer.main.get_command(run_app).get_command(None, name)
+    signature = inspect.signature(function, eval_str=True).parameters
+    known = {p.name: p for p in command.params if p.name in signature}
+    numbers = [n for n, p in known.items() if isinstance(parameters[n], float) or p.type.name == "float"]
+    if key not in numbers:
+        named = ", ".join(known[n].opts[0].lstrip("-") for n in numbers)
+        raise ValueError(f"curve of {name}: --against {text}: {key!r} is no option that is a number; choose from "
+                         f"{named}")
+    if parameters[key] != signature[key].default:
+        raise ValueError(f"curve of {name}: {key} is both {parameters[key]} and varied; leave one out")
+    ends = [value_of(f"curve of {name}: --against", known[key], value.strip()) for value in values.split(":")]
+    if len(ends) != 2 or ends[0] == ends[1]:
+        raise ValueError(f"curve of {name}: --against {text}: give two values, as {key}=0:1")
+    return key, float(ends[0]), float(ends[1])
+
+
+def follow_scene(name: str, function: Callable, parameters: dict[str, Any], against: str | None, point: int, parts: int,
+                 output: str | None, resume: bool) -> None:
+    """Write and print the curve of one critical point; exit status 1 where it ends on the way."""
+    from mpi4py import MPI
+
+    from ..archive.folder import Archive
+    from ..critical.curve import CurveEnds, CurvePoint, Kept
+    from .curve import FILES, begun, curve_of, draw, written
+
+    key, at, to = range_of(name, function, parameters, against)
+    folder, comm = folder_of(name, output, "-curve"), MPI.COMM_WORLD
+    mine, points, failure = folder / f"kept/{comm.rank}.npz", list[CurvePoint](), ""
+
+    def scene(value: float):
+        return function(**parameters | {key: value}).scene
+
+    archive = Archive(folder, comm, FILES, lambda: f"{len(points)} point{'' if len(points) == 1 else 's'}")
+    with archive.opened({"command": "curve", "scene": name, "against": against, "point": point, "parts": parts}
+                        | parameters, resume):
+        whole = comm.allreduce(int(mine.exists())) == comm.size
+        kept = Kept.load(mine) if resume and whole else None
+        if kept:
+            points += begun(folder)[:kept[1]]
+        case = function(**parameters | {key: at})
+        curve = curve_of(name, case, point, scene, key, (at, to), parts, kept and kept[0])
+        try:
+            for one in curve:
+                points.append(replace(one, modes=(), fields={}))
+                if comm.rank == 0:
+                    typer.echo(str(one).replace(" at ", f" at {key} = ", 1))
+                    written(points, folder)
+                if not one.name and curve.kept:
+                    mine.parent.mkdir(exist_ok=True)
+                    curve.kept.save(mine, len(points))
+        except CurveEnds as ends:
+            failure = str(ends)
+        if comm.rank == 0:
+            draw(points, key, case.axes[1], Path(name).stem, folder / "curve.png")
+            typer.echo(f"{len(points)} points, {curve.factorisations} factorisations; results in {folder}")
+    if failure:
+        raise ArithmeticError(failure)
