@@ -360,7 +360,8 @@ class _Newton:
             (step,), _ = self._defining.bordered.solve([-1.0 * self._residual], np.zeros((1, len(self.modes))))
             return step
         self._system.load(self._load)
-        (step, loaded), _ = self._defining.bordered.solve([-1.0 * self._residual, self._load], np.zeros((2, len(self.modes))))
+        rights = [-1.0 * self._residual, self._load]
+        (step, loaded), _ = self._defining.bordered.solve(rights, np.zeros((2, len(self.modes))))
         along = self._system.weights * loaded
         change = -along.dot(step) / along.dot(loaded)
         self._factor += change

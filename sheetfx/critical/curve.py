@@ -28,15 +28,16 @@ from ..checks import Count, require
 from ..continuation.bordered import BorderedSolver
 from ..continuation.control import ArcLength
 from ..continuation.linear import DirectSolver, SingularTangent
-from ..continuation.state import CriticalPoint, State, write_arrays
 from ..continuation.spectrum import diagonal, nearest_to_zero
+from ..continuation.state import CriticalPoint, State, write_arrays
 from ..discrete.discretisation import Discretisation
 from ..discrete.system import System
 from ..events.determinant import orthonormal
 from ..model.scene import Scene
+from ..rounding import DIFFERENCE
 from .augmented import ITERATIONS, KINDS
 from .defining import DefiningSystem, Influence, Linearised, combined
-from .gradient import IMPERFECT, STEP
+from .gradient import IMPERFECT
 
 SHORTEST = 1e-3  # step over the longest, below which the curve is given up
 FOUND = 1e-8  # step over the range within which a zero between two points is found
@@ -155,6 +156,7 @@ class _Differences:
 
     def __init__(self, ahead: Discretisation, behind: Discretisation, x: np.ndarray, factor: float, way: float):
         self._problems, self._way = (ahead, behind), way
+        self._tangents: list[PETSc.Mat] = []
         forces = []
         for problem in self._problems:
             system = problem.system
@@ -164,7 +166,7 @@ class _Differences:
                 system.residual(residual)
                 system.load(load)
                 system.extrapolate_stress()
-                system.tangent()
+                self._tangents.append(system.tangent())
                 forces.append((residual.array.copy(), load.array.copy()))
         self._forces = [(one - other) / way for one, other in zip(*forces, strict=True)]
 
@@ -176,14 +178,14 @@ class _Differences:
     def _images(self, vectors: Sequence[PETSc.Vec]) -> list[PETSc.Vec]:
         found = [vector.duplicate() for vector in vectors]
         for vector, image in zip(vectors, found, strict=True):
-            one, other = (self._product(problem.system, vector.array) for problem in self._problems)
+            one, other = (self._product(n, vector.array) for n in range(2))
             image.array[:] = (one - other) / self._way
         return found
 
-    @staticmethod
-    def _product(system: System, values: np.ndarray) -> np.ndarray:
+    def _product(self, number: int, values: np.ndarray) -> np.ndarray:
+        system = self._problems[number].system
         product = system.create_vector()
-        system.matrix.mult(system.create_vector(values), product)
+        self._tangents[number].mult(system.create_vector(values), product)
         return product.array.copy()
 
 
@@ -410,8 +412,7 @@ class CriticalCurve:
                 linear = self._solver(problem)
                 defining = DefiningSystem(problem, linear, [system.create_vector(mode) for mode in modes], count,
                                           self._kind)
-                if iteration == 1:
-                    _relax(system, defining, at, factor, base.factor)
+                _relax(system, defining, at, factor, base.factor)
                 influence = self._influence(base.fields, at.array.copy(), factor, number)
                 own = influence.on(system)
                 found = defining.linearise(at, factor, [own])
@@ -426,7 +427,7 @@ class CriticalCurve:
                 _settle(system, defining, at, float(factor + change), float(more) * own.residual, self._exact)
             x, factor, number = at.array.copy(), float(factor + change), float(number + more)
             order = [*found.sought, *(n for n in range(len(found.values)) if n not in found.sought)]
-            modes = [found.modes[n].array.copy() for n in order]
+            modes = [defining.modes[n].array.copy() for n in order]
             rounds = iteration > 2 and not sizes[-1] < sizes[-2]
             ahead = min(sizes[-1] / sizes[-2], 1.0) if sizes[-2] else 1.0
             exact = ahead * abs(change) <= self._exact * abs(factor) and ahead * sizes[-1] <= self._exact
@@ -500,7 +501,7 @@ class CriticalCurve:
 
     def _influence(self, fields: dict[str, np.ndarray], x: np.ndarray, factor: float, number: float) -> _Differences:
         """Differences by the number about it, within the range."""
-        way = STEP * abs(self._to - self._at)
+        way = DIFFERENCE * abs(self._to - self._at)
         middle = self._inside(number, way)
         ahead, behind = (self._problem(middle + sign * way, fields) for sign in (1, -1))
         return _Differences(ahead, behind, x, factor, 2 * way)
@@ -567,7 +568,7 @@ class CriticalCurve:
 
 
 def _relax(system: System, defining: DefiningSystem, at: PETSc.Vec, factor: float, before: float) -> None:
-    """Correct a predicted state off the modes if it strains stiff parts so that its residual is more than the load.
+    """Correct a state off the modes if it strains stiff parts so that its residual is more than the load.
 
     The tangent has the stresses of the last state with their linear change.
     """

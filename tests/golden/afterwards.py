@@ -9,6 +9,7 @@ from math import radians
 import numpy as np
 from failure_map.traps import TRAPS, contact
 from helpers import hinged_arch, whole_arch
+from test_curves import propped_bar
 from test_unilateral import spans
 
 import sheetfx as fx
@@ -147,6 +148,14 @@ def unilateral(record: Record) -> dict[str, float]:
     return {"lowest": found.factor, "pressed": found.pressed, "highest": max(found.others, default=found.load)}
 
 
+def curve(record: Record) -> dict[str, float]:
+    """The named points of a curve of limit points, and its end."""
+    (point,) = record.critical_points
+    modes = record.critical_modes(point)
+    points = list(fx.CriticalCurve(point, record.state_at(point), modes, propped_bar, 0.1, -0.02, steps=2))
+    return {p.name: p.load for p in points if p.name} | {"last": points[-1].load}
+
+
 def trap(name: str) -> Callable[[], fx.Case]:
     return lambda: TRAPS[name].case()
 
@@ -179,5 +188,6 @@ AFTERWARDS: dict[str, tuple[Callable[[], fx.Case], Callable[[Record], dict[str, 
     "errors-frame": (trap("lee-frame"), errors),
     "gradients-arch": (trap("sinusoidal-arch-before"), gradients),
     "gradients-frame": (trap("lee-frame"), gradients),
+    "curve-bar": (lambda: fx.Case(propped_bar(0.1), fx.ArcLength(0.05), fx.Until(deflection=0.45)), curve),
     "imperfect-arch": (lambda: fx.Case(hinged_arch(whole_arch(20)), until=fx.Until(deflection=10.0)), imperfect_arch),
 }
