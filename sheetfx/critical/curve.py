@@ -252,6 +252,7 @@ class CriticalCurve:
             here, length, begun = self.kept.place, self.kept.length, self.kept.begun
             self._kind, self._size, self._moved = self.kept.kind, self.kept.size, self.kept.moved
             first, turned = here, False
+        looked = False
         while not self.kept.ended:
             try:
                 ahead = self._place(here, length)
@@ -264,7 +265,9 @@ class CriticalCurve:
                 if last:
                     ahead = self._last(here, ahead, length)
                 if self._unseen(here, ahead):
-                    here = self._place(self._with_modes(here), 0.0)
+                    if looked:
+                        raise CurveEnds("more than one further eigenvalue passes zero")
+                    here, looked = self._place(self._with_modes(here), 0.0), True
                     continue
                 begun = begun or last or self._share(ahead.number) > self._exact**0.5
                 between = list(self._between(here, ahead, length)) if begun else []
@@ -274,6 +277,7 @@ class CriticalCurve:
                     raise CurveEnds(f"curve: Newton's method finds no point beyond {self._point(here)} ({failure}); "
                                     "what is before it is right") from None
                 continue
+            looked = False
             yield from between
             here, length = self._measured(here, ahead, length)
             length *= min(2.0, 4 / max(1, here.iterations))
