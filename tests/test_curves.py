@@ -7,6 +7,7 @@ from math import cos, sin
 
 import numpy as np
 import pytest
+from helpers import on_two_processes
 from typer.testing import CliRunner
 
 import sheetfx as fx
@@ -65,6 +66,23 @@ def test_the_perfect_bar_goes_on_as_the_limit_of_imperfect_ones(end):
     assert {point.kind for point in points[1:]} == {"limit"} and points[-1].number == end
     for point in points:
         assert point.load == pytest.approx(law(point.number), abs=5 * EXTENSION)
+
+
+def bars(to: float, steps: int) -> list[fx.CurvePoint]:
+    """Bifurcations of two bars against their rise, from 3 on."""
+    scene = lambda rise: load_case("von-mises-truss")(rise=rise).scene  # noqa: E731
+    return list(curve(trace(load_case("von-mises-truss")(rise=3.0)), "bifurcation", scene, 3.0, to, steps=steps))
+
+
+def test_bifurcations_of_two_bars():
+    """Bars of length l, L at rest, over half the span: limits at l^3 = L, bifurcations at l^3 = L (l^2 - 1).
+
+    They meet where l^2 = 2 and rise^2 = 7, and the bifurcations turn back where l^2 = 3 and rise^2 = 23 / 4.
+    """
+    turn, meeting = (p for p in bars(2.2, 4) if p.name)
+    assert (turn.name, turn.number**2) == ("turn", pytest.approx(23 / 4, rel=1e-6))
+    assert meeting.name == "limit meets bifurcation"
+    assert (meeting.number**2, meeting.load) == pytest.approx((7.0, 0.5**0.5), rel=1e-6)
 
 
 @pytest.mark.slow
@@ -137,6 +155,12 @@ def test_the_command(tmp_path):
 def test_what_the_command_refuses(words, said, tmp_path):
     result = CliRunner().invoke(app, ["curve", "sinusoidal-arch", *words, "-o", str(tmp_path)])
     assert result.exit_code and said in f"{result.exception} {result.output}"
+
+
+def test_two_processes():
+    script = "from test_curves import bars\nprint(*(repr(n) for p in bars(2.8, 2) for n in (p.number, p.load)))"
+    both = [float(word) for word in on_two_processes(script)[0].split()]
+    assert both == pytest.approx([n for p in bars(2.8, 2) for n in (p.number, p.load)], rel=1e-8)
 
 
 def test_what_a_curve_refuses():

@@ -343,7 +343,7 @@ class CriticalCurve:
         linear = self._solver(problem)
         linear.factorise()
         self.factorisations += 1
-        _, modes = nearest_to_zero(linear, diagonal(system.weights), min(count, system.size), 1e-12)
+        _, modes = nearest_to_zero(linear, diagonal(system.weights), min(count, system.size))
         given = [system.create_vector(mode) for mode in place.modes[:self._count]]
         border = orthonormal(system.weights, [*given, *(system.create_vector(mode.array) for mode in modes)])[:count]
         return replace(place, modes=[mode.array.copy() for mode in border])
