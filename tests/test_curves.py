@@ -118,6 +118,33 @@ def test_bifurcations_turn_back():
     assert (points[-1].number, points[-1].load) == (2.8, pytest.approx(second.load, rel=1e-6))
 
 
+@pytest.mark.slow
+def test_double_bifurcations_stay_double():
+    """Those of the star dome, as its ring is loaded too."""
+    domes = load_case("star-dome")
+    record, end = trace(domes(ring=0.0)), trace(domes(ring=0.2))
+    (first,), (last,) = ([p for p in r.critical_points if p.multiplicity == 2][:1] for r in (record, end))
+    modes = record.critical_modes(first)
+    points = list(fx.CriticalCurve(first, record.state_at(first), modes, lambda ring: domes(ring=ring).scene, 0.0, 0.2,
+                                   steps=4))
+    assert (points[-1].load, points[-1].deflection) == pytest.approx((last.load, last.deflection), rel=1e-6)
+
+
+def test_modes_that_the_number_parts_are_refused():
+    """A column in space on springs along y and z, of which the number stiffens one."""
+    def scene(more: float) -> fx.Scene:
+        mesh = fx.read(lambda: fx.meshes.frame({"foot": (0.0, 0.0, 0.0), "top": (0.0, 0.0, 1.0)},
+                                               {"bar": ("foot", "top", 1)}), 3)
+        bar = fx.Bar(mesh, fx.Rectangle(1.0, 1.0), fx.Elastic(1 / EXTENSION))
+        springs = [fx.Spring(mesh, "top", "x", 1.0), fx.Spring(mesh, "top", "y", 1.0 + more)]
+        return fx.Scene([bar], [fx.pin(mesh, "foot")], [fx.PointForce(mesh, "top", (0.0, 0.0, -1.0))],
+                        fx.Monitor(mesh, "top", "z", -1.0), joints=springs)
+
+    record = trace(Case(scene(0.0), fx.ArcLength(0.05), fx.Until(deflection=0.6, load=1.2)))
+    with pytest.raises(ValueError, match="parts the 2 modes"):
+        list(curve(record, "bifurcation", scene, 0.0, 1.0))
+
+
 def test_a_curve_goes_on_where_it_was_kept(tmp_path):
     whole = list(curve(arch(2.0), "limit", arches(), 2.0, 2.3, steps=6))
     first = curve(arch(2.0), "limit", arches(), 2.0, 2.3, steps=6)

@@ -34,7 +34,7 @@ from ..discrete.discretisation import Discretisation
 from ..discrete.system import System
 from ..events.determinant import orthonormal
 from ..model.scene import Scene
-from ..rounding import DIFFERENCE
+from ..rounding import DIFFERENCE, TINIEST
 from .augmented import ITERATIONS, KINDS
 from .defining import DefiningSystem, Influence, Linearised, combined
 from .gradient import IMPERFECT
@@ -360,7 +360,8 @@ class CriticalCurve:
             raise ValueError("curve: the number changes the unknowns of the structure; give one that changes values "
                              "and places only")
         if not (system.smooth and system.conservative) or system.history.moved:
-            raise ValueError("curve: the structure has contact, history or forces without a potential; compare paths")
+            raise ValueError("curve: the structure has contact, history or forces without a potential; compare "
+                             "whole paths, as `sheetfx study --vary` does")
         system.restore(fields)
         return problem
 
@@ -437,11 +438,19 @@ class CriticalCurve:
             exact = ahead * abs(change) <= self._exact * abs(factor) and ahead * sizes[-1] <= self._exact
             small = abs(change) <= self._exact**0.75 * abs(factor) and sizes[-1] <= self._exact**0.5
             if (exact and iteration >= least) or (rounds and small):
+                self._require_together(found, factor, number)
                 return self._reached(base, problem, defining.bordered, found, own, (x, factor, number), modes,
                                      iteration)
             if rounds:
                 raise CurveEnds(f"corrections grow to {sizes[-1]:.1e}")
         raise CurveEnds(f"no convergence in {ITERATIONS} iterations")
+
+    def _require_together(self, found: Linearised, factor: float, number: float) -> None:
+        """Refuse that the number parts the modes of a point of several ones, of which the mean is followed."""
+        off = np.abs(found.values[found.sought]).max() / max(abs(found.rates[:, 0].mean()), TINIEST)
+        if self._count > 1 and off > ArcLength().same_load * abs(factor):
+            raise ValueError(f"curve: the number parts the {self._count} modes of the point, at {number:.6g} by "
+                             f"{off / abs(factor):.1e} of its load; follow each of them from another value")
 
     def _row(self, system, base: _Place, found: Linearised, at: PETSc.Vec, number: float, length: float,
              end: float | None) -> tuple[np.ndarray, float]:
