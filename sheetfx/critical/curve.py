@@ -546,9 +546,8 @@ class CriticalCurve:
         found = []
         for number, test in enumerate(tests):
             if test(here) * test(ahead) < 0 and (number or here.negative != ahead.negative):
-                place = self._zero(here, ahead, length, test)
-                found.append((abs(place.number - here.number) + abs(place.load - here.load), place,
-                              self._named(place, number)))
+                at, place = self._zero(here, ahead, length, test)
+                found.append((at, place, self._named(place, number)))
         for _, place, name in sorted(found, key=lambda one: one[0]):
             yield self._point(place, name)
 
@@ -557,8 +556,9 @@ class CriticalCurve:
             return "cusp" if self._kind == "limit" else "turn"
         return "limit meets bifurcation" if self._kind == "limit" or place.loaded else "bifurcations meet"
 
-    def _zero(self, here: _Place, ahead: _Place, length: float, test: Callable[[_Place], float]) -> _Place:
-        """The place where a test is zero.
+    def _zero(self, here: _Place, ahead: _Place, length: float,
+              test: Callable[[_Place], float]) -> tuple[float, _Place]:
+        """The length at which a test is zero, and the place there.
 
         Where a curve of bifurcations turns back the load does no work along the mode to tell places by, and the
         equations are singular: the nearest place counts that is found, from which the number differs in the second
@@ -576,8 +576,9 @@ class CriticalCurve:
         except FAILURES:
             if self._kind == "limit" or len(known) == 2:
                 raise
-            return min(known.values(), key=lambda place: abs(test(place)))
-        return known[min(known, key=lambda at: abs(at - root))]
+            root = min(known, key=lambda at: abs(test(known[at])))
+        nearest = min(known, key=lambda at: abs(at - root))
+        return nearest, known[nearest]
 
 
 def _relax(system: System, defining: DefiningSystem, at: PETSc.Vec, factor: float, before: float) -> None:
