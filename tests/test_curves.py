@@ -130,6 +130,13 @@ def test_double_bifurcations_stay_double():
     assert (points[-1].load, points[-1].deflection) == pytest.approx((last.load, last.deflection), rel=1e-6)
 
 
+def test_what_becomes_imperfect_on_the_way_is_refused():
+    """A tilt that grows with the square of the number does not push at first."""
+    record = trace(Case(propped_bar(0.0), fx.ArcLength(0.05), fx.Until(deflection=0.6, load=1.2)))
+    with pytest.raises(ValueError, match="makes the structure imperfect"):
+        list(curve(record, "bifurcation", lambda number: propped_bar(number**2), 0.0, 0.3))
+
+
 def test_modes_that_the_number_parts_are_refused():
     """A column in space on springs along y and z, of which the number stiffens one."""
     def scene(more: float) -> fx.Scene:

@@ -426,7 +426,7 @@ class CriticalCurve:
                     return self._reached(base, problem, defining.bordered, found, own, (x, factor, number), modes, 0)
                 row, rest = self._row(system, base, found, at, number, length, end)
                 matrix = np.vstack((found.matrix, row))
-                step, (change, more), _ = found.step(np.linalg.solve(matrix, [*found.right, rest]))
+                step, (change, more), forces = found.step(np.linalg.solve(matrix, [*found.right, rest]))
                 sizes.append(self._length(system, step, more))
                 system.retract(at, step)
                 _settle(system, defining, at, float(factor + change), float(more) * own.residual, self._exact)
@@ -439,6 +439,7 @@ class CriticalCurve:
             small = abs(change) <= self._exact**0.75 * abs(factor) and sizes[-1] <= self._exact**0.5
             if (exact and iteration >= least) or (rounds and small):
                 self._require_together(found, factor, number)
+                self._require_perfect(system, found, forces, factor, number)
                 return self._reached(base, problem, defining.bordered, found, own, (x, factor, number), modes,
                                      iteration)
             if rounds:
@@ -451,6 +452,16 @@ class CriticalCurve:
         if self._count > 1 and off > ArcLength().same_load * abs(factor):
             raise ValueError(f"curve: the number parts the {self._count} modes of the point, at {number:.6g} by "
                              f"{off / abs(factor):.1e} of its load; follow each of them from another value")
+
+    def _require_perfect(self, system: System, found: Linearised, forces: np.ndarray, factor: float,
+                         number: float) -> None:
+        """Refuse a bifurcation that forces along its modes must hold, as those of an imperfection do."""
+        load = system.create_vector()
+        system.load(load)
+        held = combined([system.weights * mode for mode in found.modes], forces).norm() / (abs(factor) * load.norm())
+        if self._kind == "bifurcation" and held > self._exact**0.5:
+            raise ValueError(f"curve: the number makes the structure imperfect, at {number:.6g} by {held:.1e} of the "
+                             "load; begin with a limit point of an imperfect structure")
 
     def _row(self, system, base: _Place, found: Linearised, at: PETSc.Vec, number: float, length: float,
              end: float | None) -> tuple[np.ndarray, float]:
