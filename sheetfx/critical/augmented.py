@@ -338,10 +338,7 @@ class _Newton:
 
         Its stresses would make the tangent worthless: the first one has none.
         """
-        self._system.configure(self._x, self._factor)
-        self._system.residual(self._residual)
-        self._system.load(self._load)
-        if self._residual.norm() <= abs(self._factor) * self._load.norm():
+        if not self._defining.is_strained(self._x, self._factor):
             return
         self._system.forget_stress()
         self._defining.factorise()
@@ -354,11 +351,10 @@ class _Newton:
 
     def _off_modes(self) -> PETSc.Vec:
         """Newton's correction that keeps the amplitudes of the modes, and the load factor or the place on the path."""
+        if not self._across:
+            return self._defining.off_modes(self._x, self._factor)
         self._system.configure(self._x, self._factor)
         self._system.residual(self._residual)
-        if not self._across:
-            (step,), _ = self._defining.bordered.solve([-1.0 * self._residual], np.zeros((1, len(self.modes))))
-            return step
         self._system.load(self._load)
         rights = [-1.0 * self._residual, self._load]
         (step, loaded), _ = self._defining.bordered.solve(rights, np.zeros((2, len(self.modes))))

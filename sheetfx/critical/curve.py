@@ -37,10 +37,9 @@ from ..model.scene import Scene
 from ..rounding import DIFFERENCE, TINIEST
 from .augmented import ITERATIONS, KINDS
 from .defining import DefiningSystem, Influence, Linearised, combined
-from .gradient import IMPERFECT
+from .gradient import IMPERFECT, changed_structure
 
 SHORTEST = 1e-3  # step over the longest, below which the curve is given up
-FOUND = 1e-8  # step over the range within which a zero between two points is found
 
 
 class CurveEnds(ArithmeticError):
@@ -245,14 +244,12 @@ class CriticalCurve:
         if self.kept is None:
             self._kind, self._size, self._moved = self._given, self._displacement(), 0.0
             here, length, begun = self._first(), longest, False
-            first, turned = here, False
             self.kept = Kept(here, length, begun, self._kind, self._size, self._moved)
             yield self._point(here)
         else:
             here, length, begun = self.kept.place, self.kept.length, self.kept.begun
             self._kind, self._size, self._moved = self.kept.kind, self.kept.size, self.kept.moved
-            first, turned = here, False
-        looked = False
+        first, turned, looked = here, False, False
         while not self.kept.ended:
             try:
                 ahead = self._place(here, length)
@@ -328,7 +325,11 @@ class CriticalCurve:
         still = np.zeros_like(state.increment), 0.0, 0.0
         start = _Place(self._at, state.factor, state.load, state.deflection, state.fields, self._modes,
                        still, 0.0, 0.0, False, 0, 0, 0.0, still)
-        place = self._place(start, 0.0, end=self._at)
+        try:
+            place = self._place(start, 0.0, end=self._at)
+        except FAILURES as failure:
+            raise CurveEnds(f"curve: Newton's method does not find the first point again, at load {state.load:.6g} "
+                            f"({failure}); give one of the structure that has the number {self._at:g}") from None
         if self._kind == "bifurcation" and len(self._modes) == 1 and place.pushed > IMPERFECT:
             self._kind = "limit"
             return self._place(start, 0.0, known=True)
@@ -353,16 +354,11 @@ class CriticalCurve:
         return replace(place, rate=(-increment, -factor, -number))  # the first one, which has no turn yet
 
     def _problem(self, number: float, fields: dict[str, np.ndarray]) -> Discretisation:
-        problem = Discretisation(self._scene(self._inside(number)))
+        problem = changed_structure("curve", self._scene(self._inside(number)), fields)
         system = problem.system
-        if {name: values.shape for name, values in system.snapshot().items()} != {
-                name: values.shape for name, values in fields.items()}:
-            raise ValueError("curve: the number changes the unknowns of the structure; give one that changes values "
-                             "and places only")
         if not (system.smooth and system.conservative) or system.history.moved:
             raise ValueError("curve: the structure has contact, history or forces without a potential; compare "
                              "whole paths, as `sheetfx study --vary` does")
-        system.restore(fields)
         return problem
 
     def _inside(self, number: float, by: float = 0.0) -> float:
@@ -583,7 +579,7 @@ class CriticalCurve:
             return test(known[at])
 
         try:
-            root = brentq(value, 0.0, length, xtol=FOUND)
+            root = brentq(value, 0.0, length, xtol=self._exact)
         except FAILURES:
             if self._kind == "limit" or len(known) == 2:
                 raise
@@ -597,25 +593,27 @@ def _relax(system: System, defining: DefiningSystem, at: PETSc.Vec, factor: floa
 
     The tangent has the stresses of the last state with their linear change.
     """
-    residual, load, step = system.create_vector(), system.create_vector(), at.copy()
-    system.configure(at, factor)
-    system.residual(residual)
-    system.load(load)
-    if residual.norm() <= abs(factor) * load.norm():
+    if not defining.is_strained(at, factor):
         return
+    step = at.copy()
     system.configure(system.create_vector(), before)
     system.extrapolate_stress(step)
     system.configure(at, factor)
     defining.factorise()
-    _settle(system, defining, at, factor, system.create_vector(), 0.0)
+    _settle(system, defining, at, factor, None, 0.0)
 
 
-def _settle(system: System, defining: DefiningSystem, at: PETSc.Vec, factor: float, more: PETSc.Vec,
+def _settle(system: System, defining: DefiningSystem, at: PETSc.Vec, factor: float, more: PETSc.Vec | None,
             exact: float) -> None:
-    """Correct a state off the modes with the factor that there is, while each correction is less than half the last."""
+    """Correct a state off the modes with the factor that there is, while each correction is less than half the last.
+
+    Parameters
+    ----------
+    more : change of the residual by the number since the structure that the system is of
+    """
     before = np.inf
     for _ in range(ITERATIONS):
-        step = _off_modes(system, defining, at, factor, more)
+        step = defining.off_modes(at, factor, more)
         size = (system.weights * step).dot(step) ** 0.5
         if not size < before / 2:
             break
@@ -623,20 +621,6 @@ def _settle(system: System, defining: DefiningSystem, at: PETSc.Vec, factor: flo
         before = size
         if size <= exact:
             break
-
-
-def _off_modes(system: System, defining: DefiningSystem, at: PETSc.Vec, factor: float, more: PETSc.Vec) -> PETSc.Vec:
-    """Correction of a state that keeps the amplitudes of the modes: a long step strains stiff parts.
-
-    Parameters
-    ----------
-    more : change of the residual by the number since the structure that the system is of
-    """
-    residual = system.create_vector()
-    system.configure(at, factor)
-    system.residual(residual)
-    (step,), _ = defining.bordered.solve([-1.0 * (residual + more)], np.zeros((1, len(defining.modes))))
-    return step
 
 
 def _pushed(system: System, found: Linearised, influence: Influence, factor: float, way: float) -> float:

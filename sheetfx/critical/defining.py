@@ -135,6 +135,29 @@ class DefiningSystem:
         self.bordered = BorderedSolver(self._linear, self._springs, self._least)
         self.bordered.border(border, border)
 
+    def is_strained(self, x: PETSc.Vec, factor: float) -> bool:
+        """Whether the forces out of balance at increments are more than the load, as interpolation makes them."""
+        residual, load = self._system.create_vector(), self._system.create_vector()
+        self._system.configure(x, factor)
+        self._system.residual(residual)
+        self._system.load(load)
+        return residual.norm() > abs(factor) * load.norm()
+
+    def off_modes(self, x: PETSc.Vec, factor: float, more: PETSc.Vec | None = None) -> PETSc.Vec:
+        """Correction at increments that keeps the amplitudes of the modes, with the factor that there is.
+
+        Parameters
+        ----------
+        more : forces out of balance besides those of the system
+        """
+        residual = self._system.create_vector()
+        self._system.configure(x, factor)
+        self._system.residual(residual)
+        if more is not None:
+            residual.axpy(1.0, more)
+        (step,), _ = self.bordered.solve([-1.0 * residual], np.zeros((1, len(self.modes))))
+        return step
+
     def linearise(self, x: PETSc.Vec, factor: float, numbers: Sequence[Influence] = ()) -> Linearised:
         """The equations at increments and a load factor, after which the modes of the border are those found there.
 

@@ -18,7 +18,7 @@ and tangents at the state that is known; central ones are exact to 1e-5 for numb
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import cast
 
@@ -169,13 +169,8 @@ class LoadGradient:
         return float(np.linalg.solve(matrix, right)[0])
 
     def _changed(self, scene: Scene) -> _Changed:
-        discretisation = Discretisation(scene)
-        system, fields = discretisation.system, self._state.fields
-        known = system.snapshot()
-        if {name: values.shape for name, values in known.items()} != {name: v.shape for name, v in fields.items()}:
-            raise ValueError("gradient: the number changes the unknowns of the structure; give one that changes values "
-                             "and places only")
-        system.restore(fields)
+        discretisation = changed_structure("gradient", scene, self._state.fields)
+        system = discretisation.system
         residual, load = system.create_vector(), system.create_vector()
         system.configure(system.create_vector(), self._state.factor)
         system.residual(residual)
@@ -195,3 +190,20 @@ class LoadGradient:
         if unit is None:
             raise ValueError("gradient: the load is a reaction to what is prescribed; give the load as forces")
         return unit
+
+
+def changed_structure(said: str, scene: Scene, fields: Mapping[str, np.ndarray]) -> Discretisation:
+    """A structure that a number has changed, at the fields of a state of the one before.
+
+    Raises
+    ------
+    ValueError
+        If it has other unknowns.
+    """
+    changed = Discretisation(scene)
+    known = changed.system.snapshot()
+    if {name: values.shape for name, values in known.items()} != {name: v.shape for name, v in fields.items()}:
+        raise ValueError(f"{said}: the number changes the unknowns of the structure; give one that changes values and "
+                         "places only")
+    changed.system.restore(dict(fields))
+    return changed

@@ -10,6 +10,7 @@ from pathlib import Path as Folder
 
 from ..archive.folder import write_whole
 from ..case import Case, trace
+from ..critical.augmented import KINDS
 from ..critical.curve import CriticalCurve, CurvePoint, Kept
 from ..model.scene import Scene
 
@@ -27,7 +28,7 @@ def curve_of(name: str, case: Case, number: int, scene: Callable[[float], Scene]
         If the path has not so many critical points.
     """
     record = trace(case)
-    points = [point for point in record.critical_points if point.kind in ("limit", "bifurcation")]
+    points = [point for point in record.critical_points if point.kind in KINDS]
     if number > len(points):
         raise ValueError(f"--point: {number}, but the path of {name} with {key} = {ends[0]:g} has {len(points)} limit "
                          "points and bifurcations; give one of these, begin at another value, or let the path go "

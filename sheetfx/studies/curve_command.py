@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -10,8 +9,8 @@ from typing import Any
 
 import typer
 
-from .run import OF_A_FOLDER, RESUME, Scenes, folder_of, option, run_app, with_options
-from .study_command import value_of
+from .run import OF_A_FOLDER, RESUME, Scenes, folder_of, option, with_options
+from .study_command import value_of, varied_option
 
 OWN = [
     option("against", str | None, None, "An option of the scene that is a number, and the range of its values.",
@@ -55,22 +54,16 @@ def range_of(name: str, function, parameters: dict[str, Any], text: str | None) 
     """
     if not text:
         raise ValueError(f"curve of {name}: nothing is varied; add --against option=from:to")
-    key, _, values = text.partition("=")
-    key = key.strip().lstrip("-").replace("-", "_")
-    command = typer.main.get_command(run_app).get_command(None, name)
-    signature = inspect.signature(function, eval_str=True).parameters
-    known = {p.name: p for p in command.params if p.name in signature}
-    numbers = [n for n, p in known.items() if isinstance(parameters[n], float) or p.type.name == "float"]
-    if key not in numbers:
-        named = ", ".join(known[n].opts[0].lstrip("-") for n in numbers)
-        raise ValueError(f"curve of {name}: --against {text}: {key!r} is no option that is a number; choose from "
-                         f"{named}")
-    if parameters[key] != signature[key].default:
-        raise ValueError(f"curve of {name}: {key} is both {parameters[key]} and varied; leave one out")
-    ends = [value_of(f"curve of {name}: --against", known[key], value.strip()) for value in values.split(":")]
+    said, flag = f"curve of {name}", "--against"
+
+    def is_number(parameter) -> bool:
+        return isinstance(parameters[parameter.name], float) or parameter.type.name == "float"
+
+    parameter, values = varied_option(said, name, function, parameters, flag, text, is_number, " that is a number")
+    ends = [value_of(f"{said}: {flag}", parameter, value.strip(), "from:to") for value in values.split(":")]
     if len(ends) != 2 or ends[0] == ends[1]:
-        raise ValueError(f"curve of {name}: --against {text}: give two values, as {key}=0:1")
-    return key, float(ends[0]), float(ends[1])
+        raise ValueError(f"{said}: {flag} {text}: give two values, as {parameter.name}=0:1")
+    return parameter.name, float(ends[0]), float(ends[1])
 
 
 def follow_scene(name: str, function: Callable, parameters: dict[str, Any], against: str | None, point: int, parts: int,
@@ -109,8 +102,9 @@ def follow_scene(name: str, function: Callable, parameters: dict[str, Any], agai
                     curve.kept.save(mine, len(points))
         except CurveEnds as ends:
             failure = str(ends)
-        if comm.rank == 0:
+        if comm.rank == 0 and points:
             draw(points, key, case.axes[1], Path(name).stem, folder / "curve.png")
             typer.echo(f"{len(points)} points, {curve.factorisations} factorisations; results in {folder}")
     if failure:
-        raise ArithmeticError(failure)
+        typer.echo(failure, err=True)
+        raise typer.Exit(1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import typer
@@ -55,30 +55,52 @@ def variations(name: str, function, parameters: dict[str, Any], texts: Sequence[
     """
     if not texts:
         raise ValueError(f"study of {name}: nothing is varied; add --vary option=value,value")
-    command = typer.main.get_command(run_app).get_command(None, name)
-    known = {p.name: p for p in command.params if p.name in inspect.signature(function).parameters}
+    said = f"study of {name}"
     varied: dict[str, list[Any]] = {}
     for text in texts:
-        key, _, values = text.partition("=")
-        key = key.strip().lstrip("-").replace("-", "_")
-        if key not in known:
-            names = [p.opts[0].lstrip("-") for p in known.values()]
-            raise ValueError(f"study of {name}: --vary {text}: no option {key!r}; {meant(key, names)}choose from "
-                             f"{', '.join(names)}")
+        parameter, values = varied_option(said, name, function, parameters, "--vary", text)
+        key = parameter.name
         if key in varied:
-            raise ValueError(f"study of {name}: --vary {key} is given twice; give all its values at once")
-        if parameters[key] != inspect.signature(function).parameters[key].default:
-            raise ValueError(f"study of {name}: {key} is both {parameters[key]} and varied; leave one out")
-        varied[key] = [value_of(f"study of {name}: --vary", known[key], value.strip()) for value in values.split(",")]
+            raise ValueError(f"{said}: --vary {key} is given twice; give all its values at once")
+        varied[key] = [value_of(f"{said}: --vary", parameter, value.strip(), "value,value")
+                       for value in values.split(",")]
         if repeated := [value for n, value in enumerate(varied[key]) if value in varied[key][:n]]:
             raise ValueError(f"study of {name}: --vary {text}: {repeated[0]} is there twice; leave one out")
     return varied
 
 
-def value_of(said: str, parameter, text: str) -> Any:
-    """A value of an option of a scene, as its command would read it."""
+def varied_option(said: str, name: str, function, parameters: dict[str, Any], flag: str, text: str,
+                  fit: Callable[[Any], bool] = lambda parameter: True, which: str = "") -> tuple[Any, str]:
+    """Option of a scene's command, and the text of its values, from a text OPTION=VALUES.
+
+    Parameters
+    ----------
+    said, flag : the command and its option, for errors
+    fit, which : whether an option may be varied, and how those are called that may
+
+    Raises
+    ------
+    ValueError
+        Where the option is not one of those, or is given too.
+    """
+    key, _, values = text.partition("=")
+    key = key.strip().lstrip("-").replace("-", "_")
+    signature = inspect.signature(function).parameters
+    command = typer.main.get_command(run_app).get_command(None, name)
+    known = {p.name: p for p in command.params if p.name in signature and fit(p)}
+    if key not in known:
+        names = [p.opts[0].lstrip("-") for p in known.values()]
+        raise ValueError(f"{said}: {flag} {text}: no option {key!r}{which}; {meant(key, names)}choose from "
+                         f"{', '.join(names)}")
+    if parameters[key] != signature[key].default:
+        raise ValueError(f"{said}: {key} is both {parameters[key]} and varied; leave one out")
+    return known[key], values
+
+
+def value_of(said: str, parameter, text: str, form: str) -> Any:
+    """A value of an option of a scene, as its command would read it; `form` is that of all its values, for errors."""
     if not text:
-        raise ValueError(f"{said} {parameter.name}: a value is missing; give one behind each sign")
+        raise ValueError(f"{said} {parameter.name}: a value is missing; say {parameter.name}={form}")
     try:
         return parameter.process_value(None, text.split() if parameter.nargs > 1 else text)
     except typer.BadParameter as error:
