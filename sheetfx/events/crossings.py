@@ -97,7 +97,7 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
         if not _counted(segment, lengths, finer):
             return _pieces(segment, left, right)
         between, drift = (_load_change(segment, samples[0], _moved(finer, other, close)) for other in (coarser, roots))
-        roots, error = finer, between if between <= exact else max(between, drift)
+        roots, error = finer, max(between, drift)
         worse = segment.nonsmooth and best[0] <= min(ROUGH, error)
         best = min(best, (error, roots, samples), key=itemgetter(0))
         if error <= exact or worse:
@@ -126,15 +126,16 @@ def _together(border: Determinant, roots: np.ndarray, lengths: Sequence[float], 
     """Crossings that are close to each other as far apart as states that are further off have them, if that is less.
 
     Rounding splits eigenvalues that are alike by as much as it moves states along the mode, in inverse proportion to
-    their distance from the crossing; where they lie together these know less exactly, but how far they are apart.
+    their distance from the crossing; where they lie together these know less exactly, but how far they are apart. They
+    do so where one of them less makes a smaller difference.
     """
     size, middle = lengths[-1] - lengths[0], roots.mean()
     far = [s for s in lengths if abs(s - middle) >= FAR * size]
-    if not 0 < np.ptp(roots) < close or len(far) < 2:
+    if not 0 < np.ptp(roots) < close or len(far) < 3:
         return roots
-    found = border.roots(_nearest(far, roots))
-    nearer = np.isfinite(found).all() and np.ptp(found) < np.ptp(roots)
-    return middle + found - found.mean() if nearer else roots
+    coarser, finer = (border.roots(_nearest(far, roots)[:n]) for n in (min(len(far), SAMPLES) - 1, SAMPLES))
+    doubt = abs(np.ptp(finer) - np.ptp(coarser)) if np.isfinite((coarser, finer)).all() else np.inf
+    return middle + finer - finer.mean() if np.ptp(finer) + doubt < np.ptp(roots) else roots
 
 
 def _at_loads(segment: Segment, roots: np.ndarray, samples: Sequence[float], border: Determinant) -> list[Crossing]:
