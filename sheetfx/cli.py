@@ -20,6 +20,7 @@ from .scenes import load_case, of_script, scene_names
 from .studies.curve_command import curve_app
 from .studies.depends_command import depends_app
 from .studies.diagram_command import diagram_app
+from .studies.imperfections_command import imperfections_app
 from .studies.map_command import Listing, draw_failure_map
 from .studies.run import PLAIN, run_app
 from .studies.study_command import study_app
@@ -32,6 +33,7 @@ app.add_typer(run_app, name="run")
 app.add_typer(diagram_app, name="diagram")
 app.add_typer(depends_app, name="depends")
 app.add_typer(curve_app, name="curve")
+app.add_typer(imperfections_app, name="imperfections")
 app.add_typer(study_app, name="study")
 app.command(cls=Single)(view)
 app.command(name="map", cls=Listing)(draw_failure_map)

@@ -26,8 +26,9 @@ WRONG = [nan, inf, -inf, None, "", "wrong", 0, -1, True, (), (1.0,), (1.0, nan),
          {"wrong": nan}]
 
 # Classes whose objects the program makes and nobody else: what they hold has been computed, not given.
-MADE_BY_THE_PROGRAM = {"Branch", "BucklingLoad", "Critical", "CurvePoint", "ErrorBar", "MeshesByKind", "MixedMesh",
-                       "NamedMesh", "Record", "Snap", "Trace", "UnilateralBuckling", "Vibration"}
+MADE_BY_THE_PROGRAM = {"Branch", "BucklingLoad", "Critical", "CurvePoint", "ErrorBar", "FieldComponent",
+                       "ImperfectLoad", "LoadQuantile", "MeshesByKind", "MixedMesh", "NamedMesh", "Record", "Snap",
+                       "Trace", "UnilateralBuckling", "Vibration"}
 
 
 def public_dataclasses() -> dict[str, type]:

@@ -38,6 +38,10 @@ STEP = 1e-6  # of a number, of its differences: slender parts are strained by a 
 IMPERFECT = 1e-5  # push along a mode over the root of the work across it times the mode's change of stiffness
 
 
+class NoDerivative(ValueError):
+    """A number makes a bifurcation's structure imperfect, whose load falls by a power below one."""
+
+
 @dataclass(frozen=True)
 class _Changed:
     """What a changed structure has at the state, this process's parts.
@@ -136,7 +140,9 @@ class LoadGradient:
         Raises
         ------
         ValueError
-            If the number changes the unknowns, or makes the structure imperfect.
+            If the number changes the unknowns.
+        NoDerivative
+            If the number makes the structure imperfect.
         """
         step = step or STEP * abs(at)
         if not step:
@@ -157,8 +163,8 @@ class LoadGradient:
         along = np.array([[mode.dot(turning) for mode in self._modes] for turning in self._turning])
         pushed = max(abs(mode.dot(forces)) for mode in self._modes)
         if pushed > IMPERFECT * (abs(moved.dot(forces)) * np.abs(np.diag(along)).max()) ** 0.5:
-            raise ValueError(f"gradient: the number makes the structure imperfect, so that {self.point.title} at load "
-                             f"{self.point.load:.6g} has no derivative; see imperfection_sensitivity")
+            raise NoDerivative(f"gradient: the number makes the structure imperfect, so that {self.point.title} at "
+                               f"load {self.point.load:.6g} has no derivative; see imperfection_sensitivity")
         changed = np.array([[mode.dot(image) + bent.dot(moved) for mode, bent in zip(self._modes, row, strict=True)]
                             for image, row in zip(images, self._bent, strict=True)])
         if len(self._modes) > 1:

@@ -20,10 +20,13 @@ from ..mesh.mixed import MixedMesh
 from ..mesh.projection import Cells
 from ..mesh.reader import NamedMesh
 from ..model.joints import Compatible
+from ..model.obstacles import way_of
 from ..model.places import each_of
 from ..model.scene import Scene
 from .modes import mode_on
 from .remade import Remade
+
+PLACES = "centre", "point"  # attributes of obstacles that tell where they start
 
 
 @checked
@@ -51,20 +54,30 @@ def imperfect(mesh: NamedMesh | MixedMesh | Scene, displacement: Any,
     """
     if not isinstance(mesh, Scene):
         return imperfection.imperfect(mesh, displacement, amplitude)
-    given = [(shape, factor) for one, factor in given_shapes(displacement, amplitude) for shape in _shapes(mesh, one)]
-    return _Moved(mesh, given).of(mesh)
+    given = given_shapes(displacement, amplitude)
+    shapes = shapes_on(mesh, [one for one, _ in given])
+    return _Moved(mesh, [(shape, factor) for found, (_, factor) in zip(shapes, given, strict=True)
+                         for shape in found]).of(mesh)
 
 
-def _shapes(scene: Scene, one: Any) -> list[Shape]:
-    """A displacement as it is; of a mode one on each mesh."""
-    mode = getattr(one, "mode", one)
-    if not isinstance(mode, np.ndarray):
-        return [one]
+def shapes_on(scene: Scene, displacements: Sequence[Any]) -> list[list[Shape]]:
+    """Displacements as they are; of a mode one on each mesh.
+
+    Raises
+    ------
+    ValueError
+        If a mode is one of another scene.
+    """
+    modes = [getattr(one, "mode", one) for one in displacements]
+    if not any(isinstance(mode, np.ndarray) for mode in modes):
+        return [[one] for one in displacements]
     discretisation = Discretisation(scene)
-    if len(mode) != discretisation.layout.size:
-        raise ValueError(f"imperfect: the mode has {len(mode)} increments and the scene {discretisation.layout.size}; "
-                         "give a mode of a path of this scene")
-    return [mode_on(discretisation, mesh, mode) for mesh in scene.meshes]
+    size = discretisation.layout.size
+    if other := [len(mode) for mode in modes if isinstance(mode, np.ndarray) and len(mode) != size]:
+        raise ValueError(f"imperfect: the mode has {other[0]} increments and the scene {size}; give a mode of a path "
+                         "of this scene")
+    return [[mode_on(discretisation, mesh, mode) for mesh in scene.meshes] if isinstance(mode, np.ndarray) else [mode]
+            for mode in modes]
 
 
 class _Moved(Remade):
@@ -75,7 +88,19 @@ class _Moved(Remade):
         self._way = scene.meshes[0].comm.allreduce(max(
             float(np.linalg.norm(x - m.domain.geometry.x[:, :m.dimension], axis=1).max(initial=0.0))
             for m, x in zip(scene.meshes, places, strict=True)), op=MPI.MAX)
-        super().__init__({id(m): at_places(m, x) for m, x in zip(scene.meshes, places, strict=True)})
+        new: dict[int, Any] = {id(m): at_places(m, x) for m, x in zip(scene.meshes, places, strict=True)}
+        super().__init__(new | {id(one): self._back(one) for one in self._free(scene)})
+
+    def _free(self, scene: Scene) -> list[Any]:
+        """Obstacles that travel freely, which start where they first touch."""
+        found = [getattr(contact, "obstacle", None) for contact in scene.contacts]
+        return [one for one in found if one is not None and one.travel is not None]
+
+    def _back(self, obstacle: Any) -> Any:
+        """An obstacle so far back along its travel that it does not start inside of what has moved."""
+        if not (at := next((name for name in PLACES if hasattr(obstacle, name)), None)):
+            return obstacle
+        return replace(obstacle, **{at: tuple((getattr(obstacle, at) - 2 * self._way * way_of(obstacle)).tolist())})
 
     def changes(self, one: Any) -> dict[str, Any]:
         """Of a joint the stretches on its moved mesh, and a reach over what has moved."""

@@ -11,6 +11,7 @@ from ..continuation.tracer import tracer_of
 from ..events.search import state_at, step_of
 from .modes import scaled
 
+ALIKE = 1e-3  # relative difference of eigenvalues of one cluster
 SMALL = 1e-6  # largest displacement of a mode that is imposed, over the size of the structure
 
 
@@ -48,6 +49,31 @@ def critical_modes(path, states: Sequence[State], point: CriticalPoint,
         tracer.factorise_at(state or _state_near(tracer, before, after, point))
         pairs = sorted(zip(*tracer.spectrum(point.multiplicity + 1), strict=True), key=lambda pair: abs(pair[0]))
         return [scaled(path.discretisation, mode) for _, mode in pairs[:point.multiplicity]]
+    finally:
+        tracer.back_to(present)
+
+
+def softest_modes(path, state: State, count: int) -> list[np.ndarray]:
+    """Modes of the tangent at a state whose eigenvalues are nearest to zero, each with a largest displacement of 1.
+
+    More than `count` where the last one would part modes of one eigenvalue, as symmetry makes them.
+
+    Returns
+    -------
+    list of arrays of increments on this process, the softest one first.
+    """
+    tracer = tracer_of(path)
+    present, asked = tracer.state, min(count + 1, tracer.system.size)
+    try:
+        tracer.factorise_at(state)
+        while True:
+            pairs = sorted(zip(*tracer.spectrum(asked), strict=True), key=lambda pair: abs(pair[0]))
+            sizes = [abs(value) for value, _ in pairs]
+            apart = [n for n in range(count, len(sizes)) if sizes[n] - sizes[n - 1] > ALIKE * sizes[n]]
+            if apart or asked == tracer.system.size:
+                break
+            asked = min(2 * asked, tracer.system.size)
+        return [scaled(path.discretisation, mode) for _, mode in pairs[:apart[0] if apart else None]]
     finally:
         tracer.back_to(present)
 

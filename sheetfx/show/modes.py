@@ -13,6 +13,7 @@ from dolfinx import fem
 from dolfinx.io import VTKFile
 
 from ..critical.modes import mode_displacement
+from ..mesh.reader import NamedMesh
 from .evaluate import Curves, communicator, unit_of, with_unit
 from .measure import OF_SIZE, Measure
 from .saving import save_picture
@@ -67,8 +68,13 @@ def mode_files(record: Shown, folder: Folder) -> None:
 
 
 def shape_of(record: Shown, mode: np.ndarray, title: str, measure: Measure) -> View | None:
-    """A mode on process 0, None elsewhere; displacements are those of `mode_displacement` over the largest."""
-    displacements = {mesh: mode_displacement(record.path, mesh, mode) for mesh in record.case.scene.meshes}
+    """A mode on process 0, None elsewhere."""
+    return view_of(record, {mesh: mode_displacement(record.path, mesh, mode) for mesh in record.case.scene.meshes},
+                   title, measure)
+
+
+def view_of(record: Shown, displacements: dict[NamedMesh, fem.Function], title: str, measure: Measure) -> View | None:
+    """Displacements over the largest one on process 0, None elsewhere."""
     found, curves = surfaces(record, displacements), Curves(record, displacements).evaluate()
     if found is None or curves is None:
         return None

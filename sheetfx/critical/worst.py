@@ -1,0 +1,223 @@
+"""The worst and the likely imperfections of a structure, by critical loads of imperfect ones and their gradients.
+
+Imperfections are sums of shapes with coefficients c; their size is the norm of c. Where the load of the first critical
+point is least among those of one size r, its gradient g is normal to the sphere:
+
+    c = -r g / |g|,
+
+a fixed point that is found by iteration (advanced mean value: Wu, Millwater and Cruse 1990), on the circle from c to
+there, not as far where the load does not fall by enough. Several starts find several minima.
+
+Where the coefficients are random, independent and normal with standard deviation s, the load of the worst shape of size
+beta s is to the first order the quantile of probability Phi(-beta) (Hasofer and Lind 1974). Samples about the minima,
+and as many that spread wider than the coefficients do (Hesterberg 1995), give the quantile itself: each counts by its
+density over that of all the distributions that samples come from (Veach and Guibas 1995; Owen and Zhou 2000).
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+from scipy.stats import norm
+
+from ..checks import NOT_NEGATIVE, Count, Positive, Range, require
+from .gradient import NoDerivative
+
+WELL = 1e-4  # relative fall of the load that the gradient still promises, where a search ends
+ITERATIONS, CUTS = 12, 4  # of a search, and of one of its steps
+ENOUGH, CUT = 0.25, 0.1  # of what the slope promises, fall that is enough; smallest part that a step is cut to
+APART = 0.9  # cosine between two minima that are different ones
+WIDE = 1.5  # standard deviation of every second sample over that of the coefficients: minima may lie on a whole circle
+BROKEN = 0.1  # of the size, what a start in one shape has of others: symmetry would hold a search
+
+
+@dataclass(frozen=True)
+class ImperfectLoad:
+    """The first critical point on the path of an imperfect structure.
+
+    Attributes
+    ----------
+    coefficients : of the shapes
+    load : total load
+    kind : "limit" or "bifurcation"
+    """
+
+    coefficients: tuple[float, ...]
+    load: float
+    kind: str
+
+    def __str__(self) -> str:
+        return f"{self.kind} at load {self.load:.6g} with {', '.join(f'{c:.4g}' for c in self.coefficients)}"
+
+
+@dataclass(frozen=True)
+class LoadQuantile:
+    """A load that critical loads are below with a given probability.
+
+    Attributes
+    ----------
+    probability : that the load is less
+    load : by samples about the minima
+    interval : of the load, in which it lies with a probability of 95 %
+    first_order : load of the worst imperfection that is as far from none
+    minima : the worst imperfections, the worst first
+    samples : what was looked at
+    """
+
+    probability: float
+    load: float
+    interval: tuple[float, float]
+    first_order: float
+    minima: tuple[ImperfectLoad, ...]
+    samples: tuple[ImperfectLoad, ...]
+
+    def __str__(self) -> str:
+        low, high = self.interval
+        return (f"{100 * self.probability:g} % of loads are below {self.load:.6g} ({low:.6g} to {high:.6g}; "
+                f"{self.first_order:.6g} to the first order)")
+
+
+class LoadsByShape(ABC):
+    """First critical loads of imperfect structures, and a search for what is worst and likely.
+
+    Attributes
+    ----------
+    count : number of shapes
+    """
+
+    count: int
+
+    @abstractmethod
+    def at(self, coefficients: Sequence[float]) -> ImperfectLoad:
+        """The first critical load with an imperfection."""
+
+    @abstractmethod
+    def gradient(self, coefficients: Sequence[float]) -> np.ndarray:
+        """Derivatives of the first critical load by the coefficients, shape (count,).
+
+        Raises
+        ------
+        NoDerivative
+            At a bifurcation that a shape makes a limit point.
+        """
+
+    def worst(self, size: float, *, starts: int = 3, seed: int = 0) -> list[ImperfectLoad]:
+        """Imperfections of one size whose loads are least among their neighbours', the least first.
+
+        Parameters
+        ----------
+        size : norm of the coefficients
+        starts : number of searches, from those that are least of four for each shape: both signs of it, a little of
+            the others added, and two of all shapes at random
+        seed : of the random numbers
+        """
+        require("worst", size=(size, Positive), starts=(starts, Count),
+                seed=(seed, Annotated[int, NOT_NEGATIVE]))
+        random, count = np.random.default_rng(seed), self.count
+        alone = np.concatenate((np.eye(count), -np.eye(count)))
+        if count > 1:
+            alone = alone + BROKEN * _unit(random.standard_normal((2 * count, count)))
+        ways = _unit(np.concatenate((alone, random.standard_normal((2 * count if count > 1 else 0, count)))))
+        return self._searched(size, ways, starts)
+
+    def quantile(self, probability: float, deviation: float, *, samples: int = 50, starts: int = 3, seed: int = 0,
+                 near: Sequence[ImperfectLoad] = ()) -> LoadQuantile:
+        """Load that critical loads are below with a probability, of independent normal coefficients.
+
+        Parameters
+        ----------
+        probability : below 1/2
+        deviation : standard deviation of each coefficient
+        samples : number of paths beside those of the search for the worst imperfections
+        starts, seed : as of `worst`
+        near : imperfections of another size, from whose ways the search starts; none: as `worst`
+        """
+        require("quantile", deviation=(deviation, Positive), samples=(samples, Count),
+                probability=(probability, Annotated[float, Range(above=0.0, below=0.5)]))
+        radius = -float(norm.ppf(probability)) * deviation
+        if near:
+            minima = self._searched(radius, _unit(np.array([one.coefficients for one in near])), len(near))
+        else:
+            minima = self.worst(radius, starts=starts, seed=seed)
+        centres = np.array([np.zeros(self.count), *(one.coefficients for one in minima)]) / deviation
+        widths = np.array([WIDE] + [1.0] * len(minima))
+        which = np.array([n // 2 % len(minima) + 1 if n % 2 else 0 for n in range(samples)])
+        random = np.random.default_rng(seed).standard_normal((samples, self.count))
+        places = centres[which] + widths[which, None] * random
+        found = [self.at(deviation * place) for place in places]
+        shares = np.bincount(which, minlength=len(centres)) / samples
+        exponents = (places**2).sum(axis=1)[:, None] - ((places[:, None] - centres) ** 2).sum(axis=2) / widths**2
+        weights = 1 / (np.exp(exponents / 2) @ (shares / widths ** self.count))
+        load, interval = _weighted(probability, np.array([one.load for one in found]), weights)
+        return LoadQuantile(probability, load, interval, minima[0].load, tuple(minima), tuple(found))
+
+    def _searched(self, size: float, ways: np.ndarray, starts: int) -> list[ImperfectLoad]:
+        """Minima of one size, from the best of some ways."""
+        found: list[ImperfectLoad] = []
+        tried = sorted((self.at(size * way) for way in ways), key=lambda one: one.load)
+        begun: list[np.ndarray] = []
+        for start in tried:
+            way = np.array(start.coefficients) / size
+            if len(begun) == starts or any(way @ other > APART for other in begun):
+                continue
+            begun.append(way)
+            end = self._descended(start, size)
+            if all(np.dot(end.coefficients, other.coefficients) <= APART * size**2 for other in found):
+                found.append(end)
+        return sorted(found, key=lambda one: one.load)
+
+    def _descended(self, start: ImperfectLoad, size: float) -> ImperfectLoad:
+        """Where the load falls to from a start, on the sphere."""
+        here = start
+        for _ in range(ITERATIONS):
+            place = np.array(here.coefficients)
+            try:
+                slope = self.gradient(here.coefficients)
+            except NoDerivative:
+                break
+            steepest = float(np.linalg.norm(slope))
+            if not steepest:
+                break
+            downhill, ahead = -slope / steepest, -slope @ place / (steepest * size)
+            across, angle = downhill - ahead * place / size, float(np.arccos(np.clip(ahead, -1.0, 1.0)))
+            if steepest * size * angle**2 / 2 <= WELL * abs(here.load) or not across.any():
+                break
+            lower = self._lower(here, size * _unit(across), angle, -steepest * float(np.sin(angle)) * size)
+            if lower is None:
+                break
+            here = lower
+        return here
+
+
+    def _lower(self, here: ImperfectLoad, across: np.ndarray, angle: float, slope: float) -> ImperfectLoad | None:
+        """A load on the circle towards another place that falls by enough of what its slope promises; None: none does.
+
+        The parabola through both loads gives the next angle (Dennis and Schnabel 1983, section 6.3.2).
+        """
+        place = np.array(here.coefficients)
+        for _ in range(CUTS):
+            one = self.at(np.cos(angle) * place + np.sin(angle) * across)
+            bend = one.load - here.load - slope * angle
+            if bend <= (1 - ENOUGH) * -slope * angle:
+                return one
+            angle *= max(CUT, -slope * angle / (2 * bend))
+        return None
+
+
+def _unit(vectors: np.ndarray) -> np.ndarray:
+    return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+
+
+def _weighted(probability: float, loads: np.ndarray, weights: np.ndarray) -> tuple[float, tuple[float, float]]:
+    """Quantile of weighted samples, and the loads that its share below does not exclude, with its error of sampling."""
+    order, count = np.argsort(loads), len(loads)
+    loads, weights = loads[order], weights[order]
+    shares = np.cumsum(weights) / count
+    errors = norm.ppf(0.975) * np.sqrt(np.maximum(np.cumsum(weights**2) / count - shares**2, 0.0) / count)
+    low, load, high = (float(loads[np.argmax(above)] if above.any() else loads[-1])
+                       for above in (bound >= probability for bound in (shares + errors, shares, shares - errors)))
+    return load, (low, high)

@@ -1,0 +1,182 @@
+"""Imperfections of a scene: its shapes, the loads with them, the worst and the quantiles, as files and pictures."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path as Folder
+from typing import Any
+
+import numpy as np
+from dolfinx import fem
+from scipy.interpolate import RBFInterpolator
+
+from ..archive.folder import write_whole
+from ..case import Case
+from ..continuation.control import ArcLength, LoadControl
+from ..continuation.state import write_arrays
+from ..critical.augmented import KINDS
+from ..critical.imperfect import imperfect
+from ..critical.shares import softest_modes
+from ..critical.worst import ImperfectLoad, LoadQuantile, LoadsByShape
+from ..mesh.field_components import field_components
+from ..model.scene import Scene
+from ..path import Path
+from ..record import Record
+
+FILES = ("imperfections.json", "loads.csv", "worst.csv", "worst.png", "imperfections.png", "kept/*.npz")
+NEIGHBOURS = 8  # nodes that the drawn shape is interpolated between
+
+
+@dataclass(frozen=True)
+class Perfect:
+    """The perfect structure's first critical load, and the softest modes there, this process's part."""
+
+    load: float
+    kind: str
+    modes: list[np.ndarray]
+
+    def save(self, file: Folder) -> None:
+        file.parent.mkdir(exist_ok=True)
+        write_arrays(file, load=self.load, kind=self.kind, modes=np.array(self.modes))
+
+    @classmethod
+    def load_from(cls, file: Folder) -> Perfect:
+        with np.load(file) as kept:
+            return cls(float(kept["load"]), str(kept["kind"]), list(kept["modes"]))
+
+
+def path_of(case: Case, scene: Scene) -> Path:
+    """The path of a scene as that of a case, but by arc length in the place of load control, which ends at limits."""
+    control = ArcLength() if isinstance(case.control, LoadControl) else case.control
+    return Path(scene, control, case.until, mixed_points=case.mixed_points)
+
+
+def perfect(name: str, case: Case, count: int) -> tuple[Record, Perfect]:
+    """The path of the perfect structure up to its first critical point, and what is there.
+
+    Raises
+    ------
+    ValueError
+        If there is none.
+    """
+    record = Record(case, path_of(case, case.scene), [])
+    for state in record.path:
+        record.states.append(state)
+        for point in state.critical:
+            if point.kind in KINDS:
+                modes = softest_modes(record.path, record.state_at(point), count)
+                return record, Perfect(point.load, point.kind, modes)
+    raise ValueError(f"imperfections of {name}: the path of the perfect structure has no limit point and no "
+                     f"bifurcation up to load {record.states[-1].load:.6g}; let it go further")
+
+
+@dataclass(frozen=True)
+class Search:
+    """What is looked for, as the command's options have it."""
+
+    amplitude: float
+    shapes: int
+    correlation: float | None
+    quantile: Sequence[float]
+    deviation: float
+    samples: int
+    starts: int
+    seed: int
+
+    def shapes_of(self, case: Case, ideal: Perfect) -> Sequence[Any]:
+        """Components of a random field, or the softest modes of the perfect structure."""
+        if self.correlation is None:
+            return ideal.modes
+        return field_components(case.scene.meshes, self.correlation, self.shapes)
+
+    def results(self, loads: LoadsByShape) -> tuple[list[ImperfectLoad], list[LoadQuantile]]:
+        """The worst imperfections, and the quantiles."""
+        worst = loads.worst(self.amplitude, starts=self.starts, seed=self.seed)
+        return worst, [loads.quantile(probability, self.deviation, samples=self.samples, seed=self.seed, near=worst)
+                       for probability in self.quantile if self.samples]
+
+
+def write_loads(loads: Iterable[ImperfectLoad], folder: Folder) -> None:
+    """Write `loads.csv`: coefficients, load and kind of each path."""
+    text, found = io.StringIO(), list(loads)
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow([*(f"c{n + 1}" for n in range(len(found[0].coefficients))), "load", "kind"])
+    table.writerows([*map(repr, one.coefficients), repr(one.load), one.kind] for one in found)
+    write_whole(folder / "loads.csv", text.getvalue())
+
+
+def read_loads(folder: Folder) -> list[ImperfectLoad]:
+    """What `write_loads` wrote; none where there is no file."""
+    if not (folder / "loads.csv").exists():
+        return []
+    with (folder / "loads.csv").open(newline="") as stream:
+        rows = list(csv.reader(stream))[1:]
+    return [ImperfectLoad(tuple(map(float, row[:-2])), float(row[-2]), row[-1]) for row in rows]
+
+
+def write_results(folder: Folder, search: Search, ideal: Perfect, shapes: int, paths: int,
+                  worst: Sequence[ImperfectLoad], quantiles: Sequence[LoadQuantile]) -> None:
+    """Write `imperfections.json`."""
+    minima = [{"load": one.load, "shape": one.coefficients, "kind": one.kind} for one in worst]
+    detail = {f"{q.probability:g}": {"interval": q.interval, "first_order": q.first_order,
+                                     "shape": q.minima[0].coefficients, "samples": len(q.samples)} for q in quantiles}
+    found = {"amplitude": search.amplitude, "deviation": search.deviation, "correlation": search.correlation,
+             "perfect": ideal.load, "shapes": shapes, "paths": paths, "worst": minima[0], "other_minima": minima[1:],
+             "quantiles": {f"{q.probability:g}": q.load for q in quantiles}, "reliability": detail}
+    write_whole(folder / "imperfections.json", json.dumps(found, indent=2) + "\n")
+
+
+def draw(folder: Folder, axis: str, title: str, perfect_load: float, loads: Sequence[ImperfectLoad],
+         worst: ImperfectLoad, quantiles: Sequence[LoadQuantile]) -> None:
+    """Loads against the size of the imperfection, with the worst ones and the quantiles."""
+    from ..show.figure import Picture
+
+    figure = Picture(figsize=(7.0, 4.5), dpi=150, layout="constrained")
+    axes = figure.add_subplot()
+    axes.plot([np.linalg.norm(one.coefficients) for one in loads], [one.load for one in loads], ".", color="#8aa6bf",
+              markersize=4, label=f"{len(loads)} paths")
+    axes.plot([0.0], [perfect_load], "o", color="black", markersize=5, label="perfect")
+    least = sorted([(np.linalg.norm(one.coefficients), one.load) for one in (worst, *(q.minima[0] for q in quantiles))])
+    axes.plot(*zip((0.0, perfect_load), *least, strict=True), "D-", color="#b3261e", markersize=5, linewidth=1.0,
+              label="worst shapes")
+    for q in quantiles:
+        line = axes.axhline(q.load, linewidth=1.0, linestyle="--", label=f"{100 * q.probability:g} % are below")
+        axes.axhspan(*q.interval, color=line.get_color(), alpha=0.12, linewidth=0)
+    axes.set_xlabel("size of the imperfection")
+    axes.set_ylabel(axis)
+    axes.set_title(f"{title}: first critical load of imperfect structures", fontsize=10)
+    axes.grid(color="#dddddd", linewidth=0.6)
+    axes.legend(frameon=False, fontsize=9)
+    axes.spines[["top", "right"]].set_visible(False)
+    figure.savefig(folder / "imperfections.png")
+
+
+def write_shape(folder: Folder, record: Record, shapes: Sequence[Any], worst: ImperfectLoad) -> None:
+    """Write `worst.csv`, nodes and their displacements in a shape, and draw it as `worst.png`."""
+    from ..show.evaluate import unit_of, with_unit
+    from ..show.measure import OF_SIZE
+    from ..show.modes import draw_shapes, view_of
+    from ..show.saving import save_picture
+
+    scene, displacements, rows = record.case.scene, {}, []
+    moved = imperfect(scene, list(shapes), list(worst.coefficients))
+    for before, after in zip(scene.meshes, moved.meshes, strict=True):
+        x, y = before.domain.geometry.x, after.domain.geometry.x
+        count = before.domain.geometry.index_map().size_local
+        rows.append(np.column_stack((x, y - x))[:count])
+        space = record.path.discretisation.kinematics(before).u.function_space
+        displacements[before] = fem.Function(space)
+        at = RBFInterpolator(x, (y - x)[:, :before.dimension], neighbors=min(NEIGHBOURS, len(x)), kernel="linear")
+        displacements[before].interpolate(lambda places, at=at: at(places.T).T)
+    table = record.path.discretisation.system.comm.gather(np.concatenate(rows))
+    if table is not None:
+        text = io.StringIO()
+        np.savetxt(text, np.concatenate(table), fmt="%.12g", delimiter=",", header="x,y,z,dx,dy,dz", comments="")
+        write_whole(folder / "worst.csv", text.getvalue())
+    view = view_of(record, displacements, f"worst imperfection: {with_unit(worst.load, unit_of(record.case.axes[1]))}",
+                   OF_SIZE)
+    save_picture(record, lambda: draw_shapes(record, [view], OF_SIZE), folder / "worst.png")

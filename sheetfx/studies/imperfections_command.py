@@ -1,0 +1,100 @@
+"""The command `sheetfx imperfections`: the worst and the likely imperfections of a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import asdict
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import typer
+
+from ..checks import POSITIVE
+from .run import OF_A_FOLDER, RESUME, Scenes, folder_of, option, with_options
+
+OWN = [
+    option("amplitude", float | None, None, "Size of the worst imperfection: the norm of the coefficients of shapes, "
+           "whose largest displacement is 1.", "--amplitude", rules=[POSITIVE], metavar="LENGTH"),
+    option("shapes", int, 4, "Number of shapes.", "--shapes", min=1),
+    option("correlation", float | None, None, "Shapes are those of a random field along the normal, whose correlation "
+           "is 1/e at this distance; default: the softest modes at the first critical point.", "--correlation",
+           rules=[POSITIVE], metavar="LENGTH"),
+    option("quantile", list[float], [0.05], "Probability that the load is less, which may be given several times.",
+           "--quantile", rules=[], metavar="SHARE"),
+    option("deviation", float | None, None, "Standard deviation of each coefficient; default: the amplitude.",
+           "--deviation", rules=[POSITIVE], metavar="LENGTH"),
+    option("samples", int, 50, "Paths for each quantile; 0: no quantiles.", "--samples", min=0),
+    option("starts", int, 3, "Searches for the worst shape.", "--starts", min=1),
+    option("seed", int, 0, "Of the random numbers.", "--seed", min=0),
+    option("output", str | None, None, "Folder of the results; default results/NAME-imperfections.", "-o", "--output",
+           metavar="PATH", rules=[OF_A_FOLDER]),
+    RESUME,
+]
+
+
+class Imperfect(Scenes):
+    """Sub-commands of `imperfections`, one for each scene."""
+
+    @staticmethod
+    def runner(name: str, function):
+        def command(**options):
+            own = {parameter.name: options.pop(parameter.name) for parameter in OWN}
+            search_scene(name, function, options, **own)
+
+        return with_options(command, function, OWN)
+
+
+imperfections_app = typer.Typer(cls=Imperfect, no_args_is_help=True,
+                                help="Find the worst imperfection of a size, and quantiles of the critical load.")
+
+
+@imperfections_app.callback()
+def imperfections_group() -> None:
+    """Search the imperfections of a scene for the worst one, and for the quantiles of critical loads."""
+
+
+def search_scene(name: str, function: Callable, parameters: dict[str, Any], amplitude: float | None,
+                 deviation: float | None, output: str | None, resume: bool, **options) -> None:
+    """Write and print the worst imperfection and the quantiles of one scene."""
+    from mpi4py import MPI
+
+    from ..archive.folder import Archive
+    from ..critical.imperfections import Imperfections
+    from ..critical.worst import ImperfectLoad
+    from . import imperfections as study
+
+    if amplitude is None:
+        raise ValueError(f"imperfections of {name}: no size is given; add --amplitude, a length")
+    if wrong := [probability for probability in options["quantile"] if not 0 < probability < 0.5]:
+        raise ValueError(f"imperfections of {name}: --quantile is {wrong[0]:g}; it must be above 0 and below 0.5")
+    search = study.Search(amplitude=amplitude, deviation=deviation or amplitude, **options)
+    folder, comm = folder_of(name, output, "-imperfections"), MPI.COMM_WORLD
+    mine, loads = folder / f"kept/{comm.rank}.npz", list[ImperfectLoad]()
+
+    def told(one: ImperfectLoad) -> None:
+        loads.append(one)
+        if comm.rank == 0:
+            typer.echo(f"{len(loads)}: {one}")
+            study.write_loads(loads, folder)
+
+    archive = Archive(folder, comm, study.FILES, lambda: f"{len(loads)} path{'' if len(loads) == 1 else 's'}")
+    with archive.opened({"command": "imperfections", "scene": name} | asdict(search) | parameters, resume):
+        case = function(**parameters)
+        record, ideal = study.perfect(name, case, search.shapes)
+        if resume and comm.allreduce(int(mine.exists())) == comm.size:
+            ideal = study.Perfect.load_from(mine)
+            loads += study.read_loads(folder)
+        else:
+            ideal.save(mine)
+        if comm.rank == 0:
+            typer.echo(f"perfect: {ideal.kind} at load {ideal.load:.6g}")
+        shapes = search.shapes_of(case, ideal)
+        paths = Imperfections(case.scene, shapes, partial(study.path_of, case), known=loads, told=told)
+        worst, quantiles = search.results(paths)
+        study.write_shape(folder, record, shapes, worst[0])
+        if comm.rank == 0:
+            study.write_results(folder, search, ideal, len(shapes), len(loads), worst, quantiles)
+            study.draw(folder, case.axes[1], Path(name).stem, ideal.load, loads, worst[0], quantiles)
+            typer.echo("\n".join([f"worst of size {amplitude:g}: {worst[0]}", *map(str, quantiles),
+                                  f"{len(loads)} paths; results in {folder}"]))

@@ -1,0 +1,219 @@
+"""The worst and the likely imperfections, against closed forms, random ones and whole paths."""
+
+import csv
+import json
+from functools import cache, partial
+from math import atan, log, sin
+
+import numpy as np
+import pytest
+from helpers import on_two_processes
+from scipy.stats import chi2, norm
+from typer.testing import CliRunner
+
+import sheetfx as fx
+from sheetfx.cli import app
+from sheetfx.scenes import load_case
+from sheetfx.studies.imperfections import path_of, perfect
+
+SIZE = 0.05
+SWAYS = [lambda x: np.outer(x[:, 2], (1.0, 0.0, 0.0)), lambda x: np.outer(x[:, 2], (0.0, 1.0, 0.0))]
+
+
+def propped_bar(ratio: float) -> fx.Scene:
+    """A stiff upright bar of length 1 on a hinge, held at its top by horizontal springs of stiffness 1 and `ratio`."""
+    mesh = fx.read(lambda: fx.meshes.frame({"foot": (0.0, 0.0, 0.0), "top": (0.0, 0.0, 1.0)},
+                                           {"bar": ("foot", "top", 1)}), 3)
+    bar = fx.Bar(mesh, fx.Rectangle(1.0, 1.0), fx.Elastic(1e7))
+    return fx.Scene([bar], [fx.pin(mesh, "foot")], [fx.PointForce(mesh, "top", (0.0, 0.0, -1.0))],
+                    fx.Monitor(mesh, "top", "z"),
+                    joints=[fx.Spring(mesh, "top", "x", 1.0), fx.Spring(mesh, "top", "y", ratio)])
+
+
+def law(size: float) -> float:
+    """Limit load with the top moved by a size: L (1 - sin(tilt)^(2/3))^(3/2) (after Augusti 1961)."""
+    return (1 + size**2) ** 0.5 * (1 - sin(atan(size)) ** (2 / 3)) ** 1.5
+
+
+@cache
+def bars(ratio: float) -> fx.Imperfections:
+    return fx.Imperfections(propped_bar(ratio), SWAYS,
+                            lambda scene: fx.Path(scene, fx.ArcLength(0.2), fx.Until(deflection=0.9)))
+
+
+def test_worst_shape_is_along_the_softer_spring():
+    first, second = bars(1.2).worst(SIZE)
+    for one in (first, second):
+        assert one.load == pytest.approx(law(SIZE), rel=1e-4)
+        assert abs(one.coefficients[0]) == pytest.approx(SIZE, rel=1e-3)
+        assert np.linalg.norm(one.coefficients) == pytest.approx(SIZE, rel=1e-12)
+    assert first.coefficients[0] * second.coefficients[0] < 0
+
+
+def test_gradient_is_that_of_differences_of_paths():
+    place, step = np.array([0.04, 0.03]), 1e-4
+    found = bars(1.2).gradient(place)
+    differences = [(bars(1.2).at(place + step * way).load - bars(1.2).at(place - step * way).load) / (2 * step)
+                   for way in np.eye(2)]
+    assert found == pytest.approx(differences, rel=1e-4)
+
+
+def test_quantile_of_a_load_that_goes_with_the_size_alone():
+    """The sizes of two independent normal coefficients have a distribution of Rayleigh."""
+    probability = 0.05
+    exact = law(SIZE * (-2 * log(probability)) ** 0.5)
+    found = bars(1.0).quantile(probability, SIZE, samples=20)
+    low, high = found.interval
+    assert low <= exact <= high
+    assert low <= found.load <= high
+    assert high - low < 0.25 * exact
+    assert [one.load for one in found.minima] == pytest.approx([law(1.6449 * SIZE)] * len(found.minima), rel=1e-4)
+    assert found.first_order == found.minima[0].load
+
+
+class Law(fx.LoadsByShape):
+    """Loads that a function of the coefficients gives."""
+
+    def __init__(self, count: int, load):
+        self.count, self._load = count, load
+
+    def at(self, coefficients):
+        return fx.ImperfectLoad(tuple(coefficients), self._load(np.asarray(coefficients)), "limit")
+
+    def gradient(self, coefficients):
+        steps = 1e-6 * np.eye(self.count)
+        return np.array([(self._load(coefficients + s) - self._load(coefficients - s)) / 2e-6 for s in steps])
+
+
+@pytest.mark.parametrize(("count", "load", "exact"), [
+    (2, np.linalg.norm, chi2.isf(0.05, 2) ** 0.5), (4, np.linalg.norm, chi2.isf(0.05, 4) ** 0.5),
+    (2, lambda c: abs(c[0]), norm.isf(0.025)), (3, lambda c: c[0], norm.isf(0.05)),
+], ids=["circle", "ball", "two-sided", "one-sided"])
+def test_intervals_have_the_quantile_as_often_as_they_say(count, load, exact):
+    """They are of 95 % for many samples; with 60 they have it 90 to 96 times of 100, as 400 seeds each show."""
+    law_of = Law(count, lambda c: 1.0 - float(load(c)))
+    found = [law_of.quantile(0.05, 1.0, samples=60, seed=seed) for seed in range(200)]
+    assert sum(q.interval[0] <= 1 - exact <= q.interval[1] for q in found) >= 170
+    assert np.mean([q.load for q in found]) == pytest.approx(1 - exact, abs=0.05)
+
+
+def test_minima_of_a_law_are_found():
+    """A load with three valleys, between which a full step to the fixed point goes to and fro."""
+    ways = np.array([(0.8, 0.6, 0.0), (0.0, -0.6, 0.8), (-1.0, 0.0, 0.0)])
+
+    def load(c):
+        size = np.linalg.norm(c)
+        return 1.0 - size * max(factor * np.exp(-((np.asarray(c) / size - way) ** 2).sum())
+                                for way, factor in zip(ways, (0.5, 0.7, 0.4), strict=True))
+
+    found = Law(3, load).worst(1.0)
+    assert [one.load for one in found] == pytest.approx([0.3, 0.5, 0.6], abs=1e-6)
+
+
+def test_loads_that_are_known_are_not_looked_for_again():
+    known, told = list(bars(1.2).known.values()), []
+    again = fx.Imperfections(propped_bar(1.2), SWAYS, fx.Path, known=known, told=told.append)
+    assert again.at(known[0].coefficients) is known[0] and not told
+
+
+@pytest.mark.parametrize(("call", "said"), [
+    (lambda: fx.Imperfections(propped_bar(1.2), [], fx.Path), "no shapes"),
+    (lambda: bars(1.2).at((0.1,)), "1 coefficients for 2 shapes"),
+    (lambda: bars(1.2).worst(0.0), "size"),
+    (lambda: bars(1.2).quantile(0.5, SIZE), "probability"),
+])
+def test_wrong_input_is_named(call, said):
+    with pytest.raises(ValueError, match=said):
+        call()
+
+
+def test_a_path_without_a_critical_point_is_told():
+    few = fx.Imperfections(propped_bar(1.2), SWAYS, lambda scene: fx.Path(scene, fx.ArcLength(), fx.Until(steps=1)))
+    with pytest.raises(ValueError, match="no critical point up to load"):
+        few.at((SIZE, 0.0))
+
+
+def test_soft_modes_of_one_eigenvalue_are_not_parted():
+    case = load_case("star-dome")()
+    _, one = perfect("star-dome", case, 1)
+    _, some = perfect("star-dome", case, 2)
+    assert one.kind == some.kind
+    assert len(one.modes) == 1
+    assert len(some.modes) == 3
+
+
+def test_components_of_a_field_make_its_covariance():
+    mesh = fx.read(lambda: fx.meshes.rectangle((20, 10)), 3)
+    components = fx.field_components([mesh], 0.7, 60)
+    x = np.random.default_rng(0).uniform(0.1, 0.9, (20, 3)) * (1.0, 1.0, 0.0)
+    values = np.array([component(x) for component in components])
+    distances = np.linalg.norm(x[:, None] - x, axis=2)
+    assert values.T @ values == pytest.approx(np.exp(-(distances / 0.7) ** 2), abs=1e-3)
+    assert sum(component.variance for component in components) == pytest.approx(1.0, abs=1e-6)
+    with pytest.raises(ValueError, match="tell 200 apart|tell .* apart; give a smaller count"):
+        fx.field_components([mesh], 100.0, 60)
+
+
+ROORDA = ["imperfections", "roorda-frame", "--amplitude", "1e-3", "--shapes", "1", "--samples", "3"]
+
+
+def results(folder) -> dict:
+    return json.loads((folder / "imperfections.json").read_text())
+
+
+def test_command_writes_the_worst_shape_and_goes_on_where_it_was(tmp_path):
+    done = CliRunner().invoke(app, [*ROORDA, "-o", str(tmp_path)])
+    assert done.exit_code == 0, done.output
+    found, case = results(tmp_path), load_case("roorda-frame")()
+    assert found["worst"]["load"] < found["perfect"]
+    assert np.linalg.norm(found["worst"]["shape"]) == pytest.approx(1e-3)
+    assert found["quantiles"].keys() == {"0.05"}
+    assert (tmp_path / "worst.png").exists() and (tmp_path / "imperfections.png").exists()
+    x, moved = np.split(np.loadtxt(tmp_path / "worst.csv", delimiter=",", skiprows=1), 2, axis=1)
+    again = fx.imperfect(case.scene, fx.measured(x[:, :2], moved[:, :2]))
+    states, path = [], path_of(case, again)
+    for state in path:
+        states.append(state)
+        if state.critical:
+            break
+    assert states[-1].critical[0].load == pytest.approx(found["worst"]["load"], rel=1e-5)
+    with (tmp_path / "loads.csv").open() as stream:
+        rows = list(csv.reader(stream))
+    assert len(rows) - 1 == found["paths"]
+    (tmp_path / "loads.csv").write_text("\n".join(",".join(row) for row in rows[:4]) + "\n")
+    resumed = CliRunner().invoke(app, [*ROORDA, "-o", str(tmp_path), "--resume"])
+    assert resumed.exit_code == 0, resumed.output
+    assert resumed.output.count(" at load ") == found["paths"] - 3 + 2
+    assert results(tmp_path)["worst"]["load"] == pytest.approx(found["worst"]["load"], rel=1e-8)
+
+
+def test_command_on_two_processes(tmp_path):
+    arguments = [*ROORDA[:-1], "1"]
+    assert CliRunner().invoke(app, [*arguments, "-o", str(tmp_path / "one")]).exit_code == 0
+    two = [*arguments, "-o", str(tmp_path / "two")]
+    on_two_processes(f"from sheetfx.cli import app\napp({two!r}, standalone_mode=False)")
+    one, two = results(tmp_path / "one"), results(tmp_path / "two")
+    assert two["worst"]["load"] == pytest.approx(one["worst"]["load"], rel=1e-6)
+    assert two["worst"]["shape"] == pytest.approx(one["worst"]["shape"], abs=1e-6)
+
+
+@pytest.mark.parametrize(("more", "said"), [
+    ([], "add --amplitude"), (["--amplitude", "1", "--quantile", "0.6"], "below 0.5"),
+    (["--amplitude", "-1"], "amplitude")])
+def test_wrong_options_are_named(tmp_path, more, said):
+    done = CliRunner().invoke(app, ["imperfections", "roorda-frame", "-o", str(tmp_path / "a"), *more])
+    assert said in str(done.exception) + done.output
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "options", "size", "count"), [
+    ("star-dome", {}, 0.2, 5), ("cylinder-panel", {"cells": (8, 5), "form": "naghdi-q2", "to": 1.5}, 1e-3, 4),
+    ("sinusoidal-arch", {}, 0.1, 3)])
+def test_worst_shape_is_not_beaten_by_500_random_ones(name, options, size, count):
+    case = load_case(name)(**options)
+    _, ideal = perfect(name, case, count)
+    study = fx.Imperfections(case.scene, ideal.modes, partial(path_of, case))
+    worst = study.worst(size)[0]
+    ways = np.random.default_rng(3).standard_normal((500, len(ideal.modes)))
+    least = min(study.at(size * way / np.linalg.norm(way)).load for way in ways)
+    assert least >= worst.load * (1 - 1e-3)
