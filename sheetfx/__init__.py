@@ -68,6 +68,7 @@ _ROOMS = {
     "critical.gradient": "LoadGradient",
     "critical.imperfect": "imperfect",
     "critical.imperfections": "Imperfections",
+    "critical.reduced_energy": "ReducedEnergy",
     "critical.remade": "remade",
     "critical.modes": "mode_displacement",
     "critical.shares": "softest_modes",

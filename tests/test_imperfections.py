@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 
 import sheetfx as fx
 from sheetfx.cli import app
+from sheetfx.critical.amplitude_equations import AmplitudeEquations
 from sheetfx.scenes import load_case
 from sheetfx.studies.imperfections import path_of, perfect
 
@@ -129,8 +130,11 @@ def test_wrong_input_is_named(call, said):
 
 def test_a_path_without_a_critical_point_is_told():
     few = fx.Imperfections(propped_bar(1.2), SWAYS, lambda scene: fx.Path(scene, fx.ArcLength(), fx.Until(steps=1)))
+    assert few.at((SIZE, 0.0)).kind == "none" and few.at((SIZE, 0.0)).load == np.inf
     with pytest.raises(ValueError, match="no critical point up to load"):
-        few.at((SIZE, 0.0))
+        few.gradient((SIZE, 0.0))
+    with pytest.raises(ValueError, match="none of 8 imperfections of size 0.05 has a critical point"):
+        few.worst(SIZE)
 
 
 def test_soft_modes_of_one_eigenvalue_are_not_parted():
@@ -152,6 +156,66 @@ def test_components_of_a_field_make_its_covariance():
     assert sum(component.variance for component in components) == pytest.approx(1.0, abs=1e-6)
     with pytest.raises(ValueError, match="tell 200 apart|tell .* apart; give a smaller count"):
         fx.field_components([mesh], 100.0, 60)
+
+
+def equations(count: int, cubic: float = 0.0, quartic: float = 0.0) -> AmplitudeEquations:
+    """Modes that are alike, with the energy quartic |a|^4 / 24 and, of one mode, cubic a^3 / 6."""
+    one = np.eye(count)
+    alike = sum(np.einsum(order, one, one) for order in ("ij,kl->ijkl", "ik,jl->ijkl", "il,jk->ijkl")) / 3
+    nothing = np.zeros((count, count))
+    return AmplitudeEquations(1.0, nothing, np.zeros(count), -one, np.full((count,) * 3, cubic), quartic * alike, -one,
+                              nothing, np.zeros((count,) * 3))
+
+
+@pytest.mark.parametrize("size", [1e-6, 1e-3, 0.05])
+def test_ends_of_amplitude_equations_are_those_of_koiter(size):
+    """Limits of m a - |A| a^2 / 2 = size and of m a - |C| a^3 / 6 = size, by m, the distance from the critical load."""
+    end = equations(1, cubic=-3.0).end(np.array([size]))
+    assert -end.change == pytest.approx((2 * 3.0 * size) ** 0.5, abs=3e-8)
+    exact = (1.5 * size * (5.0 / 2) ** 0.5) ** (2 / 3)
+    assert -equations(1, quartic=-5.0).end(np.array([size])).change == pytest.approx(exact, abs=3e-8)
+    turned = equations(3, quartic=-5.0).end(size * np.array([0.6, 0.0, -0.8]))
+    assert -turned.change == pytest.approx(exact, abs=3e-8)
+    assert abs(turned.null @ (0.6, 0.0, -0.8)) == pytest.approx(1.0, rel=1e-6)
+
+
+def test_an_imperfection_that_stabilises_has_no_end():
+    assert equations(1, cubic=-3.0).end(np.array([-0.01])) is None
+    assert equations(1, quartic=5.0).end(np.array([0.01])) is None
+
+
+@cache
+def energy_of(name: str, count: int, size: float) -> tuple[fx.ReducedEnergy, fx.Imperfections]:
+    case = load_case(name)()
+    record, ideal = perfect(name, case, count)
+    paths = fx.Imperfections(case.scene, ideal.modes, partial(path_of, case))
+    state = record.state_at(record.states[-1].critical[0])
+    return fx.ReducedEnergy(record.path, state, ideal.modes, paths.scene, len(ideal.modes), size), paths
+
+
+@pytest.mark.parametrize(("name", "count", "size", "error"), [
+    ("star-dome", 2, 0.05, 1e-3), ("sinusoidal-arch", 3, 5e-4, 2e-3), ("sinusoidal-arch", 3, 2e-3, 3e-2)])
+def test_reduced_energy_tells_its_error(name, count, size, error):
+    energy, paths = energy_of(name, count, 1e-5)
+    way = np.random.default_rng(1).standard_normal(paths.count)
+    c = size * way / np.linalg.norm(way)
+    right, found = paths.at(c).load, energy.at(c).load
+    assert found == pytest.approx(right, rel=error)
+    assert energy.error(c) == pytest.approx(found - right, rel=0.1, abs=1e-7 * right)
+
+
+def test_gradient_of_the_reduced_energy():
+    energy, _ = energy_of("sinusoidal-arch", 3, 1e-5)
+    c, step = np.array([1e-3, -5e-4, 7e-4]), 1e-6
+    found = [(energy.at(c + step * way).load - energy.at(c - step * way).load) / (2 * step) for way in np.eye(3)]
+    assert energy.gradient(c) == pytest.approx(found, rel=1e-2)
+
+
+def test_reduced_energy_refuses_what_has_none():
+    case = load_case("arch")()
+    record, ideal = perfect("arch", case, 1)
+    with pytest.raises(ValueError, match="no value of an energy alone"):
+        fx.ReducedEnergy(record.path, record.states[-1], ideal.modes, lambda c: case.scene, 1, 1e-3)
 
 
 ROORDA = ["imperfections", "roorda-frame", "--amplitude", "1e-3", "--shapes", "1", "--samples", "3"]
@@ -185,6 +249,18 @@ def test_command_writes_the_worst_shape_and_goes_on_where_it_was(tmp_path):
     assert resumed.exit_code == 0, resumed.output
     assert resumed.output.count(" at load ") == found["paths"] - 3 + 2
     assert results(tmp_path)["worst"]["load"] == pytest.approx(found["worst"]["load"], rel=1e-8)
+
+
+def test_reduced_energy_saves_paths(tmp_path):
+    options = ["--amplitude", "0.05", "--shapes", "2", "--samples", "0", "-o", str(tmp_path)]
+    done = CliRunner().invoke(app, ["imperfections", "star-dome", *options, "--reduced", "20"])
+    assert done.exit_code == 0, done.output
+    found = results(tmp_path)
+    assert found["paths"] <= 2
+    assert found["reduced"]["in_range"]
+    told = found["reduced"]["worst"]["load"] - found["reduced"]["error"]
+    assert told == pytest.approx(found["worst"]["load"], rel=1e-4)
+    assert found["reduced"]["quantiles"].keys() == {"0.05"}
 
 
 def test_command_on_two_processes(tmp_path):

@@ -14,7 +14,7 @@ from .augmented import KINDS
 from .gradient import LoadGradient
 from .imperfect import imperfect, shapes_on
 from .shares import critical_modes
-from .worst import ImperfectLoad, LoadsByShape
+from .worst import NONE, ImperfectLoad, LoadsByShape
 
 STEP = 1e-4  # of the size, of differences by a coefficient
 
@@ -41,7 +41,7 @@ class Imperfections(LoadsByShape):
             raise ValueError("Imperfections: no shapes; give one or more")
         self._scene, self._follow, self._told = scene, follow, told
         self._shapes, self.count = shapes_on(scene, shapes), len(shapes)
-        self._last: tuple[tuple[float, ...], Any, list[State], CriticalPoint] | None = None
+        self._last: tuple[tuple[float, ...], Any, list[State], CriticalPoint | None] | None = None
         self.known = {one.coefficients: one for one in known}
 
     def at(self, coefficients: Sequence[float]) -> ImperfectLoad:
@@ -50,12 +50,13 @@ class Imperfections(LoadsByShape):
         Raises
         ------
         ValueError
-            If there is not one coefficient for each shape, or the path has no critical point.
+            If there is not one coefficient for each shape.
         """
         key = self._key(coefficients)
         if key not in self.known:
             self._last = self._followed(key)
-            self.known[key] = ImperfectLoad(key, self._last[-1].load, self._last[-1].kind)
+            point = self._last[-1]
+            self.known[key] = ImperfectLoad(key, *((point.load, point.kind) if point else (np.inf, NONE)))
             if self._told:
                 self._told(self.known[key])
         return self.known[key]
@@ -66,7 +67,7 @@ class Imperfections(LoadsByShape):
         Raises
         ------
         ValueError
-            As `LoadGradient`, where laws remember the way.
+            As `LoadGradient`, where laws remember the way; or if the path has no critical point.
         NoDerivative
             At a bifurcation that a shape makes a limit point.
         """
@@ -74,12 +75,15 @@ class Imperfections(LoadsByShape):
         if self._last is None or self._last[0] != key:
             self._last = self._followed(key)
         _, path, states, point = self._last
+        if point is None:
+            raise ValueError(f"Imperfections: the path with {', '.join(f'{c:.4g}' for c in key)} has no critical point "
+                             f"up to load {states[-1].load:.6g}; let it go further, or take another imperfection")
         state = path.critical_states.get(point) or state_at(path.tracer, states[-2], states[-1], point)
         gradient = LoadGradient(path, point, state, critical_modes(path, states, point, state))
         step, rates = STEP * (np.linalg.norm(key) or 1.0), np.empty(len(key))
         for n, at in enumerate(key):
             def changed(value: float, n: int = n) -> Scene:
-                return self._imperfect([*key[:n], value, *key[n + 1:]])
+                return self.scene([*key[:n], value, *key[n + 1:]])
 
             rates[n] = np.min(gradient.derivative(changed, at, step))
         return rates
@@ -90,17 +94,17 @@ class Imperfections(LoadsByShape):
             raise ValueError(f"Imperfections: {len(key)} coefficients for {self.count} shapes; give one each")
         return key
 
-    def _imperfect(self, coefficients: Sequence[float]) -> Scene:
+    def scene(self, coefficients: Sequence[float]) -> Scene:
+        """The imperfect structure."""
         given = [(one, c) for shapes, c in zip(self._shapes, coefficients, strict=True) for one in shapes]
         return cast(Scene, imperfect(self._scene, [one for one, _ in given], [c for _, c in given]))
 
-    def _followed(self, key: tuple[float, ...]) -> tuple[tuple[float, ...], Any, list[State], CriticalPoint]:
-        """The path of an imperfect structure up to its first critical point."""
-        path, states = self._follow(self._imperfect(key)), []
+    def _followed(self, key: tuple[float, ...]) -> tuple[tuple[float, ...], Any, list[State], CriticalPoint | None]:
+        """The path of an imperfect structure up to its first critical point; None: it has none."""
+        path, states = self._follow(self.scene(key)), []
         for state in path:
             states.append(state)
             for point in state.critical:
                 if point.kind in KINDS:
                     return key, path, states, point
-        raise ValueError(f"Imperfections: the path with the coefficients {', '.join(f'{c:.4g}' for c in key)} has no "
-                         f"critical point up to load {states[-1].load:.6g}; let paths go further, or take other shapes")
+        return key, path, states, None

@@ -110,13 +110,13 @@ def expansion(tracer, mode: PETSc.Vec, neighbours: Sequence[State]) -> Expansion
     cubic = _cubic(energy, mode)
     slope = solve(tracer.load_vector())
     stiffness, bend = (mode.dot(change) for change in energy.third([mode, slope], slope, 1.0))
-    quartic, error = (24 * number for number in _quartic(energy, mode, solve(-0.5 * third)))
-    if abs(cubic) < _blur(tracer, mode, abs(quartic) + error):
+    quartic_, error = (24 * number for number in quartic(energy, mode, solve(-0.5 * third)))
+    if abs(cubic) < _blur(tracer, mode, abs(quartic_) + error):
         cubic = 0.0
     energy.leave()
     along = sum(tracer.inner((0.0, mode.array), (0.0, s.response)) for s in neighbours) / len(neighbours)
     stiffness += cubic * _fundamental(cubic, stiffness, bend, along)
-    return Expansion(mode, size, cubic, stiffness, quartic if abs(quartic) > error else 0.0)
+    return Expansion(mode, size, cubic, stiffness, quartic_ if abs(quartic_) > error else 0.0)
 
 
 def postbuckling(tracer, state: State, modes: Sequence[PETSc.Vec], point: CriticalPoint,
@@ -190,7 +190,7 @@ def _cubic(energy: Energy, mode: PETSc.Vec) -> float:
     return 2 * _coefficient(even, (0, 2, 4))[0]
 
 
-def _quartic(energy: Energy, mode: PETSc.Vec, bend: PETSc.Vec) -> tuple[float, float]:
+def quartic(energy: Energy, mode: PETSc.Vec, bend: PETSc.Vec) -> tuple[float, float]:
     """Coefficient of s^4 in the energy along s mode + s^2 bend, and its error.
 
     The odd part of its derivative is c s + 4 quartic s^3 + d s^5. Where a branch keeps its load the error is as large

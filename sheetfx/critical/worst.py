@@ -27,6 +27,7 @@ from scipy.stats import norm
 from ..checks import NOT_NEGATIVE, Count, Positive, Range, require
 from .gradient import NoDerivative
 
+NONE = "none"  # kind where a path has no critical point
 WELL = 1e-4  # relative fall of the load that the gradient still promises, where a search ends
 ITERATIONS, CUTS = 12, 4  # of a search, and of one of its steps
 ENOUGH, CUT = 0.25, 0.1  # of what the slope promises, fall that is enough; smallest part that a step is cut to
@@ -42,8 +43,8 @@ class ImperfectLoad:
     Attributes
     ----------
     coefficients : of the shapes
-    load : total load
-    kind : "limit" or "bifurcation"
+    load : total load; infinite where there is none
+    kind : "limit" or "bifurcation"; "none" where the path ends without a critical point
     """
 
     coefficients: tuple[float, ...]
@@ -51,6 +52,8 @@ class ImperfectLoad:
     kind: str
 
     def __str__(self) -> str:
+        if self.kind == NONE:
+            return f"no critical point with {', '.join(f'{c:.4g}' for c in self.coefficients)}"
         return f"{self.kind} at load {self.load:.6g} with {', '.join(f'{c:.4g}' for c in self.coefficients)}"
 
 
@@ -105,7 +108,8 @@ class LoadsByShape(ABC):
             At a bifurcation that a shape makes a limit point.
         """
 
-    def worst(self, size: float, *, starts: int = 3, seed: int = 0) -> list[ImperfectLoad]:
+    def worst(self, size: float, *, starts: int = 3, seed: int = 0,
+              near: Sequence[ImperfectLoad] = ()) -> list[ImperfectLoad]:
         """Imperfections of one size whose loads are least among their neighbours', the least first.
 
         Parameters
@@ -114,9 +118,17 @@ class LoadsByShape(ABC):
         starts : number of searches, from those that are least of four for each shape: both signs of it, a little of
             the others added, and two of all shapes at random
         seed : of the random numbers
+        near : imperfections of any size, from whose ways the searches start instead
+
+        Raises
+        ------
+        ValueError
+            If no imperfection that is looked at has a critical point.
         """
         require("worst", size=(size, Positive), starts=(starts, Count),
                 seed=(seed, Annotated[int, NOT_NEGATIVE]))
+        if near:
+            return self._searched(size, _unit(np.array([one.coefficients for one in near])), len(near))
         random, count = np.random.default_rng(seed), self.count
         alone = np.concatenate((np.eye(count), -np.eye(count)))
         if count > 1:
@@ -134,15 +146,17 @@ class LoadsByShape(ABC):
         deviation : standard deviation of each coefficient
         samples : number of paths beside those of the search for the worst imperfections
         starts, seed : as of `worst`
-        near : imperfections of another size, from whose ways the search starts; none: as `worst`
+        near : as of `worst`
+
+        Raises
+        ------
+        ValueError
+            As `worst`.
         """
         require("quantile", deviation=(deviation, Positive), samples=(samples, Count),
                 probability=(probability, Annotated[float, Range(above=0.0, below=0.5)]))
         radius = -float(norm.ppf(probability)) * deviation
-        if near:
-            minima = self._searched(radius, _unit(np.array([one.coefficients for one in near])), len(near))
-        else:
-            minima = self.worst(radius, starts=starts, seed=seed)
+        minima = self.worst(radius, starts=starts, seed=seed, near=near)
         centres = np.array([np.zeros(self.count), *(one.coefficients for one in minima)]) / deviation
         widths = np.array([WIDE] + [1.0] * len(minima))
         which = np.array([n // 2 % len(minima) + 1 if n % 2 else 0 for n in range(samples)])
@@ -159,10 +173,13 @@ class LoadsByShape(ABC):
         """Minima of one size, from the best of some ways."""
         found: list[ImperfectLoad] = []
         tried = sorted((self.at(size * way) for way in ways), key=lambda one: one.load)
+        if tried[0].kind == NONE:
+            raise ValueError(f"worst: none of {len(tried)} imperfections of size {size:g} has a critical point; let "
+                             "their paths go further, or take other shapes")
         begun: list[np.ndarray] = []
         for start in tried:
             way = np.array(start.coefficients) / size
-            if len(begun) == starts or any(way @ other > APART for other in begun):
+            if start.kind == NONE or len(begun) == starts or any(way @ other > APART for other in begun):
                 continue
             begun.append(way)
             end = self._descended(start, size)

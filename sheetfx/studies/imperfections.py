@@ -20,14 +20,18 @@ from ..continuation.control import ArcLength, LoadControl
 from ..continuation.state import write_arrays
 from ..critical.augmented import KINDS
 from ..critical.imperfect import imperfect
+from ..critical.imperfections import STEP, Imperfections
+from ..critical.reduced_energy import ReducedEnergy
 from ..critical.shares import softest_modes
 from ..critical.worst import ImperfectLoad, LoadQuantile, LoadsByShape
 from ..mesh.field_components import field_components
 from ..model.scene import Scene
+from ..notices import warn
 from ..path import Path
 from ..record import Record
 
 FILES = ("imperfections.json", "loads.csv", "worst.csv", "worst.png", "imperfections.png", "kept/*.npz")
+IN_RANGE = 0.02  # error of the reduced energy's load over the load, up to which that is in its range
 NEIGHBOURS = 8  # nodes that the drawn shape is interpolated between
 
 
@@ -86,6 +90,7 @@ class Search:
     samples: int
     starts: int
     seed: int
+    reduced: int
 
     def shapes_of(self, case: Case, ideal: Perfect) -> Sequence[Any]:
         """Components of a random field, or the softest modes of the perfect structure."""
@@ -93,11 +98,45 @@ class Search:
             return ideal.modes
         return field_components(case.scene.meshes, self.correlation, self.shapes)
 
-    def results(self, loads: LoadsByShape) -> tuple[list[ImperfectLoad], list[LoadQuantile]]:
-        """The worst imperfections, and the quantiles."""
-        worst = loads.worst(self.amplitude, starts=self.starts, seed=self.seed)
-        return worst, [loads.quantile(probability, self.deviation, samples=self.samples, seed=self.seed, near=worst)
-                       for probability in self.quantile if self.samples]
+    def results(self, loads: LoadsByShape, near: Sequence[ImperfectLoad] = ()
+                ) -> tuple[list[ImperfectLoad], list[LoadQuantile]]:
+        """The worst imperfections, and the quantiles; the search starts `near` others."""
+        worst = loads.worst(self.amplitude, starts=self.starts, seed=self.seed, near=near)
+        return worst, self._quantiles(loads, worst, self.samples)
+
+    def of_energy(self, energy: ReducedEnergy) -> tuple[list[ImperfectLoad], dict[str, Any]]:
+        """The worst imperfections by the reduced energy, and what the results tell of it."""
+        worst = energy.worst(self.amplitude, starts=self.starts, seed=self.seed)
+        error = energy.error(worst[0].coefficients)
+        quantiles = self._quantiles(energy, worst, self.reduced)
+        return worst, {"worst": {"load": worst[0].load, "shape": worst[0].coefficients, "kind": worst[0].kind},
+                       "error": error if np.isfinite(error) else None,
+                       "in_range": bool(abs(error) <= IN_RANGE * abs(worst[0].load)),
+                       "quantiles": {f"{q.probability:g}": q.load for q in quantiles}}
+
+    def _quantiles(self, loads: LoadsByShape, worst: Sequence[ImperfectLoad], samples: int) -> list[LoadQuantile]:
+        return [loads.quantile(probability, self.deviation, samples=samples, seed=self.seed, near=worst)
+                for probability in self.quantile if samples]
+
+
+def by_energy(search: Search, record: Record, ideal: Perfect, paths: Imperfections
+              ) -> tuple[Sequence[ImperfectLoad], dict[str, Any]]:
+    """Imperfections that the reduced energy has the search start from, and what the results tell of that; where it is
+    not asked for, or ends, none."""
+    if not search.reduced:
+        return (), {}
+    state = record.state_at(next(p for p in record.critical_points if p.kind in KINDS))
+    try:
+        energy = ReducedEnergy(record.path, state, ideal.modes, paths.scene, paths.count, STEP * search.amplitude)
+        near, told = search.of_energy(energy)
+    except ValueError as failure:
+        warn(f"the reduced energy is out of its range: {failure}")
+        return (), {"reduced": {"in_range": False, "reason": str(failure)}}
+    if not told["in_range"]:
+        error = "unknown" if told["error"] is None else f"{told['error'] / told['worst']['load']:+.1%}"
+        warn(f"the reduced energy is out of its range: its worst load {told['worst']['load']:.6g} is off by {error}; "
+             "only the ways of its shapes are used")
+    return near, {"reduced": told}
 
 
 def write_loads(loads: Iterable[ImperfectLoad], folder: Folder) -> None:
@@ -118,14 +157,14 @@ def read_loads(folder: Folder) -> list[ImperfectLoad]:
     return [ImperfectLoad(tuple(map(float, row[:-2])), float(row[-2]), row[-1]) for row in rows]
 
 
-def write_results(folder: Folder, search: Search, ideal: Perfect, shapes: int, paths: int,
-                  worst: Sequence[ImperfectLoad], quantiles: Sequence[LoadQuantile]) -> None:
+def write_results(folder: Folder, search: Search, told: dict[str, Any], worst: Sequence[ImperfectLoad],
+                  quantiles: Sequence[LoadQuantile]) -> None:
     """Write `imperfections.json`."""
     minima = [{"load": one.load, "shape": one.coefficients, "kind": one.kind} for one in worst]
     detail = {f"{q.probability:g}": {"interval": q.interval, "first_order": q.first_order,
                                      "shape": q.minima[0].coefficients, "samples": len(q.samples)} for q in quantiles}
     found = {"amplitude": search.amplitude, "deviation": search.deviation, "correlation": search.correlation,
-             "perfect": ideal.load, "shapes": shapes, "paths": paths, "worst": minima[0], "other_minima": minima[1:],
+             **told, "worst": minima[0], "other_minima": minima[1:],
              "quantiles": {f"{q.probability:g}": q.load for q in quantiles}, "reliability": detail}
     write_whole(folder / "imperfections.json", json.dumps(found, indent=2) + "\n")
 

@@ -26,6 +26,8 @@ OWN = [
            "--deviation", rules=[POSITIVE], metavar="LENGTH"),
     option("samples", int, 50, "Paths for each quantile; 0: no quantiles.", "--samples", min=0),
     option("starts", int, 3, "Searches for the worst shape.", "--starts", min=1),
+    option("reduced", int, 0, "Samples of the energy of the softest modes (Koiter), which takes no paths, for each "
+           "quantile; the search then starts from its worst shapes. 0: it is not made.", "--reduced", min=0),
     option("seed", int, 0, "Of the random numbers.", "--seed", min=0),
     option("output", str | None, None, "Folder of the results; default results/NAME-imperfections.", "-o", "--output",
            metavar="PATH", rules=[OF_A_FOLDER]),
@@ -91,10 +93,12 @@ def search_scene(name: str, function: Callable, parameters: dict[str, Any], ampl
             typer.echo(f"perfect: {ideal.kind} at load {ideal.load:.6g}")
         shapes = search.shapes_of(case, ideal)
         paths = Imperfections(case.scene, shapes, partial(study.path_of, case), known=loads, told=told)
-        worst, quantiles = search.results(paths)
+        near, told_by_energy = study.by_energy(search, record, ideal, paths)
+        worst, quantiles = search.results(paths, near)
         study.write_shape(folder, record, shapes, worst[0])
         if comm.rank == 0:
-            study.write_results(folder, search, ideal, len(shapes), len(loads), worst, quantiles)
+            about = {"perfect": ideal.load, "shapes": len(shapes), "paths": len(loads)} | told_by_energy
+            study.write_results(folder, search, about, worst, quantiles)
             study.draw(folder, case.axes[1], Path(name).stem, ideal.load, loads, worst[0], quantiles)
             typer.echo("\n".join([f"worst of size {amplitude:g}: {worst[0]}", *map(str, quantiles),
                                   f"{len(loads)} paths; results in {folder}"]))
