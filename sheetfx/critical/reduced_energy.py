@@ -6,8 +6,8 @@ With amplitudes a of modes phi, a change d of the load factor and coefficients c
 
 where w, y and z make the energy stationary off the modes. What is left is equilibrium along these, the
 `AmplitudeEquations`, whose paths take milliseconds. Third variations are differences of the Hessian, the quartic form
-is fitted to its values along many directions. Far from the critical point the energy has further terms. What equilibrium
-lacks along the null vector, at the state that is found, tells by how much the load is off, to the first order.
+is fitted to its values along many directions. Far from the critical point the energy has further terms. The forces
+along the null vector that equilibrium lacks at the state found tell by how much the load is off, to the first order.
 """
 
 from __future__ import annotations

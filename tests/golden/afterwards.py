@@ -10,6 +10,8 @@ import numpy as np
 from failure_map.traps import TRAPS, contact
 from helpers import hinged_arch, whole_arch
 from test_curves import propped_bar
+from test_imperfections import SWAYS
+from test_imperfections import propped_bar as upright_bar
 from test_unilateral import spans
 
 import sheetfx as fx
@@ -156,6 +158,20 @@ def curve(record: Record) -> dict[str, float]:
     return {p.name: p.load for p in points if p.name} | {"last": points[-1].load}
 
 
+def imperfections(record: Record) -> dict[str, float]:
+    """The worst imperfection, a quantile by few paths, and the load and error of the reduced energy."""
+    def follow(scene):
+        return fx.Path(scene, record.case.control, record.case.until)
+
+    paths, (point,) = fx.Imperfections(record.case.scene, SWAYS, follow), record.critical_points[:1]
+    worst = paths.worst(0.05, starts=2)
+    quantile = paths.quantile(0.05, 0.05, samples=3, near=worst)
+    state = record.state_at(point)
+    energy = fx.ReducedEnergy(record.path, state, fx.softest_modes(record.path, state, 2), paths.scene, 2, 1e-5)
+    return {"worst": worst[0].load, "minima": len(worst), "quantile": quantile.load, "reach": quantile.interval[1],
+            "reduced": energy.at((0.01, 0.004)).load, "off": energy.error((0.01, 0.004))}
+
+
 def trap(name: str) -> Callable[[], fx.Case]:
     return lambda: TRAPS[name].case()
 
@@ -189,5 +205,6 @@ AFTERWARDS: dict[str, tuple[Callable[[], fx.Case], Callable[[Record], dict[str, 
     "gradients-arch": (trap("sinusoidal-arch-before"), gradients),
     "gradients-frame": (trap("lee-frame"), gradients),
     "curve-bar": (lambda: fx.Case(propped_bar(0.1), fx.ArcLength(0.05), fx.Until(deflection=0.45)), curve),
+    "imperfections-bar": (lambda: fx.Case(upright_bar(1.2), fx.ArcLength(0.2), fx.Until(deflection=0.9)), imperfections),
     "imperfect-arch": (lambda: fx.Case(hinged_arch(whole_arch(20)), until=fx.Until(deflection=10.0)), imperfect_arch),
 }
