@@ -205,6 +205,7 @@ AFTERWARDS: dict[str, tuple[Callable[[], fx.Case], Callable[[Record], dict[str, 
     "gradients-arch": (trap("sinusoidal-arch-before"), gradients),
     "gradients-frame": (trap("lee-frame"), gradients),
     "curve-bar": (lambda: fx.Case(propped_bar(0.1), fx.ArcLength(0.05), fx.Until(deflection=0.45)), curve),
-    "imperfections-bar": (lambda: fx.Case(upright_bar(1.2), fx.ArcLength(0.2), fx.Until(deflection=0.9)), imperfections),
+    "imperfections-bar": (lambda: fx.Case(upright_bar(1.2), fx.ArcLength(0.2), fx.Until(deflection=0.9)),
+                          imperfections),
     "imperfect-arch": (lambda: fx.Case(hinged_arch(whole_arch(20)), until=fx.Until(deflection=10.0)), imperfect_arch),
 }
