@@ -21,20 +21,22 @@ from petsc4py import PETSc
 
 from .. import rounding
 from ..continuation.bordered import BorderedSolver, pivots
+from ..continuation.control import ArcLength
+from ..continuation.linear import SingularTangent
 from ..continuation.state import State
-from ..continuation.tracer import tracer_of
+from ..continuation.tracer import Tracer, tracer_of
 from ..discrete.discretisation import Discretisation
 from ..discrete.free_motions import usual_stiffness
 from ..events.determinant import orthonormal
 from ..model.scene import Scene
 from .amplitude_equations import AmplitudeEquations, StableEnd
-from .defining import combined
+from .defining import DefiningSystem, combined
 from .gradient import NoDerivative, changed_structure
 from .koiter import Energy, quartic
 from .worst import NONE, ImperfectLoad, LoadsByShape
 
 SECANT = 0.1  # of the critical load factor, difference that tells how the push of imperfections goes with it
-ITERATIONS = 50  # of corrections off the modes
+ITERATIONS = 12  # of corrections off the modes
 SETTLED = 0.01  # of an error, its last change
 PUSHED = 1e-6  # of the load's share along the modes, that along the null vector at a bifurcation
 
@@ -64,6 +66,10 @@ class ReducedEnergy(LoadsByShape):
         if not (system.smooth and system.conservative) or system.history.moved:
             raise ValueError("ReducedEnergy: the structure has contact, history or forces without a potential, and its "
                              "load is no value of an energy alone; follow paths, by Imperfections")
+        unit = self._tracer.discretisation.load_of_unit()
+        if unit is None:
+            raise ValueError("ReducedEnergy: the load is a reaction to what is prescribed; give the load as forces")
+        self._unit = unit
         self._modes = orthonormal(system.weights, [system.create_vector(mode) for mode in modes])
         present = self._tracer.state
         try:
@@ -81,7 +87,6 @@ class ReducedEnergy(LoadsByShape):
         softening = _table(modes, energy.third(modes, self._response, 1.0))
         fourth = _fitted(len(modes), lambda way: quartic(energy, combined(modes, way), self._bend(way))[0])
         energy.leave()
-        self._unit = tracer.discretisation.load_of_unit()
         found = [self._push(n, size) for n in range(self.count)]
         self._responses = [one[0] for one in found]
         self.equations = AmplitudeEquations(
@@ -183,33 +188,31 @@ class ReducedEnergy(LoadsByShape):
     def error(self, coefficients: Sequence[float]) -> float:
         """By how much the load is too high, by what equilibrium of the imperfect structure lacks along the null vector.
 
-        The state is corrected off the modes first. Of the first order: where it is more than some per cent of the load,
-        the reduced energy is out of its range; infinite where the corrections do not converge.
+        The state is corrected off the modes first, by Newton's method. Of the first order: where it is more than some
+        per cent of the load, the reduced energy is out of its range; infinite where the corrections do not converge.
         """
         end = self._ended(coefficients)
         a, c, factor = end.amplitudes, end.coefficients, self._state.factor + end.change
-        x = combined(self._modes, a) + self._bend(a) + end.change * self._response + combined(self._responses, c)
-        problem = changed_structure("ReducedEnergy", self._scene(c), self._state.fields)
-        mode, present = combined(self._modes, end.null), self._tracer.state
-        by_load, found, first = end.null @ self.equations.by_load(a, c), np.inf, np.inf
-        try:
-            self._factorise()
-            with problem.system.additive_increments():
-                for _ in range(ITERATIONS):
-                    residual = problem.system.create_vector()
-                    problem.system.configure(problem.system.create_vector(x.array), factor)
-                    problem.system.residual(residual)
-                    lacking = self._tracer.system.create_vector(residual.array)
-                    before, found = found, self._unit * mode.dot(lacking) / by_load
-                    if abs(found - before) <= SETTLED * (abs(found) + rounding.NONE * abs(self._unit * factor)):
-                        return float(found)
-                    step = self._across(-1.0 * lacking)
-                    length = self._tracer.distance(0.0, step.array)
-                    if length > 2 * first:
-                        break
-                    x, first = x + step, min(first, length)
-        finally:
-            self._tracer.back_to(present)
+        start = combined(self._modes, a) + self._bend(a) + end.change * self._response + combined(self._responses, c)
+        problem = Discretisation(self._scene(c))
+        system, linear = problem.system, Tracer(problem, ArcLength(), "sheetfx_").stepper.linear
+        system.restore(dict(self._state.fields))
+        x, *modes = (system.create_vector(one.array) for one in (start, *self._modes))
+        defining = DefiningSystem(problem, linear, modes, len(modes), None)
+        null, residual, found = combined(modes, end.null), system.create_vector(), np.inf
+        with system.additive_increments():
+            for _ in range(ITERATIONS):
+                system.configure(x, factor)
+                system.residual(residual)
+                before, found = found, self._unit * null.dot(residual) / (end.null @ self.equations.by_load(a, c))
+                if abs(found - before) <= SETTLED * (abs(found) + rounding.NONE * abs(self._unit * factor)):
+                    return float(found)
+                system.extrapolate_stress()
+                try:
+                    defining.factorise()
+                    x += defining.off_modes(x, factor)
+                except (SingularTangent, np.linalg.LinAlgError):
+                    break
         return np.inf
 
 

@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 from dolfinx import fem
-from scipy.interpolate import RBFInterpolator
 
 from ..archive.folder import write_whole
 from ..case import Case
+from ..compat import geometry_nodes
 from ..continuation.control import ArcLength, LoadControl
 from ..continuation.state import write_arrays
 from ..critical.augmented import KINDS
@@ -32,7 +32,6 @@ from ..record import Record
 
 FILES = ("imperfections.json", "loads.csv", "worst.csv", "worst.png", "imperfections.png", "kept/*.npz")
 IN_RANGE = 0.02  # error of the reduced energy's load over the load, up to which that is in its range
-NEIGHBOURS = 8  # nodes that the drawn shape is interpolated between
 
 
 @dataclass(frozen=True)
@@ -177,11 +176,11 @@ def draw(folder: Folder, axis: str, title: str, perfect_load: float, loads: Sequ
     figure = Picture(figsize=(7.0, 4.5), dpi=150, layout="constrained")
     axes = figure.add_subplot()
     axes.plot([np.linalg.norm(one.coefficients) for one in loads], [one.load for one in loads], ".", color="#8aa6bf",
-              markersize=4, label=f"{len(loads)} paths")
-    axes.plot([0.0], [perfect_load], "o", color="black", markersize=5, label="perfect")
+              markersize=4, label=f"{len(loads)} imperfect structures")
     least = sorted([(np.linalg.norm(one.coefficients), one.load) for one in (worst, *(q.minima[0] for q in quantiles))])
     axes.plot(*zip((0.0, perfect_load), *least, strict=True), "D-", color="#b3261e", markersize=5, linewidth=1.0,
               label="worst shapes")
+    axes.plot([0.0], [perfect_load], "o", color="black", markersize=5, label="perfect")
     for q in quantiles:
         line = axes.axhline(q.load, linewidth=1.0, linestyle="--", label=f"{100 * q.probability:g} % are below")
         axes.axhspan(*q.interval, color=line.get_color(), alpha=0.12, linewidth=0)
@@ -207,10 +206,12 @@ def write_shape(folder: Folder, record: Record, shapes: Sequence[Any], worst: Im
         x, y = before.domain.geometry.x, after.domain.geometry.x
         count = before.domain.geometry.index_map().size_local
         rows.append(np.column_stack((x, y - x))[:count])
-        space = record.path.discretisation.kinematics(before).u.function_space
-        displacements[before] = fem.Function(space)
-        at = RBFInterpolator(x, (y - x)[:, :before.dimension], neighbors=min(NEIGHBOURS, len(x)), kernel="linear")
-        displacements[before].interpolate(lambda places, at=at: at(places.T).T)
+        space = fem.functionspace(before.domain, before.domain.ufl_domain().ufl_coordinate_element())
+        nodal = fem.Function(space)
+        nodal.x.array.reshape(-1, before.dimension)[space.dofmap.list] = (
+            y - x)[geometry_nodes(before.domain), :before.dimension]
+        displacements[before] = fem.Function(record.path.discretisation.kinematics(before).u.function_space)
+        displacements[before].interpolate(nodal)
     table = record.path.discretisation.system.comm.gather(np.concatenate(rows))
     if table is not None:
         text = io.StringIO()
