@@ -29,8 +29,9 @@ from .gradient import NoDerivative
 
 NONE = "none"  # kind where a path has no critical point
 WELL = 1e-4  # relative fall of the load that the gradient still promises, where a search ends
-ITERATIONS, CUTS = 12, 4  # of a search, and of one of its steps
-ENOUGH, CUT = 0.25, 0.1  # of what the slope promises, fall that is enough; smallest part that a step is cut to
+ITERATIONS, CUTS = 20, 3  # of a search, and of one of its steps
+TURNS = 0.3, 0.1, 0.03  # angles at which loads are looked at where the slope does not lead down
+ENOUGH, CUT = 0.25, 0.25  # of what the slope promises, fall that is enough; smallest part that a step is cut to
 APART = 0.9  # cosine between two minima that are different ones
 WIDE = 1.5  # standard deviation of every second sample over that of the coefficients: minima may lie on a whole circle
 BROKEN = 0.1  # of the size, what a start in one shape has of others: symmetry would hold a search
@@ -203,7 +204,8 @@ class LoadsByShape(ABC):
             across, angle = downhill - ahead * place / size, float(np.arccos(np.clip(ahead, -1.0, 1.0)))
             if steepest * size * angle**2 / 2 <= WELL * abs(here.load) or not across.any():
                 break
-            lower = self._lower(here, size * _unit(across), angle, -steepest * float(np.sin(angle)) * size)
+            lower = (self._lower(here, size * _unit(across), angle, -steepest * float(np.sin(angle)) * size)
+                     or self._beside(here, size))
             if lower is None:
                 break
             here = lower
@@ -222,6 +224,20 @@ class LoadsByShape(ABC):
             if bend <= (1 - ENOUGH) * -slope * angle:
                 return one
             angle *= max(CUT, -slope * angle / (2 * bend))
+        return None
+
+    def _beside(self, here: ImperfectLoad, size: float) -> ImperfectLoad | None:
+        """The least load about another that is less, on the sphere; None: there is none.
+
+        Where the load has a kink, as two limit points have that come first by turns, its slope does not lead down.
+        """
+        place = np.array(here.coefficients)
+        for turn in TURNS:
+            around = size * np.linalg.svd(place[None, :])[2][1:]
+            least = min((self.at(np.cos(turn) * place + np.sin(turn) * sign * way) for way in around
+                         for sign in (1.0, -1.0)), key=lambda one: one.load, default=here)
+            if least.load < here.load - WELL * abs(here.load):
+                return least
         return None
 
 
