@@ -114,7 +114,7 @@ def test_minima_of_a_law_are_found():
 def test_a_valley_with_a_kink_is_followed():
     """Across it the slope is five times that along it, and leads from one side to the other."""
     found = Law(3, lambda c: 2.0 - c[1] + 5.0 * abs(c[0])).worst(1.0)
-    assert found[0].load == pytest.approx(1.0, abs=0.05)
+    assert found[0].load == pytest.approx(1.0, abs=0.1)
 
 
 def test_loads_that_are_known_are_not_looked_for_again():
