@@ -143,6 +143,11 @@ def test_a_path_without_a_critical_point_is_told():
         few.worst(SIZE)
 
 
+def test_history_is_refused_before_paths():
+    with pytest.raises(ValueError, match="imperfections of double-plate: what plasticity or friction remembers"):
+        perfect("double-plate", load_case("double-plate")(), 2)
+
+
 def test_soft_modes_of_one_eigenvalue_are_not_parted():
     case = load_case("star-dome")()
     _, one = perfect("star-dome", case, 1)

@@ -211,7 +211,6 @@ class LoadsByShape(ABC):
             here = lower
         return here
 
-
     def _lower(self, here: ImperfectLoad, across: np.ndarray, angle: float, slope: float) -> ImperfectLoad | None:
         """A load on the circle towards another place that falls by enough of what its slope promises; None: none does.
 

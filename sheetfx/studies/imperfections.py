@@ -64,9 +64,13 @@ def perfect(name: str, case: Case, count: int) -> tuple[Record, Perfect]:
     Raises
     ------
     ValueError
-        If there is none.
+        If there is none, or laws remember the way, so that loads have no gradients.
     """
     record = Record(case, path_of(case, case.scene), [])
+    if any(contribution.remembers for contribution in record.path.discretisation.system.contributions):
+        raise ValueError(f"imperfections of {name}: what plasticity or friction remembers depends on the way, and "
+                         "loads have no gradients; take an elastic model without friction, or compare runs by sheetfx "
+                         "study")
     for state in record.path:
         record.states.append(state)
         for point in state.critical:
@@ -109,9 +113,9 @@ class Search:
         error = energy.error(worst[0].coefficients)
         quantiles = self._quantiles(energy, worst, self.reduced)
         return worst, {"worst": {"load": worst[0].load, "shape": worst[0].coefficients, "kind": worst[0].kind},
-                       "error": error if np.isfinite(error) else None,
+                       "error": _finite(error),
                        "in_range": bool(abs(error) <= IN_RANGE * abs(worst[0].load)),
-                       "quantiles": {f"{q.probability:g}": q.load for q in quantiles}}
+                       "quantiles": {f"{q.probability:g}": _finite(q.load) for q in quantiles}}
 
     def _quantiles(self, loads: LoadsByShape, worst: Sequence[ImperfectLoad], samples: int) -> list[LoadQuantile]:
         return [loads.quantile(probability, self.deviation, samples=samples, seed=self.seed, near=worst)
@@ -129,7 +133,7 @@ def by_energy(search: Search, record: Record, ideal: Perfect, paths: Imperfectio
         energy = ReducedEnergy(record.path, state, ideal.modes, paths.scene, paths.count, STEP * search.amplitude)
         near, told = search.of_energy(energy)
     except ValueError as failure:
-        warn(f"the reduced energy is out of its range: {failure}")
+        warn(f"no reduced energy: {failure}")
         return (), {"reduced": {"in_range": False, "reason": str(failure)}}
     if not told["in_range"]:
         error = "unknown" if told["error"] is None else f"{told['error'] / told['worst']['load']:+.1%}"
@@ -158,14 +162,18 @@ def read_loads(folder: Folder) -> list[ImperfectLoad]:
 
 def write_results(folder: Folder, search: Search, told: dict[str, Any], worst: Sequence[ImperfectLoad],
                   quantiles: Sequence[LoadQuantile]) -> None:
-    """Write `imperfections.json`."""
+    """Write `imperfections.json`; loads that no path has come to are null."""
     minima = [{"load": one.load, "shape": one.coefficients, "kind": one.kind} for one in worst]
-    detail = {f"{q.probability:g}": {"interval": q.interval, "first_order": q.first_order,
+    detail = {f"{q.probability:g}": {"interval": [_finite(load) for load in q.interval], "first_order": q.first_order,
                                      "shape": q.minima[0].coefficients, "samples": len(q.samples)} for q in quantiles}
-    found = {"amplitude": search.amplitude, "deviation": search.deviation, "correlation": search.correlation,
-             **told, "worst": minima[0], "other_minima": minima[1:],
-             "quantiles": {f"{q.probability:g}": q.load for q in quantiles}, "reliability": detail}
+    found = {"amplitude": search.amplitude, "deviation": search.deviation, "correlation": search.correlation, **told,
+             "worst": minima[0], "other_minima": minima[1:],
+             "quantiles": {f"{q.probability:g}": _finite(q.load) for q in quantiles}, "reliability": detail}
     write_whole(folder / "imperfections.json", json.dumps(found, indent=2) + "\n")
+
+
+def _finite(value: float) -> float | None:
+    return value if np.isfinite(value) else None
 
 
 def draw(folder: Folder, axis: str, title: str, perfect_load: float, loads: Sequence[ImperfectLoad],
@@ -181,7 +189,7 @@ def draw(folder: Folder, axis: str, title: str, perfect_load: float, loads: Sequ
     axes.plot(*zip((0.0, perfect_load), *least, strict=True), "D-", color="#b3261e", markersize=5, linewidth=1.0,
               label="worst shapes")
     axes.plot([0.0], [perfect_load], "o", color="black", markersize=5, label="perfect")
-    for q in quantiles:
+    for q in (q for q in quantiles if np.isfinite(q.interval).all()):
         line = axes.axhline(q.load, linewidth=1.0, linestyle="--", label=f"{100 * q.probability:g} % are below")
         axes.axhspan(*q.interval, color=line.get_color(), alpha=0.12, linewidth=0)
     axes.set_xlabel("size of the imperfection")
