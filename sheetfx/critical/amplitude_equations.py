@@ -11,6 +11,7 @@ perfect structure's below its critical load to the imperfections, and on with th
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -99,6 +100,19 @@ class AmplitudeEquations:
                 return a if stable else None
         return None
 
+    @cached_property
+    def _perfect(self) -> list[tuple[np.ndarray, float]]:
+        """Amplitudes and changes of the load factor of stable states without imperfections, the nearest first."""
+        change, none, found = -BELOW[0] * self.factor, np.zeros(len(self.pushes)), []
+        a = self._descended(change, none)
+        for below in BELOW if a is not None else ():
+            before, change = change, -below * self.factor
+            a, there = self._followed(a, before, change - before, none, none)
+            if there < 1:
+                break
+            found.append((a, change))
+        return found
+
     def _begun(self, c: np.ndarray) -> tuple[np.ndarray, float]:
         """Amplitudes and change of the load factor of a stable equilibrium, to which that of the perfect one leads.
 
@@ -107,14 +121,8 @@ class AmplitudeEquations:
         ValueError
             If there is none.
         """
-        none, change = np.zeros_like(c), 0.0
-        a = self._descended(-BELOW[0] * self.factor, none)
-        for below in BELOW if a is not None else ():
-            before, change = change or -BELOW[0] * self.factor, -below * self.factor
-            a, there = self._followed(a, before, change - before, none, none)
-            if there < 1:
-                break
-            found, there = self._followed(a, change, 0.0, none, c)
+        for a, change in self._perfect:
+            found, there = self._followed(a, change, 0.0, np.zeros_like(c), c)
             if there == 1:
                 return found, change
         raise ValueError(f"AmplitudeEquations: at {1 - BELOW[-1]:.0%} of the critical load no stable way leads to the "

@@ -101,10 +101,16 @@ class Imperfections(LoadsByShape):
 
     def _followed(self, key: tuple[float, ...]) -> tuple[tuple[float, ...], Any, list[State], CriticalPoint | None]:
         """The path of an imperfect structure up to its first critical point; None: it has none."""
-        path, states = self._follow(self.scene(key)), []
-        for state in path:
-            states.append(state)
-            for point in state.critical:
-                if point.kind in KINDS:
-                    return key, path, states, point
-        return key, path, states, None
+        path = self._follow(self.scene(key))
+        return key, path, *up_to_critical(path)
+
+
+def up_to_critical(path) -> tuple[list[State], CriticalPoint | None]:
+    """States of a path up to its first limit point or bifurcation, and that; None: it has none."""
+    states = []
+    for state in path:
+        states.append(state)
+        for point in state.critical:
+            if point.kind in KINDS:
+                return states, point
+    return states, None

@@ -20,7 +20,7 @@ from ..continuation.control import ArcLength, LoadControl
 from ..continuation.state import write_arrays
 from ..critical.augmented import KINDS
 from ..critical.imperfect import imperfect
-from ..critical.imperfections import STEP, Imperfections
+from ..critical.imperfections import STEP, Imperfections, up_to_critical
 from ..critical.reduced_energy import ReducedEnergy
 from ..critical.shares import softest_modes
 from ..critical.worst import ImperfectLoad, LoadQuantile, LoadsByShape
@@ -66,19 +66,17 @@ def perfect(name: str, case: Case, count: int) -> tuple[Record, Perfect]:
     ValueError
         If there is none, or laws remember the way, so that loads have no gradients.
     """
-    record = Record(case, path_of(case, case.scene), [])
-    if any(contribution.remembers for contribution in record.path.discretisation.system.contributions):
+    path = path_of(case, case.scene)
+    if any(contribution.remembers for contribution in path.discretisation.system.contributions):
         raise ValueError(f"imperfections of {name}: what plasticity or friction remembers depends on the way, and "
                          "loads have no gradients; take an elastic model without friction, or compare runs by sheetfx "
                          "study")
-    for state in record.path:
-        record.states.append(state)
-        for point in state.critical:
-            if point.kind in KINDS:
-                modes = softest_modes(record.path, record.state_at(point), count)
-                return record, Perfect(point.load, point.kind, modes)
-    raise ValueError(f"imperfections of {name}: the path of the perfect structure has no limit point and no "
-                     f"bifurcation up to load {record.states[-1].load:.6g}; let it go further")
+    states, point = up_to_critical(path)
+    if point is None:
+        raise ValueError(f"imperfections of {name}: the path of the perfect structure has no limit point and no "
+                         f"bifurcation up to load {states[-1].load:.6g}; let it go further")
+    record = Record(case, path, states)
+    return record, Perfect(point.load, point.kind, softest_modes(path, record.state_at(point), count))
 
 
 @dataclass(frozen=True)
