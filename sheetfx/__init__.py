@@ -80,6 +80,12 @@ _ROOMS = {
     "path": "Path PathFailure Until",
     "record": "Record",
     "case": "Case run trace",
+    "ladder.climb": "Climb",
+    "ladder.decision": "Advice Decision",
+    "ladder.integration": "integrated_finer",
+    "ladder.left_out": "LeftOut",
+    "ladder.meshes": "Meshes by_halving by_option halved raised",
+    "scenes": "load_case",
 }
 _HOMES = {name: room for room, names in _ROOMS.items() for name in names.split()}
 _MODULES = ("continuation", "forms", "meshes", "show")

@@ -17,6 +17,7 @@ import typer
 from .archive.folder import Stopped, write_whole
 from .interrupts import release, tell
 from .scenes import load_case, of_script, scene_names
+from .studies.advise_command import advise_app
 from .studies.curve_command import curve_app
 from .studies.depends_command import depends_app
 from .studies.diagram_command import diagram_app
@@ -34,6 +35,7 @@ app.add_typer(diagram_app, name="diagram")
 app.add_typer(depends_app, name="depends")
 app.add_typer(curve_app, name="curve")
 app.add_typer(imperfections_app, name="imperfections")
+app.add_typer(advise_app, name="advise")
 app.add_typer(study_app, name="study")
 app.command(cls=Single)(view)
 app.command(name="map", cls=Listing)(draw_failure_map)

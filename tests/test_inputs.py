@@ -26,9 +26,9 @@ WRONG = [nan, inf, -inf, None, "", "wrong", 0, -1, True, (), (1.0,), (1.0, nan),
          {"wrong": nan}]
 
 # Classes whose objects the program makes and nobody else: what they hold has been computed, not given.
-MADE_BY_THE_PROGRAM = {"Branch", "BucklingLoad", "Critical", "CurvePoint", "ErrorBar", "FieldComponent",
-                       "ImperfectLoad", "LoadQuantile", "MeshesByKind", "MixedMesh", "NamedMesh", "Record", "Snap",
-                       "Trace", "UnilateralBuckling", "Vibration"}
+MADE_BY_THE_PROGRAM = {"Advice", "Branch", "BucklingLoad", "Critical", "CurvePoint", "Decision", "ErrorBar",
+                       "FieldComponent", "ImperfectLoad", "LoadQuantile", "Meshes", "MeshesByKind", "MixedMesh",
+                       "NamedMesh", "Record", "Snap", "Trace", "UnilateralBuckling", "Vibration"}
 
 
 def public_dataclasses() -> dict[str, type]:
@@ -66,7 +66,7 @@ def examples() -> dict[str, dict]:
     section = {"mesh": p.line, "section": p.section, "material": p.material}
     joined = {"mesh": p.space, "at": "one", "to": (p.plate, "south")}
     return {
-        "ArcLength": {}, "DisplacementControl": {}, "LoadControl": {}, "Bar": section, "Beam": section,
+        "ArcLength": {}, "DisplacementControl": {}, "LoadControl": {}, "LeftOut": {}, "Bar": section, "Beam": section,
         "Box": {"depth": 2.0, "width": 1.0, "thickness": 0.1},
         "CSection": {"depth": 2.0, "width": 1.0, "web": 0.1, "flange": 0.1},
         "ISection": {"depth": 2.0, "width": 1.0, "web": 0.1, "flange": 0.1},
@@ -153,7 +153,8 @@ class Right:
 
 LEGITIMATE = [
     Right("a switch can be on", (True,), "*.rotations *.follower *.fixed *.moving *.facets *.mixed_points *.triangles "
-          "arch.no-punch *.full *.at_once *.eccentric bend.plain-tangent bend.polar deep-arch.hinged *.elastic "
+          "arch.no-punch *.full *.at_once LeftOut.contact LeftOut.friction LeftOut.plasticity "
+          "*.eccentric bend.plain-tangent bend.polar deep-arch.hinged *.elastic "
           "*.line-load roll-up.spatial Case.error Case.snaps"),
     Right("without friction, hardening, an offset or the like", (0,), "*.friction *.cohesion *.strength *.gap *.reach "
           "*.screws *.after *.slide *.root *.toe *.inertia *.inner *.warping Box.radius GivenSection.product "
@@ -176,6 +177,7 @@ LEGITIMATE = [
     Right("down from a loaded state", (0,), "LoadControl.target"),
     Right("until a bound of the path", (inf, -inf), "LoadControl.target"),
     Right("only the unloaded state", (0,), "Until.steps *.steps"),
+    Right("cells as they are", (0,), "read.halvings"),
     Right("by default from the cells along the other side", (0,), "slit-annulus.across"),
     Right("an angle like any other", (0,), "arc.start arc.end"),
     Right("the origin", ((0.0, 0.0),), "RigidCylinder.centre RigidPlane.point RigidSphere.centre "

@@ -364,6 +364,10 @@ class PairWork(PointWork):
     def gaps(self) -> np.ndarray:
         return np.empty(0) if self.augments else np.where(self._here, self.place(), np.nan)
 
+    def smallest_gap(self) -> float:
+        """Smallest gap of the pairs that have a partner; infinite where none has."""
+        return float(self.place()[self._here].min(initial=np.inf))
+
     def touch(self) -> np.ndarray | None:
         """Gaps, trial pressures, tractions and slips in the columns; None for laws whose work is not known."""
         if self.contact.law is not forms.contact.mohr_coulomb:

@@ -104,7 +104,7 @@ class Model:
 
 
 def read_model(source: Source, who: str, order: int | None, place: Callable | None, comm: MPI.Comm,
-               several: bool = False, size: float | None = None) -> Model:
+               several: bool = False, size: float | None = None, halvings: int = 0) -> Model:
     """What there is to know of the gmsh model of a source; what goes wrong on process 0 is raised on all.
 
     Parameters
@@ -115,6 +115,7 @@ def read_model(source: Source, who: str, order: int | None, place: Callable | No
     place : function from coordinates of nodes to those in space; None: the same
     several : whether surfaces may have triangles and quadrilaterals
     size : largest of the cells that gmsh makes
+    halvings : number of times that these are then divided in two along each side
     """
     what = who if callable(source) else f"{who} {str(source)!r}"
     if order not in (None, *ORDERS):
@@ -122,7 +123,7 @@ def read_model(source: Source, who: str, order: int | None, place: Callable | No
     model = error = None
     if comm.rank == 0:
         try:
-            model = _model(source, what, order, place, several, size)
+            model = _model(source, what, order, place, several, size, halvings)
         except Exception as raised:  # other processes wait to be told
             error = raised
     model, error = comm.bcast((model, error), root=0)
@@ -134,8 +135,12 @@ def read_model(source: Source, who: str, order: int | None, place: Callable | No
 
 
 def _model(source: Source, what: str, order: int | None, place: Callable | None, several: bool,
-           size: float | None) -> Model:
-    if not callable(source) and Path(source).suffix.lower() in SUFFIXES:
+           size: float | None, halvings: int) -> Model:
+    other = not callable(source) and Path(source).suffix.lower() in SUFFIXES
+    if halvings and (other or not (callable(source) or is_geometry(source) or place)):
+        raise ValueError(f"{what}: halvings is {halvings}, but a file of cells does not tell the lines and surfaces "
+                         "that they are on; make its cells smaller where they come from")
+    if other:
         return _raised(_of_file(Path(source), what, place, several), order, place is not None, known=False)
     import gmsh
 
@@ -143,6 +148,8 @@ def _model(source: Source, what: str, order: int | None, place: Callable | None,
     try:
         gmsh.option.setNumber("General.Terminal", 0)
         _fill(gmsh, source, what, size)
+        for _ in range(halvings):
+            gmsh.model.mesh.refine()
         if gmsh.model.getNumberOfPartitions():
             gmsh.model.mesh.unpartition()
         known = _curve(gmsh.model, what, order, place, several)

@@ -9,7 +9,7 @@ from typing import Annotated
 import numpy as np
 from mpi4py import MPI
 
-from ..checks import Choice, checked
+from ..checks import NOT_NEGATIVE, Choice, checked
 from .cells import Cells
 from .gmsh_model import Model, Source, read_model
 from .orientation import run_alike
@@ -52,7 +52,7 @@ class MeshesByKind:
 
 @checked
 def read_kinds(source: Source, order: Annotated[int | None, Choice((1, 2, 3))] = None, place: Callable | None = None,
-               comm: MPI.Comm = MPI.COMM_WORLD) -> MeshesByKind:
+               comm: MPI.Comm = MPI.COMM_WORLD, halvings: Annotated[int, NOT_NEGATIVE] = 0) -> MeshesByKind:
     """Meshes of the triangles and of the quadrilaterals of one gmsh model in space.
 
     Recombination in gmsh leaves both. Cells run alike and are raised to one order across both kinds. Each piece of a
@@ -60,14 +60,14 @@ def read_kinds(source: Source, order: Annotated[int | None, Choice((1, 2, 3))] =
 
     Parameters
     ----------
-    source, order, place : as for `read`
+    source, order, place, halvings : as for `read`
 
     Raises
     ------
     ValueError
         If the file, a group or a cell cannot be read, a curve is on no edge of a surface, or all cells are of one kind.
     """
-    model = read_model(source, "read_kinds", order, place, comm, several=True)
+    model = read_model(source, "read_kinds", order, place, comm, several=True, halvings=halvings)
     if len(model.kinds) == 1:
         raise ValueError(f"{model.what}: all cells are of one kind; read them with read")
     model.require_edges()
@@ -79,7 +79,8 @@ def read_kinds(source: Source, order: Annotated[int | None, Choice((1, 2, 3))] =
     corners = quadrilaterals.corners()
     rest = replace(model, points={name: np.setdiff1d(nodes, corners) for name, nodes in model.points.items()})
     first = named_mesh(rest, triangles, outer, 3, comm, partition.guests, alike)
-    with_reading((first, second), source, place, lambda order: tuple(read_kinds(source, order, place, comm)))
+    with_reading((first, second), source, place,
+                 lambda order, more: tuple(read_kinds(source, order, place, comm, halvings + more)))
     return MeshesByKind(first, second)
 
 

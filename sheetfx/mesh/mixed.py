@@ -9,7 +9,7 @@ from typing import Annotated
 import numpy as np
 from mpi4py import MPI
 
-from ..checks import Choice, checked
+from ..checks import NOT_NEGATIVE, Choice, checked
 from .cells import Cells
 from .gmsh_model import Model, Source, read_model
 from .groups import DIMENSIONS
@@ -41,8 +41,8 @@ class MixedMesh:
 
 @checked
 def read_mixed(source: Source, bars: str | Sequence[str], order: Annotated[int | None, Choice((1, 2, 3))] = None,
-               place: Callable | None = None,
-               comm: MPI.Comm = MPI.COMM_WORLD) -> MixedMesh:
+               place: Callable | None = None, comm: MPI.Comm = MPI.COMM_WORLD,
+               halvings: Annotated[int, NOT_NEGATIVE] = 0) -> MixedMesh:
     """Meshes of the surfaces and of the bars of one gmsh model in space.
 
     Curves of `bars` are cells of the curves and, where they lie on edges of surfaces, edges of the surfaces under the
@@ -51,7 +51,7 @@ def read_mixed(source: Source, bars: str | Sequence[str], order: Annotated[int |
 
     Parameters
     ----------
-    source, order, place : as for `read`
+    source, order, place, halvings : as for `read`
     bars : names of groups of curves
 
     Raises
@@ -60,15 +60,15 @@ def read_mixed(source: Source, bars: str | Sequence[str], order: Annotated[int |
         If the file, a group or a cell cannot be read, there are no surfaces or bars, or a curve is neither a bar nor
         on the edges of surfaces.
     """
-    model = read_model(source, "read_mixed", order, place, comm)
+    model = read_model(source, "read_mixed", order, place, comm, halvings=halvings)
     cells, edges = _bars_and_edges(model, [bars] if isinstance(bars, str) else list(bars))
     model.require_points_on(model.surfaces, cells)
     partition = Hosted(cells.corners())
     surfaces = named_mesh(model, model.surfaces, edges, 3, comm, partition.hosts)
     curves = named_mesh(model, cells, Cells({}, {}), 3, comm, partition.guests)
 
-    def again(order: int) -> tuple[NamedMesh, NamedMesh]:
-        found = read_mixed(source, bars, order, place, comm)
+    def again(order: int | None, more: int) -> tuple[NamedMesh, NamedMesh]:
+        found = read_mixed(source, bars, order, place, comm, halvings + more)
         return found.surfaces, found.curves
 
     with_reading((surfaces, curves), source, place, again)

@@ -12,7 +12,7 @@ from dolfinx import fem
 from dolfinx.mesh import Mesh, MeshTags, exterior_facet_indices
 from mpi4py import MPI
 
-from ..checks import Choice, Positive, checked, require_components
+from ..checks import NOT_NEGATIVE, Choice, Positive, checked, require_components
 from ..communicators import lasting
 from ..compat import geometry_degree, geometry_nodes, gmsh_mesh
 from ..notices import warn
@@ -32,11 +32,11 @@ class Reading:
 
     Attributes
     ----------
-    again : function from an order to all of them
+    again : function from an order, and how often all cells are halved, to all of them
     number : of one of them
     """
 
-    again: Callable[[int], tuple[NamedMesh, ...]]
+    again: Callable[[int | None, int], tuple[NamedMesh, ...]]
     number: int = 0
 
 
@@ -321,7 +321,8 @@ class NamedMesh:
 @checked
 def read(source: Source, dimension: Annotated[int, Choice((2, 3))],
          order: Annotated[int | None, Choice((1, 2, 3))] = None, place: Callable | None = None,
-         comm: MPI.Comm = MPI.COMM_WORLD, size: Positive | None = None) -> NamedMesh:
+         comm: MPI.Comm = MPI.COMM_WORLD, size: Positive | None = None,
+         halvings: Annotated[int, NOT_NEGATIVE] = 0) -> NamedMesh:
     """Mesh of curves, or of surfaces with edges, of a gmsh model or a file.
 
     Parameters
@@ -337,24 +338,26 @@ def read(source: Source, dimension: Annotated[int, Choice((2, 3))],
     place : function from coordinates in the gmsh model, shape (n, 3), to those in space, shape (n, 3), for
         structures that are meshed in the plane of their parameters
     size : largest of the cells that gmsh makes
+    halvings : number of times that all cells are divided in two along each side, on the geometry where gmsh knows it
 
     Raises
     ------
     ValueError
         If the file, a group or a cell cannot be read.
     """
-    model = read_model(source, "read", order, place, comm, size=size)
+    model = read_model(source, "read", order, place, comm, size=size, halvings=halvings)
     cells, edges = model.curves, Cells({}, {})
     if model.surfaces.groups:
         cells, edges = model.surfaces, model.curves
         model.require_edges()
     model.require_points_on(cells)
     mesh = named_mesh(model, cells, edges, dimension, comm, keep_junctions_whole)
-    return with_reading((mesh,), source, place, lambda order: (read(source, dimension, order, place, comm, size),))[0]
+    return with_reading((mesh,), source, place, lambda order, more: (
+        read(source, dimension, order, place, comm, size, halvings + more),))[0]
 
 
 def with_reading(meshes: tuple[NamedMesh, ...], source: Source, place: Callable | None,
-                 again: Callable[[int], tuple[NamedMesh, ...]]) -> tuple[NamedMesh, ...]:
+                 again: Callable[[int | None, int], tuple[NamedMesh, ...]]) -> tuple[NamedMesh, ...]:
     """Meshes of one gmsh model, told how they are read again where the geometry is known."""
     if callable(source) or place is not None or is_geometry(source):
         for number, mesh in enumerate(meshes):

@@ -50,24 +50,54 @@ def richer(parts: Sequence[Beam | Bar | Shell]) -> dict[Any, Any]:
 def _richer_meshes(parts: Sequence[Beam | Bar | Shell]) -> dict[NamedMesh, NamedMesh]:
     """Meshes whose geometry bends their cells -> the same read again with one order more."""
     with_bars = {id(part.mesh) for part in parts if isinstance(part, Bar)}
+    found: dict[NamedMesh, NamedMesh] = {}
+    for meshes in _read_together(parts):
+        order = 1 + max(mesh.degree for mesh, _ in meshes)
+        if order > MOST_CURVED or any(id(mesh) in with_bars for mesh, _ in meshes):
+            continue
+        pairs = _again(meshes, order, 0)
+        if all(_count(one) == _count(other) for one, other in pairs.items()) and any(map(_bends, pairs.values())):
+            found.update(pairs)
+    return found
+
+
+def _read_together(parts: Sequence[Beam | Bar | Shell]) -> list[list[tuple[NamedMesh, Reading]]]:
+    """Meshes that can be read again, those of one gmsh model together."""
     together: dict[int, list[tuple[NamedMesh, Reading]]] = {}
     for mesh in dict.fromkeys(part.mesh for part in parts):
         if mesh.reading is not None:
             together.setdefault(id(mesh.reading.again), []).append((mesh, mesh.reading))
-    found: dict[NamedMesh, NamedMesh] = {}
-    for meshes in together.values():
-        order = 1 + max(mesh.degree for mesh, _ in meshes)
-        if order > MOST_CURVED or any(id(mesh) in with_bars for mesh, _ in meshes):
-            continue
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # what there is to say of the model has been said
-            again = meshes[0][1].again(order)
-        pairs = [(mesh, again[reading.number]) for mesh, reading in meshes]
-        if all(_count(one) == _count(other) for one, other in pairs) and any(_bends(other) for _, other in pairs):
-            for one, other in pairs:
-                other.name_as(one)
-            found.update(pairs)
+    return list(together.values())
+
+
+def _again(meshes: list[tuple[NamedMesh, Reading]], order: int, halvings: int) -> dict[NamedMesh, NamedMesh]:
+    """Meshes of one gmsh model -> the same read again."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # what there is to say of the model has been said
+        again = meshes[0][1].again(order, halvings)
+    found = {mesh: again[reading.number] for mesh, reading in meshes}
+    for one, other in found.items():
+        other.name_as(one)
     return found
+
+
+def finer(parts: Sequence[Beam | Bar | Shell], halvings: int = 1) -> dict[NamedMesh, NamedMesh]:
+    """Meshes -> the same with all cells divided in two along each side, but for those of bars, which are exact.
+
+    Raises
+    ------
+    NothingRicher
+        Where only the cells of a mesh are known, or nothing but bars is there.
+    """
+    meshes = _read_together([part for part in parts if not isinstance(part, Bar)])
+    known = {mesh for group in meshes for mesh, _ in group}
+    others = [part for part in parts if not isinstance(part, Bar) and part.mesh not in known]
+    if others or not meshes:
+        raise NothingRicher("cells cannot be halved: " + (
+            f"of the mesh of {', '.join(others[0].mesh.cells)} nothing is known but its cells" if others else
+            "there are only bars"))
+    return {one: other for group in meshes for one, other in
+            _again(group, max(mesh.degree for mesh, _ in group), halvings).items()}
 
 
 def _count(mesh: NamedMesh) -> int:

@@ -1,0 +1,193 @@
+"""The least model that a critical load needs: what is left out, what is needed, and whether the interval holds."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import sheetfx as fx
+from sheetfx.ladder.climb import Climb
+from sheetfx.ladder.first_point import from_coarser, up_to_first
+from sheetfx.ladder.symmetry import Asymmetric, across
+from sheetfx.ladder.unsupported import rows_that_hold
+
+DEMOS = Path(__file__).parents[1] / "demos" / "advice"
+NOTHING = fx.LeftOut()
+
+
+def scene_of(name: str):
+    return fx.load_case(str(DEMOS / f"{name}.py") if (DEMOS / f"{name}.py").exists() else name)
+
+
+def advised(name: str, within: float = 0.02, **options):
+    function = scene_of(name)
+    meshes = fx.by_option(function, options, 2) or fx.by_halving(function(**options), 2)
+    return Climb(meshes, within).advice()
+
+
+def first_of(case: fx.Case) -> float:
+    """The first critical load of a whole model by its path, or the largest load."""
+    return up_to_first(case, case.scene, NOTHING, NOTHING).load
+
+
+def decisions(advice: fx.Advice) -> dict[str, str]:
+    return {one.about: one.decided for one in advice.decisions}
+
+
+def inside(advice: fx.Advice, load: float) -> bool:
+    low, high = advice.interval
+    return low <= load <= high
+
+
+@pytest.mark.parametrize("name, options, finer, left", [
+    ("roof", {"thickness": 12.7}, {"cells": 8}, NOTHING),
+    ("stop", {"load": 1000.0}, {"cells": 32}, fx.LeftOut(contact=True)),
+    ("stop", {}, {"cells": 32}, NOTHING),
+    ("stocky_column", {}, {"cells": 64}, NOTHING),
+    ("stiffened", {}, {"cells": 12}, fx.LeftOut(plasticity=True)),
+    ("rough_foot", {}, {"cells": 32}, fx.LeftOut(friction=True)),
+    ("rough_foot", {"friction": 0.6}, {"cells": 32}, NOTHING),
+    ("ring", {}, {"cells": 64}, NOTHING),
+])
+def test_the_load_of_the_whole_model_is_inside(name, options, finer, left):
+    """What matters by construction is not left out, and what does not is."""
+    advice = advised(name, **options)
+    assert advice.reached and advice.left == left
+    assert inside(advice, first_of(scene_of(name)(**options | finer)))
+
+
+@pytest.mark.parametrize("name, exact", [("hinged_half", 1e-3), ("plate_half", 0.02)])
+def test_modes_that_symmetry_hides_are_found(name, exact):
+    """The half has them by the supports of the other symmetry, at the load of the whole."""
+    advice = advised(name)
+    whole, half = (scene_of(name)(whole=whole) for whole in (True, False))
+    assert decisions(advice)["symmetry"] == "broken"
+    load = first_of(whole)
+    assert advice.load == pytest.approx(load, rel=exact) and inside(advice, load)
+    assert first_of(half) > 1.1 * load
+
+
+def test_half_of_a_plate_buckles_across_its_plane_as_the_whole_does():
+    """On the same cells to rounding, whether the part can move freely or not (closed form: four, thin and sharp)."""
+    elastic = fx.LeftOut(plasticity=True)
+    case, whole = (elastic.of(scene_of("plate_half")(cells=4, whole=w)) for w in (False, True))
+    modes, found = next(across(case.scene)), up_to_first(case, case.scene, NOTHING, NOTHING)
+    assert Asymmetric(modes)(found.record.states[0]) > 0 > Asymmetric(modes)(found.state)
+    closed = 4 * np.pi**2 * 210e3 / (12 * (1 - 0.3**2)) * (2.0 / 200.0) ** 2 * 2.0 * 2 * 200.0
+    assert first_of(whole) == pytest.approx(closed, rel=0.02)
+
+
+def test_what_moves_freely_is_held_by_as_many_unknowns():
+    """The half plate can slide along its length and turn in its plane by modes across it; the arch can not move."""
+    for name, count in (("plate_half", 2), ("hinged_half", 0)):
+        discretisation = Asymmetric(next(across(scene_of(name)().scene)))._home
+        system = discretisation.system
+        system.extrapolate_stress()
+        assert len(rows_that_hold(discretisation, system.tangent())) == count
+
+
+def test_obstacles_that_travel_stand_still_in_modes_across():
+    """The arch under a punch that moves freely does not buckle sideways, as the whole one does not."""
+    advice = advised("arch", elements=40)
+    assert decisions(advice)["symmetry"] == "kept"
+    assert inside(advice, first_of(fx.load_case("arch")(elements=80, full=True)))
+
+
+def test_plastic_hinges_need_more_layers_and_cells():
+    """Five fibres give the plastic moment 5 % low; the exact rigid-plastic load bounds what large sway leaves."""
+    advice = advised("portal")
+    assert advice.doubled and decisions(advice)["plasticity"] == "needed" and advice.reached
+    finest = fx.integrated_finer(scene_of("portal")(cells=64), 2)
+    assert inside(advice, first_of(finest))
+    coarse = scene_of("portal")(cells=4)
+    assert first_of(fx.integrated_finer(coarse)) > 1.02 * first_of(coarse)
+
+
+def test_finer_cells_give_the_point_of_their_path_directly():
+    meshes = fx.by_option(scene_of("roof"), {"cells": 2}, 1)
+    coarse, fine = (meshes.case(level) for level in (0, 1))
+    direct = from_coarser(up_to_first(coarse, coarse.scene, NOTHING, NOTHING), fine, fine.scene, NOTHING, NOTHING)
+    path = up_to_first(fine, fine.scene, NOTHING, NOTHING)
+    assert direct.point.load == pytest.approx(path.point.load, rel=1e-8)
+    spent = sum(state.factorisations for state in path.record.states)
+    assert direct.record.path.tracer.total_factorisations < spent
+    assert direct.bar().error == pytest.approx(path.bar().error, rel=0.05)
+
+
+def test_a_mode_that_is_overtaken_on_finer_cells_is_noticed():
+    """On four cells the cylindrical panel's modes are in the wrong order: the second one is no first point on ten."""
+    function = fx.load_case("cylinder-panel")
+    coarse, fine = function(cells=(4, 4)), function(cells=(10, 6))
+    found = up_to_first(coarse, coarse.scene, NOTHING, NOTHING)
+    direct = from_coarser(found, fine, fine.scene, NOTHING, NOTHING)
+    first = up_to_first(fine, fine.scene, NOTHING, NOTHING)
+    assert direct is None or direct.load == pytest.approx(first.load, rel=1e-7)
+    second = up_to_first(coarse, coarse.scene, NOTHING, NOTHING)
+    record = fx.trace(coarse)
+    points = [p for p in record.critical_points if p.kind == "bifurcation"]
+    second.record, second.point = record, points[1]
+    again = from_coarser(second, fine, fine.scene, NOTHING, NOTHING)
+    assert again is None or again.load == pytest.approx(first.load, rel=1e-7)
+
+
+def test_cells_are_halved_on_their_geometry():
+    case = fx.load_case("roof")(cells=2)
+    once, again = fx.halved(case), fx.load_case("roof")(cells=4)
+    mesh, same = (c.scene.parts[0].mesh for c in (once, again))
+    count = [m.domain.topology.index_map(2).size_global for m in (mesh, same)]
+    assert count == [16, 16] and mesh.measure == pytest.approx(same.measure, rel=1e-10)
+    assert first_of(once) == pytest.approx(first_of(again), rel=1e-6)
+    assert fx.halved(case, 0) is case
+
+
+def test_where_cells_cannot_be_halved_degrees_are_raised():
+    """As of a structure whose nodes have been moved; cubic triangles have no form of a higher degree."""
+    for form, highest in (("naghdi-q2", 1), ("naghdi-t3", 0)):
+        case = fx.load_case("roof")(cells=2, form=form)
+        moved = fx.imperfect(case.scene, lambda x: 0.0 * x, 1.0)
+        meshes = fx.by_halving(fx.Case(moved, case.control, case.until), 2)
+        assert (meshes.lowest, meshes.highest) == (0, highest)
+    case = fx.raised(fx.load_case("roof")(cells=2, form="naghdi-q2"))
+    assert first_of(case) == pytest.approx(first_of(fx.load_case("roof")(cells=2, form="naghdi-q3")), rel=1e-6)
+
+
+def test_a_file_of_cells_is_not_halved(tmp_path):
+    import gmsh
+
+    gmsh.initialize(interruptible=False)
+    gmsh.option.setNumber("General.Terminal", 0)
+    fx.meshes.rectangle((2, 2))
+    gmsh.model.mesh.generate(2)
+    gmsh.write(str(tmp_path / "plate.msh"))
+    gmsh.finalize()
+    assert fx.read(tmp_path / "plate.msh", 3).measure == pytest.approx(1.0)
+    with pytest.raises(ValueError, match="halvings is 1, but a file of cells"):
+        fx.read(tmp_path / "plate.msh", 3, halvings=1)
+
+
+def test_the_command_writes_its_advice_and_a_script(tmp_path, command):
+    out = tmp_path / "advice"
+    status, said, errors = command("advise", "roof", "--yield", "60", "--within", "1%", "-o", out)
+    assert status == 0, errors
+    told = json.loads((out / "advice.json").read_text())
+    assert told["reached"] and told["model"]["plasticity"] and told["within"] == 0.01
+    assert told["interval"][0] < told["load"] < told["interval"][1] and told["cpu_seconds"] > 0
+    assert "plasticity left out: the largest von Mises stress" in said
+    case = fx.load_case(str(out / "advised.py"))()
+    low, high = told["interval"]
+    assert low < first_of(case) < high
+
+
+@pytest.mark.parametrize("arguments, said", [
+    (["--within", "0"], "--within is '0'; it must be a share above 0 and below 1"),
+    (["--within", "half"], "--within is 'half'"),
+    (["--refine", "thick"], "--refine is 'thick', but the scene has no such option"),
+    (["--refine", "form"], "--refine form: the option is 'naghdi-q3'; name one that is a number"),
+    (["--finest", "-1"], "--finest"),
+])
+def test_wrong_options_are_refused(tmp_path, command, arguments, said):
+    status, _, told = command("advise", "roof", *arguments, "-o", tmp_path / "advice")
+    assert status and said in " ".join(told.split())
