@@ -7,6 +7,8 @@ already are not run again.
 from __future__ import annotations
 
 import csv
+import json
+import subprocess
 import sys
 import time
 from pathlib import Path
@@ -35,26 +37,49 @@ WHOLE = {"hinged-half": {"whole": True}, "plate-half": {"whole": True}}
 HEAD = "scene", "load", "low", "high", "model", "seconds", "top load", "top seconds", "inside", "ratio"
 
 
+def meshes_of(name: str, options: dict, finest: int) -> fx.Meshes:
+    """Meshes of a scene of the table."""
+    scene = ROWS[name][0]
+    function = fx.load_case(str(HERE / scene) if scene.endswith(".py") else scene)
+    return fx.by_option(function, options, finest) or fx.by_halving(function(**options), finest)
+
+
+def advised(name: str) -> dict:
+    """The advice, its model and its CPU time."""
+    advice = fx.Climb(meshes_of(name, ROWS[name][1], 2), 0.02).advice()
+    return {"load": advice.load, "interval": advice.interval, "model": f"{advice.left.words}, {advice.mesh}",
+            "seconds": advice.cpu_seconds}
+
+
+def top(name: str) -> dict:
+    """The load of the whole model on the finest mesh, and its CPU time."""
+    _, options, level, doubled = ROWS[name]
+    begun = time.process_time()
+    case = fx.integrated_finer(meshes_of(name, options | WHOLE.get(name, {}), 3).case(level), doubled)
+    found = up_to_first(case, case.scene, fx.LeftOut(), fx.LeftOut())
+    return {"load": found.load, "seconds": time.process_time() - begun}
+
+
+def alone(which: str, name: str) -> dict:
+    """What a function of this script gives in a process of its own."""
+    done = subprocess.run([sys.executable, __file__, which, name], capture_output=True, text=True, check=True)
+    return json.loads(done.stdout.splitlines()[-1])
+
+
 def row(name: str) -> list:
     """One row of the table."""
-    scene, options, level, doubled = ROWS[name]
-    function = fx.load_case(str(HERE / scene) if scene.endswith(".py") else scene)
-    meshes = fx.by_option(function, options, 2) or fx.by_halving(function(**options), 2)
-    advice = fx.Climb(meshes, 0.02).advice()
-    begun = time.process_time()
-    whole = options | WHOLE.get(name, {})
-    case = fx.integrated_finer((fx.by_option(function, whole, 3) or fx.by_halving(function(**whole), 3)).case(level),
-                               doubled)
-    top = up_to_first(case, case.scene, fx.LeftOut(), fx.LeftOut())
-    spent = time.process_time() - begun
-    low, high = advice.interval
-    return [name, f"{advice.load:.6g}", f"{low:.6g}", f"{high:.6g}", f"{advice.left.words}, {advice.mesh}",
-            f"{advice.cpu_seconds:.1f}", f"{top.load:.6g}", f"{spent:.1f}", low <= top.load <= high,
-            f"{advice.cpu_seconds / spent:.2f}"]
+    advice, whole = alone("advised", name), alone("top", name)
+    low, high = advice["interval"]
+    return [name, f"{advice['load']:.6g}", f"{low:.6g}", f"{high:.6g}", advice["model"], f"{advice['seconds']:.1f}",
+            f"{whole['load']:.6g}", f"{whole['seconds']:.1f}", low <= whole["load"] <= high,
+            f"{advice['seconds'] / whole['seconds']:.2f}"]
 
 
 def main() -> None:
     """Write the rows that are asked for and not there."""
+    if len(sys.argv) == 3 and sys.argv[1] in ("advised", "top"):
+        print(json.dumps({"advised": advised, "top": top}[sys.argv[1]](sys.argv[2])))
+        return
     TABLE.parent.mkdir(exist_ok=True)
     known = {line[0] for line in csv.reader(TABLE.open())} if TABLE.exists() else set()
     with TABLE.open("a", newline="") as file:
