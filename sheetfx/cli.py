@@ -44,7 +44,8 @@ app.command(name="map", cls=Listing)(draw_failure_map)
 def _charts() -> str:
     from .studies.chart import charts
 
-    return f"Scenes with a chart: {', '.join(charts())}; or a script with REFERENCE and CHART."
+    return (f"Scenes with a chart of their own: {', '.join(charts())}, and scripts with REFERENCE and CHART; others "
+            "have one of what advise climbs: first critical loads without and with contact, friction, plasticity.")
 
 
 def _tell_version(asked: bool) -> None:
@@ -92,7 +93,7 @@ def chart(
     output: Annotated[Path | None, typer.Option("-o", "--output", help="Folder; default results/NAME-chart.")] = None,
     resume: Resumed = False,
 ) -> None:
-    """Draw error against CPU time of a scene's meshes and forms, beside other programs.
+    """Draw error against CPU time of a scene's meshes and forms, beside other programs, or of its ladder of models.
 
     The table chart.csv has each result as soon as it is there.
     """
@@ -102,22 +103,26 @@ def chart(
     from .studies.chart_picture import draw_chart, print_table, write_table
 
     console, title = Console(highlight=False), Path(name).stem
-    reference, members, peers = family(name)
     folder = output or Path("results") / f"{title}-chart"
     folder.mkdir(parents=True, exist_ok=True)
     kept = folder / "runs.json"
     earlier = json.loads(kept.read_text()) if resume and kept.exists() else {"scene": title, "runs": None}
+
+    def say(line: str) -> None:
+        console.print(line, soft_wrap=True, markup=False)
+
     if earlier.get("scene") != title:
         raise ValueError(f"--resume: the chart in {folder} is of {earlier.get('scene', 'an older version')}, not of "
                          f"{title}; choose another folder with -o")
 
+    reference, members, peers = family(name, say, earlier.get("reference"))
+
     def keep(points, runs) -> None:
         write_table(points, folder / "chart.csv")
-        write_whole(kept, json.dumps({"scene": title, "runs": runs}))
+        write_whole(kept, json.dumps({"scene": title, "runs": runs, "reference": reference}))
         tell(lambda: f"{sum(map(len, runs.values()))} runs are kept in {folder}")
 
-    points = measure(reference, members, [] if no_peers else peers, repeat,
-                     lambda line: console.print(line, soft_wrap=True, markup=False), keep, earlier["runs"])
+    points = measure(reference, members, [] if no_peers else peers, repeat, say, keep, earlier["runs"])
     if not points:
         raise ValueError(f"chart of {name}: no method gave a result; the lines above say why")
     draw_chart(points, title).savefig(folder / "chart.png", dpi=150)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import csv
 import json
+import time
 from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers import on_two_processes
 
 import sheetfx as fx
 from sheetfx.ladder.climb import Climb
@@ -181,6 +184,15 @@ def test_the_command_writes_its_advice_and_a_script(tmp_path, command):
     assert low < first_of(case) < high
 
 
+def test_two_processes_advise_the_same(tmp_path):
+    """A part that can move freely across its plane of symmetry, held by an unknown of one process."""
+    words = ["advise", str(DEMOS / "plate_half.py"), "-o", str(tmp_path / "two")]
+    on_two_processes(f"from sheetfx.cli import app\napp({words!r}, standalone_mode=False)")
+    two, one = json.loads((tmp_path / "two" / "advice.json").read_text()), advised("plate_half")
+    assert two["load"] == pytest.approx(one.load, rel=1e-7)
+    assert [d["decided"] for d in two["decisions"]] == [d.decided for d in one.decisions]
+
+
 @pytest.mark.parametrize("arguments, said", [
     (["--within", "0"], "--within is '0'; it must be a share above 0 and below 1"),
     (["--within", "half"], "--within is 'half'"),
@@ -191,3 +203,19 @@ def test_the_command_writes_its_advice_and_a_script(tmp_path, command):
 def test_wrong_options_are_refused(tmp_path, command, arguments, said):
     status, _, told = command("advise", "roof", *arguments, "-o", tmp_path / "advice")
     assert status and said in " ".join(told.split())
+
+
+@pytest.mark.slow
+def test_a_scene_without_reference_has_a_chart_of_its_models(tmp_path, command):
+    """What matters is far off, the whole model is near, and a chart that is gone on with runs nothing again."""
+    words = ["chart", DEMOS / "stocky_column.py", "--repeat", "1", "-o", tmp_path]
+    status, _, errors = command(*words)
+    assert status == 0, errors
+    rows = list(csv.DictReader((tmp_path / "chart.csv").open()))
+    errors = {(row["method"], row["label"]): float(row["error_percent"]) for row in rows}
+    assert errors["without plasticity", "cells 32"] > 30
+    assert errors["all that the scene has", "cells 32"] < 1 and errors["sheetfx advise", ""] < 1
+    assert (tmp_path / "chart.png").exists()
+    begun = time.time()
+    status, _, _ = command(*words, "--resume")
+    assert status == 0 and time.time() - begun < 10

@@ -25,6 +25,8 @@ from .symmetry import Asymmetric, across
 SMALL = 1 / 4  # of the accuracy asked for, that each thing left out may be worth
 LEAST = 1 / 2  # of the accuracy asked for, half of the narrowest interval: what is less was not looked at
 DOUBLINGS = 2  # of layers and steps at most
+FALLING, SECOND_ORDER = 1.5, 4.0  # ratios of changes by halved cells, from which on they count as falling, and most
+CONVERGING = 1.25  # doubt of an error over it, by three meshes that converge (Roache 1998)
 
 
 class Climb:
@@ -192,13 +194,21 @@ class Climb:
         return by_cells
 
     def _of_cells(self, level: int, left: LeftOut, found: FirstPoint) -> Estimate | None:
-        """Error by the change from the level before, which is taken to be of second order, and doubted whole."""
-        coarser = self._models.at(level - 1, left)
-        if coarser.failure or bool(coarser.point) != bool(found.point):
+        """Error by the change from the level before: of second order, and doubted whole.
+
+        Where the change before that was larger by a factor r, the error is the change over r - 1, and its doubt a
+        quarter more (Roache 1998, grid convergence index); r counts as 4 at most, that of second order.
+        """
+        earlier = [self._models.at(n, left) for n in range(max(level - 2, self._lowest), level)]
+        if any(one.failure or bool(one.point) != bool(found.point) for one in earlier):
             return None
-        change, words = coarser.load - found.load, self._models.meshes.words
-        return Estimate(change / 3, abs(change),
-                        f"{-change / found.load:+.2%} from {words(level - 1)} to {words(level)}")
+        words, loads = self._models.meshes.words, [*(one.load for one in earlier), found.load]
+        change = loads[-2] - loads[-1]
+        said = f"{-change / found.load:+.2%} from {words(level - 1)} to {words(level)}"
+        if len(loads) == 2 or not change or (ratio := (loads[0] - loads[1]) / change) < FALLING:
+            return Estimate(change / 3, abs(change), said)
+        error = change / (min(ratio, SECOND_ORDER) - 1)
+        return Estimate(error, CONVERGING * abs(error), f"{said}, a change {ratio:.1f} times less than that before")
 
     def _of_integration(self, left: LeftOut) -> Estimate | None:
         """Error of a plastic load by layers, fibres and steps, on the coarsest mesh; None: nothing is plastic."""

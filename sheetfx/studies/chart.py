@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import json
 import os
-import re
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -23,15 +22,11 @@ import typer
 
 from .. import interrupts
 from ..scenes import load_case, scene_names
+from .chart_runs import ONE_THREAD, Unusable, call
+from .ladder_chart import ladder, reference
 from .run import run_app
 
 TREE = Path(__file__).parents[2]
-FAILURE = re.compile(r"(\w+Error|sheetfx: error|stopped): ")
-ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
-
-
-class Unusable(Exception):
-    """Why a method cannot be charted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,18 +111,6 @@ class Point:
     runs: int = 0
 
 
-def call(command: list[str], environment: dict) -> str:
-    """Standard output of a command that must succeed."""
-    result = interrupts.call(command, environment)
-    if result.returncode == 0:
-        return result.stdout
-    lines = [line for line in (result.stdout + "\n" + result.stderr).splitlines() if FAILURE.match(line)]
-    reason = lines[-1] if lines else f"exit status {result.returncode}"
-    if reason.startswith(("ModuleNotFoundError", "ImportError")):
-        raise Unusable(f"its package cannot be imported ({reason.partition(': ')[2]}); see demos/peers/README.md")
-    raise Unusable(reason)
-
-
 def options(scene: str, parameters: dict) -> list[str]:
     """Parameters of a scene's function as options of `sheetfx run`."""
     group = typer.main.get_command(run_app)
@@ -145,14 +128,24 @@ def options(scene: str, parameters: dict) -> list[str]:
     return words
 
 
-def family(name: str) -> tuple[dict[str, float], list[Member], list[Peer]]:
-    """Reference quantities, members and peers of a scene's chart."""
+def family(name: str, say: Callable[[str], None] = lambda line: None,
+           known: dict[str, float] | None = None) -> tuple[dict[str, float], list, list[Peer]]:
+    """Reference quantities, members and peers of a scene's chart; without REFERENCE and CHART its ladder of models.
+
+    Parameters
+    ----------
+    known : reference of an earlier chart of the ladder, which takes time to find
+    """
     module = sys.modules[load_case(name).__module__]
-    for wanted in ("REFERENCE", "CHART"):
-        if not getattr(module, wanted, None):
-            raise ValueError(f"the scene {name} has no {wanted} to draw a chart of; choose another scene or add it")
-    members = [Member(name, parameters) for parameters in module.CHART]
-    return module.REFERENCE, members, [Peer(**peer) for peer in getattr(module, "PEERS", [])]
+    given = [getattr(module, wanted, None) for wanted in ("REFERENCE", "CHART")]
+    if not any(given):
+        members = ladder(name)
+        return known or reference(members, say), members, []
+    for wanted, value in zip(("REFERENCE", "CHART"), given, strict=True):
+        if not value:
+            raise ValueError(f"the scene {name} has no {wanted} to draw a chart of; add it")
+    return given[0], [Member(name, parameters) for parameters in given[1]], [
+        Peer(**peer) for peer in getattr(module, "PEERS", [])]
 
 
 def charts() -> list[str]:

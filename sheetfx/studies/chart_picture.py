@@ -66,6 +66,8 @@ def draw_chart(points: Sequence[Point], title: str):
     main = panels[0]
     main.set_title(f"{title}: largest error of its reference quantities", fontsize=10, loc="left")
     main.margins(0.1)
+    main.loglog(*_front(points).T, color="#999999", linewidth=5.0, alpha=0.4, solid_capstyle="round", zorder=1,
+                label="no other is faster and as accurate")
     main.legend(frameon=True, framealpha=0.9, edgecolor="none", fontsize=9)
     texts = [(p.cpu_seconds, _height(p), p.label) for p in points if p.label and not p.peer]
     lines = [_line(chosen, "cpu_seconds") for chosen in _methods(points).values()]
@@ -86,6 +88,15 @@ def _methods(points: Sequence[Point]) -> dict[tuple[bool, str], list[Point]]:
 
 def _line(points: Sequence[Point], cost: str) -> np.ndarray:
     return np.array([(getattr(p, cost), _height(p)) for p in points], dtype=float)
+
+
+def _front(points: Sequence[Point]) -> np.ndarray:
+    """CPU time and error of the points that no other one beats in both."""
+    found: list[tuple[float, float]] = []
+    for place in sorted((p.cpu_seconds, _height(p)) for p in points):
+        if not found or place[1] < found[-1][1]:
+            found.append(place)
+    return np.array(found)
 
 
 def _fill(line: np.ndarray, pieces: int = 30) -> np.ndarray:
