@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 import time
 from pathlib import Path
 
@@ -14,7 +15,7 @@ from helpers import on_two_processes
 import sheetfx as fx
 from sheetfx.ladder.climb import Climb
 from sheetfx.ladder.first_point import from_coarser, up_to_first
-from sheetfx.ladder.symmetry import Asymmetric, across
+from sheetfx.ladder.symmetry import Asymmetric, across, planes
 from sheetfx.ladder.unsupported import rows_that_hold
 
 DEMOS = Path(__file__).parents[1] / "demos" / "advice"
@@ -81,6 +82,21 @@ def test_half_of_a_plate_buckles_across_its_plane_as_the_whole_does():
     assert Asymmetric(modes)(found.record.states[0]) > 0 > Asymmetric(modes)(found.state)
     closed = 4 * np.pi**2 * 210e3 / (12 * (1 - 0.3**2)) * (2.0 / 200.0) ** 2 * 2.0 * 2 * 200.0
     assert first_of(whole) == pytest.approx(closed, rel=0.02)
+
+
+def test_planes_of_symmetry_are_those_that_are_declared_or_counted():
+    """A sliding clamp is none, unless the factor needs it."""
+    mesh = fx.read(lambda: fx.meshes.frame({"a": (0, 0), "b": (1, 0)}, {"one": ("a", "b", 2)}), 2)
+    beam = fx.Beam(mesh, fx.Rectangle(0.1, 0.1), fx.Elastic(1e4))
+
+    def count(support: fx.Support, factor: int) -> int:
+        return len(planes(fx.Scene([beam], [fx.pin(mesh, "a"), support], [fx.PointForce(mesh, "b", (0.0, 1.0))],
+                                   fx.Monitor(mesh, "b", "y"), symmetry_factor=factor)))
+
+    sliding = fx.Support(mesh, "b", "x rz")
+    assert [count(sliding, 1), count(sliding, 2), count(sliding, 4)] == [0, 1, 0]
+    assert [count(fx.symmetry(mesh, "b"), factor) for factor in (1, 2, 4)] == [1, 1, 1]
+    assert len(planes(fx.load_case("roof")(cells=1).scene)) == 2
 
 
 def test_what_moves_freely_is_held_by_as_many_unknowns():
@@ -219,3 +235,38 @@ def test_a_scene_without_reference_has_a_chart_of_its_models(tmp_path, command):
     begun = time.time()
     status, _, _ = command(*words, "--resume")
     assert status == 0 and time.time() - begun < 10
+
+
+def test_an_option_that_makes_another_structure_is_not_one_of_cells():
+    """As of a frame with more bays; its cells are halved by gmsh."""
+    def frame(cells: int = 4) -> fx.Case:
+        points = {str(n): (float(n), 0.0) for n in range(cells + 1)}
+        members = {f"bay {n}": (str(n), str(n + 1), 4) for n in range(cells)}
+        mesh = fx.read(lambda: fx.meshes.frame(points, members), 2)
+        beam = fx.Beam(mesh, fx.Rectangle(0.1, 0.1), fx.Elastic(1e4))
+        return fx.Case(fx.Scene([beam], [fx.clamp(mesh, "0")], [fx.PointForce(mesh, str(cells), (-1.0, 0.0))],
+                                fx.Monitor(mesh, str(cells), "x")))
+
+    assert fx.by_option(frame, {}) is None
+    with pytest.raises(ValueError, match="--refine cells: cells 2 makes another structure"):
+        fx.by_option(frame, {}, refine="cells")
+    assert fx.by_halving(frame()).highest == 1
+
+
+@pytest.mark.slow
+def test_the_page_leads_from_a_gmsh_file_to_a_load(tmp_path, monkeypatch, command):
+    """Its files and its command as they stand; the load is inside the interval of cells halved once more."""
+    page = (DEMOS.parent / "pages" / "advice.md").read_text()
+    files = {"strut.geo": re.search(r"^```geo\n(.*?)^```", page, re.M | re.S)[1],
+             "strut.py": next(b for b in re.findall(r"^```python\n(.*?)^```", page, re.M | re.S) if "strut.geo" in b)}
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    monkeypatch.chdir(tmp_path)
+    words = re.search(r"^\$ docker/run sheetfx (advise .*)$", page, re.M)[1].split()
+    status, said, errors = command(*words)
+    assert status == 0, errors
+    assert "plasticity needed" in said
+    told = json.loads(Path("results/strut-advice/advice.json").read_text())
+    assert told["load"] == pytest.approx(float(re.search(r"at load (\d{5}) ", page)[1]), rel=1e-3)
+    low, high = told["interval"]
+    assert low < first_of(fx.halved(fx.load_case("strut.py")(), 2)) < high

@@ -20,7 +20,7 @@ from .left_out import LeftOut
 from .meshes import Meshes
 from .models import Models
 from .rung import Evidence, Rung
-from .symmetry import Asymmetric, across
+from .symmetry import Asymmetric, across, planes
 
 SMALL = 1 / 4  # of the accuracy asked for, that each thing left out may be worth
 LEAST = 1 / 2  # of the accuracy asked for, half of the narrowest interval: what is less was not looked at
@@ -157,8 +157,11 @@ class Climb:
 
     def _buckles_across(self, found: FirstPoint) -> bool:
         """Whether modes across planes of symmetry become unstable before the first critical point; they then count."""
-        record, state = found.record, found.state
-        for modes in across(record.case.scene):
+        record, state, scene = found.record, found.state, found.record.case.scene
+        if 2 ** (count := len(planes(scene))) < scene.symmetry_factor:
+            self._decide("symmetry", "kept", f"the part is one of {scene.symmetry_factor}, but its supports are on "
+                         f"{count} planes of symmetry: modes that do not repeat in all parts are not all looked for")
+        for modes in across(scene):
             if not record.path.discretisation.system.conservative:
                 self._decide("symmetry", "kept", f"modes across {modes.name} are not looked for where forces have no "
                              "potential; model the whole")

@@ -46,8 +46,10 @@ class FirstPoint:
 
     @property
     def load(self) -> float:
-        """Of the point, or the largest one where there is none."""
-        return self.point.load if self.point else max((s.load for s in self.record.states), key=abs, default=0.0)
+        """Of the point, or the largest one of its last stage where there is none."""
+        states = self.record.states
+        return self.point.load if self.point else max((s.load for s in states if s.stage == states[-1].stage), key=abs,
+                                                      default=0.0)
 
     @property
     def state(self) -> State:

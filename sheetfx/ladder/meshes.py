@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 OPTIONS = "cells", "elements", "divisions"  # of scenes, that their meshes are made by
 FEWEST = 4  # cells that are not halved in number
+ALIKE = 0.05  # difference of lengths, areas and sizes on other cells of one structure
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,9 @@ class Meshes:
 
 def by_option(function: Callable[..., Case], parameters: Mapping[str, Any], finest: int = 1,
               refine: str | None = None) -> Meshes | None:
-    """Meshes by an option of a scene: numbers of cells (integers), or their size (a float); None: there is none.
+    """Meshes by an option of a scene: numbers of cells (integers), or their size (a float).
+
+    None where there is no such option, or where one that is not named makes another structure.
 
     Parameters
     ----------
@@ -49,7 +52,7 @@ def by_option(function: Callable[..., Case], parameters: Mapping[str, Any], fine
     Raises
     ------
     ValueError
-        If the scene has not that option, or it is no number.
+        If the scene has not the option `refine`, it is no number, or it makes another structure.
     """
     options = inspect.signature(function, eval_str=True).parameters
     if refine is not None and refine.replace("-", "_") not in options:
@@ -74,15 +77,23 @@ def by_option(function: Callable[..., Case], parameters: Mapping[str, Any], fine
         return f"{name} {found if isinstance(found, (int, float)) else ' x '.join(map(str, found))}"
 
     few = min((n for n in numbers if isinstance(n, int)), default=FEWEST) < FEWEST
-    return Meshes(case, words, 0 if few or not _is_allowed(case, -1) else -1, finest, options=at)
-
-
-def _is_allowed(case: Callable[[int], Case], level: int) -> bool:
     try:
-        case(level)
+        other = case(1 if few else -1)
     except ValueError:
-        return False
-    return True
+        return Meshes(case, words, 0, finest, options=at)
+    if not _same_structure(case(0), other):
+        if refine:
+            raise ValueError(f"--refine {refine}: {words(1 if few else -1)} makes another structure, of other lengths "
+                             "or areas; name an option that makes its cells")
+        return None
+    return Meshes(case, words, 0 if few else -1, finest, options=at)
+
+
+def _same_structure(one: Case, other: Case) -> bool:
+    """Whether two cases have parts of the same size and, but for curved cells, of the same lengths and areas."""
+    pairs = list(zip(one.scene.meshes, other.scene.meshes, strict=False))
+    return len(one.scene.meshes) == len(other.scene.meshes) and all(
+        abs(a.measure - b.measure) <= ALIKE * a.measure and abs(a.size - b.size) <= ALIKE * a.size for a, b in pairs)
 
 
 def by_halving(case: Case, finest: int = 1) -> Meshes:

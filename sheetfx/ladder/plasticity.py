@@ -40,9 +40,8 @@ class Utilisation:
         self.largest, self.load = 0.0, 0.0
 
     def __call__(self, state: State) -> Evidence | None:
-        structure = self._record.path.discretisation
-        with structure.visiting(state.fields):
-            now = max(self._of(plastic, elastic) for plastic, elastic in self._parts if is_plastic(plastic))
+        with self._record.path.discretisation.visiting(state.fields):
+            now = max(self._of(plastic, elastic) for plastic, elastic in self._parts if _yields(plastic))
         now = self._comm.allreduce(now, op=MPI.MAX)
         if now > self.largest:
             self.largest, self.load = now, state.load
@@ -53,10 +52,15 @@ class Utilisation:
         return f"the largest von Mises stress, at load {self.load:.6g}, is {self.largest:.0%} of the yield stress"
 
     def _of(self, plastic, elastic) -> float:
-        forces = section_forces(self._record.path.discretisation, elastic)
-        largest = max((float(von_mises(stresses(elastic, forces, at)).max(initial=0.0)) for at in _places(plastic)),
-                      default=0.0)
-        return largest / plastic.material.yield_stress
+        structure = self._record.path.discretisation
+        forces, held = section_forces(structure, elastic), structure.fields.residual_stresses
+        found = [von_mises(stresses(elastic, forces, at) + held(elastic, at)) for at in _places(plastic)]
+        return max((float(one.max(initial=0.0)) for one in found), default=0.0) / plastic.material.yield_stress
+
+
+def _yields(part) -> bool:
+    """Whether a part flows because of its material, and not by a law of its own."""
+    return is_plastic(part) and isinstance(part.material, Plastic)
 
 
 def _places(part) -> list:
@@ -76,10 +80,10 @@ class Plasticity:
     NEAR = 0.9  # of the yield stress, from which on stresses between the points looked at may reach it
 
     def present(self, scene: Scene) -> bool:
-        return any(is_plastic(part) for part in scene.parts)
+        return any(map(_yields, scene.parts))
 
     def without(self, scene: Scene) -> Scene:
-        materials = {id(part.material): part.material for part in scene.parts if is_plastic(part)}
+        materials = {id(part.material): part.material for part in scene.parts if _yields(part)}
         return remade(scene, {one: _elastic(one) for one in materials.values()})
 
     def watch(self, scene: Scene, record: Record) -> Callable[[State], Evidence | None]:

@@ -7,7 +7,7 @@ bifurcation problems with symmetry).
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
@@ -24,7 +24,7 @@ from ..events.event import Event
 from ..mesh.reader import COMPONENTS
 from ..mesh.tagged import nodes_of_vertices
 from ..model.scene import Scene
-from ..model.supports import Support
+from ..model.supports import Support, Symmetry
 from .unsupported import rows_that_hold
 
 
@@ -43,21 +43,26 @@ class Across:
 
 
 def planes(scene: Scene) -> list[list[Support]]:
-    """Supports on each plane of symmetry; none where these are not as many as the symmetry factor needs.
+    """Supports on each plane of symmetry that cuts the structure.
 
-    A support on a plane holds the displacement along its normal and both rotations in the plane, no others.
+    Those of `fx.symmetry`; where the symmetry factor needs more, also others that hold the displacement along the
+    normal of a plane and both rotations in it, and nothing else.
     """
-    if scene.symmetry_factor < 2:
-        return []
+    declared = _by_plane(scene, [one for one in scene.supports if isinstance(one, Symmetry)])
+    alike = _by_plane(scene, scene.supports)
+    return alike if 2 ** len(declared) < scene.symmetry_factor == 2 ** len(alike) else declared
+
+
+def _by_plane(scene: Scene, supports: Sequence[Support]) -> list[list[Support]]:
     found: dict[tuple, list[Support]] = {}
-    for support in scene.supports:
-        if (normal := _normal(scene, support)) is not None:
-            found.setdefault(tuple(normal), []).append(support)
-    return list(found.values()) if 2 ** len(found) == scene.symmetry_factor else []
+    for support in supports:
+        if (normal := _plane(scene, support)) is not None:
+            found.setdefault(normal, []).append(support)
+    return list(found.values())
 
 
-def _normal(scene: Scene, support: Support) -> np.ndarray | None:
-    """Normal and distance from the origin of the plane that a support stands for."""
+def _plane(scene: Scene, support: Support) -> tuple[float, ...] | None:
+    """Normal and distance from the origin of the plane that a support stands for; None: it is of another kind."""
     held = set(support.fixed.split())
     if callable(support.axes):
         return None
@@ -65,17 +70,15 @@ def _normal(scene: Scene, support: Support) -> np.ndarray | None:
         turns = {c for c in COMPONENTS[support.mesh.dimension] if c.startswith("r") and c != f"r{axis}"}
         if held - {axis} == (turns if _turns(scene, support) else set()) and axis in held:
             normal = np.eye(3)[number] if support.axes is None else np.asarray(support.axes)[number]
-            places = support.mesh.domain.geometry.x[_nodes(support)] @ normal
-            return np.round([*np.abs(normal), _mean(support, places) / support.mesh.size], 6) + 0.0
+            normal = normal * np.sign(normal[np.abs(normal).argmax()])
+            places = support.mesh.domain.geometry.x[nodes_of_vertices(support.mesh.domain)[
+                support.mesh.vertices(support.at)]] @ normal
+            return (*(np.round([*normal, _mean(support, places) / support.mesh.size], 6) + 0.0).tolist(),)
     return None
 
 
 def _turns(scene: Scene, support: Support) -> bool:
     return any(part.mesh is support.mesh and part.spaces[1] is not None for part in scene.parts)
-
-
-def _nodes(support: Support) -> np.ndarray:
-    return nodes_of_vertices(support.mesh.domain)[support.mesh.vertices(support.at)]
 
 
 def _mean(support: Support, places: np.ndarray) -> float:
@@ -97,7 +100,8 @@ def across(scene: Scene) -> Iterator[Across]:
 def _other(scene: Scene, support: Support) -> Support:
     """The support of the other symmetry: what was free is held, and what was held is free."""
     known = [c for c in COMPONENTS[support.mesh.dimension] if _turns(scene, support) or not c.startswith("r")]
-    return replace(support, fixed=" ".join(c for c in known if c not in support.fixed.split()))
+    free = " ".join(c for c in known if c not in support.fixed.split())
+    return Support(support.mesh, support.at, free, support.axes)
 
 
 class Asymmetric:

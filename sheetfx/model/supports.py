@@ -64,6 +64,11 @@ class Support:
         return axes
 
 
+@dataclass(frozen=True)
+class Symmetry(Support):
+    """Support where a plane of symmetry cuts the structure, see `symmetry`."""
+
+
 @checked
 def clamp(mesh: NamedMesh, at: str) -> Support:
     """All displacements and rotations fixed."""
@@ -78,7 +83,7 @@ def pin(mesh: NamedMesh, at: str) -> Support:
 
 @checked
 def symmetry(mesh: NamedMesh, at: str,
-             normal: str | Annotated[tuple[float, float, float], NONZERO] = "x") -> Support:
+             normal: str | Annotated[tuple[float, float, float], NONZERO] = "x") -> Symmetry:
     """Structure cut by a plane: no displacement along its normal, rotation about the normal only.
 
     Parameters
@@ -86,11 +91,11 @@ def symmetry(mesh: NamedMesh, at: str,
     normal : x, y or z, or a vector of any direction
     """
     if not isinstance(normal, str):
-        return Support(mesh, at, "x ry rz", _axes_from(normal))
+        return Symmetry(mesh, at, "x ry rz", _axes_from(normal))
     if normal not in ("x", "y", "z"):
         raise ValueError(f"symmetry at {at!r}: normal is {normal!r}; it must be x, y or z")
     turns = [f"r{c}" for c in "xyz" if c != normal and f"r{c}" in COMPONENTS[mesh.dimension]]
-    return Support(mesh, at, " ".join([normal, *turns]))
+    return Symmetry(mesh, at, " ".join([normal, *turns]))
 
 
 def _axes_from(first: Sequence[float]) -> np.ndarray:
