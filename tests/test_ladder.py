@@ -237,6 +237,19 @@ def test_a_scene_without_reference_has_a_chart_of_its_models(tmp_path, command):
     assert status == 0 and time.time() - begun < 10
 
 
+def test_where_finer_cells_stop_the_load_of_coarser_ones_is_told():
+    """With an interval that says that nothing checks it, and the reason."""
+    def case(cells: int = 4) -> fx.Case:
+        given = fx.load_case("roof")(cells=cells, thickness=6.35)
+        if cells < 4:
+            return given
+        return fx.Case(given.scene, fx.LoadControl(step=2000.0, target=2000.0, fixed=True, smallest=0.5))
+
+    advice = Climb(fx.by_option(case, {}, 0), 1e-9).advice()
+    assert not advice.reached and advice.level == -1 and decisions(advice)["path"] == "stopped"
+    assert inside(advice, first_of(case(2)))
+
+
 def test_an_option_that_makes_another_structure_is_not_one_of_cells():
     """As of a frame with more bays; its cells are halved by gmsh."""
     def frame(cells: int = 4) -> fx.Case:

@@ -54,12 +54,15 @@ class Climb:
             If the scene itself is refused.
         """
         begun, level, looked_across = time.process_time(), self._lowest, False
+        coarser: tuple | None = None
         left = LeftOut.all_of(self._models.scene(level))
         while True:
             left = self._enough(level, left)
             found = self._models.at(level, left)
             if found.failure:
-                return self._stopped(found, level, left, begun)
+                self._decide("path", "stopped", f"on {self._models.meshes.words(level)}, before a limit point or "
+                             f"bifurcation, at load {found.load:.6g}: {found.failure}")
+                return self._advice(*coarser, False, begun) if coarser else self._stopped(level, left, begun)
             if not looked_across:
                 looked_across = True
                 if self._buckles_across(found):
@@ -82,6 +85,7 @@ class Climb:
                 continue
             if reached or level == self._highest:
                 return self._advice(found, level, left, estimate, doubt, reached, begun)
+            coarser = found, level, left, estimate, doubt
             level += 1
 
     def _decide(self, about: str, decided: str, because: str, worth: float | None = None) -> None:
@@ -241,8 +245,6 @@ class Climb:
         return Advice(load, (load - half, load + half), kind, reached, left, level, mesh, self._models.doubled,
                       tuple(self._decisions), time.process_time() - begun)
 
-    def _stopped(self, found: FirstPoint, level: int, left: LeftOut, begun: float) -> Advice:
-        self._decide("path", "stopped",
-                     f"before a limit point or bifurcation, at load {found.load:.6g}: {found.failure}")
+    def _stopped(self, level: int, left: LeftOut, begun: float) -> Advice:
         return Advice(None, None, "none", False, left, level, self._models.meshes.words(level), self._models.doubled,
                       tuple(self._decisions), time.process_time() - begun)
