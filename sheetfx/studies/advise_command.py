@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from .run import OF_A_FOLDER, Scenes, folder_of, option, with_options
+from .run import OF_A_FOLDER, folder_of, option, scenes_app
 
 if TYPE_CHECKING:
     from ..ladder.decision import Advice
@@ -35,26 +35,6 @@ OWN = [
            metavar="PATH", rules=[OF_A_FOLDER]),
 ]
 
-
-class Advising(Scenes):
-    """Sub-commands of `advise`, one for each scene."""
-
-    @staticmethod
-    def runner(name: str, function):
-        def command(**options):
-            own = {parameter.name: options.pop(parameter.name) for parameter in OWN}
-            advise_scene(name, function, options, **own)
-
-        return with_options(command, function, OWN)
-
-
-advise_app = typer.Typer(cls=Advising, no_args_is_help=True,
-                         help="Find the first critical load with no more model than it needs, and say why.")
-
-
-@advise_app.callback()
-def advise_group() -> None:
-    """Find the first critical load of a scene with no more model than it needs, and say why."""
 
 
 def share_of(text: str) -> float:
@@ -125,3 +105,7 @@ def _script(name: str, parameters: dict[str, Any], within: float, meshes: Meshes
         scene=f"fx.load_case({script!r})(\n        {options})",
         left=", ".join(f"{key}=True" for key, out in asdict(advice.left).items() if out)).replace(
             "    case = case\n", "")
+
+
+advise_app = scenes_app(OWN, advise_scene, "Find the first critical load with no more model than it needs.",
+                        "Find the first critical load of a scene with no more model than it needs, and say why.")

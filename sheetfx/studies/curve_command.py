@@ -9,7 +9,7 @@ from typing import Any
 
 import typer
 
-from .run import OF_A_FOLDER, RESUME, Scenes, folder_of, option, with_options
+from .run import OF_A_FOLDER, RESUME, folder_of, option, scenes_app
 from .study_command import value_of, varied_option
 
 OWN = [
@@ -22,26 +22,6 @@ OWN = [
     RESUME,
 ]
 
-
-class Curves(Scenes):
-    """Sub-commands of `curve`, one for each scene."""
-
-    @staticmethod
-    def runner(name: str, function):
-        def command(**options):
-            own = {parameter.name: options.pop(parameter.name) for parameter in OWN}
-            follow_scene(name, function, options, **own)
-
-        return with_options(command, function, OWN)
-
-
-curve_app = typer.Typer(cls=Curves, no_args_is_help=True,
-                        help="Follow a critical load over the values of an option, from one path.")
-
-
-@curve_app.callback()
-def curve_group() -> None:
-    """Trace the path of a scene, and follow one of its critical points over the values of an option."""
 
 
 def range_of(name: str, function, parameters: dict[str, Any], text: str | None) -> tuple[str, float, float]:
@@ -108,3 +88,7 @@ def follow_scene(name: str, function: Callable, parameters: dict[str, Any], agai
     if failure:
         typer.echo(failure, err=True)
         raise typer.Exit(1)
+
+
+curve_app = scenes_app(OWN, follow_scene, "Follow a critical load over the values of an option, from one path.",
+                       "Trace the path of a scene, and follow one of its critical points over the values of an option.")

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import typer
 
-from .run import OF_A_FOLDER, Scenes, folder_of, option, with_options
+from .run import OF_A_FOLDER, folder_of, option, scenes_app
 
 OWN = [
     option("point", int, 1, "Number of the critical point along the path.", "--point", min=1),
@@ -15,27 +13,8 @@ OWN = [
 ]
 
 
-class Depends(Scenes):
-    """Sub-commands of `depends`, one for each scene."""
 
-    @staticmethod
-    def runner(name: str, function):
-        def command(point: int, output: str | None, **parameters):
-            tell_scene(name, function, parameters, point, folder_of(name, output, "-depends"))
-
-        return with_options(command, function, OWN)
-
-
-depends_app = typer.Typer(cls=Depends, no_args_is_help=True,
-                          help="Tell what a critical load depends on: derivatives, as a ranked table and a picture.")
-
-
-@depends_app.callback()
-def depends_group() -> None:
-    """Trace the path of a scene, and rank what the load of a critical point depends on."""
-
-
-def tell_scene(name: str, function, parameters: dict, number: int, folder: Path) -> None:
+def tell_scene(name: str, function, parameters: dict, point: int, output: str | None) -> None:
     """Write and print the dependences of one critical point."""
     from mpi4py import MPI
 
@@ -43,15 +22,16 @@ def tell_scene(name: str, function, parameters: dict, number: int, folder: Path)
     from ..case import trace
     from .depends import dependences, draw, table
 
+    folder = folder_of(name, output, "-depends")
     archive = Archive(folder, MPI.COMM_WORLD, ("depends.json", "depends.png"))
-    with archive.opened({"command": "depends", "scene": name, "point": number} | parameters, False):
+    with archive.opened({"command": "depends", "scene": name, "point": point} | parameters, False):
         record = trace(function(**parameters))
-        points = [point for point in record.critical_points if point.kind != "event"]
-        if number > len(points):
-            raise ValueError(f"--point: {number}, but the path of {name} has {len(points)} critical points; "
+        points = [one for one in record.critical_points if one.kind != "event"]
+        if point > len(points):
+            raise ValueError(f"--point: {point}, but the path of {name} has {len(points)} critical points; "
                              "give one of these, or let the path go further")
-        point, found = points[number - 1], []
-        for one in dependences(record, point, function, parameters):
+        chosen, found = points[point - 1], []
+        for one in dependences(record, chosen, function, parameters):
             if not isinstance(one, str):
                 found.append(one)
             elif archive.comm.rank == 0:
@@ -59,13 +39,13 @@ def tell_scene(name: str, function, parameters: dict, number: int, folder: Path)
         idle = [one.name for one in found if not one.derivative]
         found = sorted((one for one in found if one.derivative), key=_size, reverse=True)
         if archive.comm.rank == 0:
-            typer.echo(str(point))
+            typer.echo(str(chosen))
             for one in found:
                 typer.echo(_told(one))
             if idle:
                 typer.echo(f"without effect: {', '.join(idle)}")
             archive.write_json("depends.json", table(found))
-            draw(found, str(point), folder / "depends.png")
+            draw(found, str(chosen), folder / "depends.png")
             typer.echo(f"results in {folder}")
 
 
@@ -77,3 +57,8 @@ def _told(one) -> str:
     if one.percent_per_percent is None:
         return f"  {one.name} = {one.value:g}: {one.derivative:+.4g} by one more"
     return f"  a per cent more {one.name} (now {one.value:g}): {one.percent_per_percent:+.3g} % load"
+
+
+depends_app = scenes_app(
+    OWN, tell_scene, "Tell what a critical load depends on: derivatives, as a ranked table and a picture.",
+    "Trace the path of a scene, and rank what the load of a critical point depends on.")

@@ -7,7 +7,7 @@ import os
 import typer
 
 from ..checks import POSITIVE
-from .run import OF_A_FOLDER, RESUME, Scenes, folder_of, option, with_options
+from .run import OF_A_FOLDER, RESUME, folder_of, option, scenes_app
 
 OWN = [
     option("levels", int, 1, "Levels of branches: 1, those of the primary path; 2, theirs too.", "--levels", min=0),
@@ -23,26 +23,6 @@ OWN = [
     RESUME,
 ]
 
-
-class Diagrams(Scenes):
-    """Sub-commands of `diagram`, one for each scene."""
-
-    @staticmethod
-    def runner(name: str, function):
-        def command(**options):
-            own = {parameter.name: options.pop(parameter.name) for parameter in OWN}
-            draw_scene(name, function, options, **own)
-
-        return with_options(command, function, OWN)
-
-
-diagram_app = typer.Typer(cls=Diagrams, no_args_is_help=True,
-                          help="Follow the branches of a scene's path, and draw its bifurcation diagram.")
-
-
-@diagram_app.callback()
-def diagram_group() -> None:
-    """Follow the branches of a scene's path, theirs in turn, and draw its bifurcation diagram."""
 
 
 def draw_scene(name: str, function, parameters: dict, levels: int, max_load: float | None,
@@ -78,3 +58,7 @@ def draw_scene(name: str, function, parameters: dict, levels: int, max_load: flo
     typer.echo(f"{sum(1 for _ in everything(primary))} paths, {len(failed)} failed; results in {folder}")
     if failed:
         raise typer.Exit(1)
+
+
+diagram_app = scenes_app(OWN, draw_scene, "Follow the branches of a scene's path, and draw its bifurcation diagram.",
+                         "Follow the branches of a scene's path, theirs in turn, and draw its bifurcation diagram.")

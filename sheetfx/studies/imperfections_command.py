@@ -11,7 +11,7 @@ from typing import Any
 import typer
 
 from ..checks import POSITIVE
-from .run import OF_A_FOLDER, RESUME, Scenes, folder_of, option, with_options
+from .run import OF_A_FOLDER, RESUME, folder_of, option, scenes_app
 
 OWN = [
     option("amplitude", float | None, None, "Size of the worst imperfection: the norm of the coefficients of shapes, "
@@ -34,26 +34,6 @@ OWN = [
     RESUME,
 ]
 
-
-class Imperfect(Scenes):
-    """Sub-commands of `imperfections`, one for each scene."""
-
-    @staticmethod
-    def runner(name: str, function):
-        def command(**options):
-            own = {parameter.name: options.pop(parameter.name) for parameter in OWN}
-            search_scene(name, function, options, **own)
-
-        return with_options(command, function, OWN)
-
-
-imperfections_app = typer.Typer(cls=Imperfect, no_args_is_help=True,
-                                help="Find the worst imperfection of a size, and quantiles of the critical load.")
-
-
-@imperfections_app.callback()
-def imperfections_group() -> None:
-    """Search the imperfections of a scene for the worst one, and for the quantiles of critical loads."""
 
 
 def search_scene(name: str, function: Callable, parameters: dict[str, Any], amplitude: float | None,
@@ -102,3 +82,8 @@ def search_scene(name: str, function: Callable, parameters: dict[str, Any], ampl
             study.draw(folder, case.axes[1], Path(name).stem, ideal.load, loads, worst[0], quantiles)
             typer.echo("\n".join([f"worst of size {amplitude:g}: {worst[0]}", *map(str, quantiles),
                                   f"{len(loads)} paths; results in {folder}"]))
+
+
+imperfections_app = scenes_app(
+    OWN, search_scene, "Find the worst imperfection of a size, and quantiles of the critical load.",
+    "Search the imperfections of a scene for the worst one, and for the quantiles of critical loads.")

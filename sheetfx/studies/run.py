@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
@@ -107,6 +107,35 @@ def with_options(command, function, own: Sequence[inspect.Parameter]):
     looked_at.__signature__ = inspect.Signature([
         *(p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in parameters), *own])
     return looked_at
+
+
+def scenes_app(own: Sequence[inspect.Parameter], do: Callable[..., None], summary: str, what: str) -> typer.Typer:
+    """Commands that do something with one scene each, with its options and some of their own.
+
+    Parameters
+    ----------
+    own : options, whose names are those of parameters of `do`
+    do : function (name, function of the scene, its parameters, **own)
+    summary, what : help of the group in the list of commands, and of itself
+    """
+    class Commands(Scenes):
+        """Sub-commands, one for each scene."""
+
+        @staticmethod
+        def runner(name: str, function):
+            def command(**options):
+                mine = {parameter.name: options.pop(parameter.name) for parameter in own}
+                do(name, function, options, **mine)
+
+            return with_options(command, function, own)
+
+    def group() -> None:
+        pass
+
+    group.__doc__ = what
+    app = typer.Typer(cls=Commands, no_args_is_help=True, help=summary)
+    app.callback()(group)
+    return app
 
 
 def folder_of(name: str, output: str | None, ending: str = "") -> Path:

@@ -10,7 +10,7 @@ from typing import Any
 import typer
 
 from ..scenes import meant
-from .run import OF_A_FOLDER, RESUME, Scenes, folder_of, option, run_app, with_options
+from .run import OF_A_FOLDER, RESUME, folder_of, option, run_app, scenes_app
 
 OWN = [
     option("vary", list[str] | None, None, "An option of the scene and its values, separated by commas; repeat it for "
@@ -23,26 +23,6 @@ OWN = [
     RESUME,
 ]
 
-
-class Studies(Scenes):
-    """Sub-commands of `study`, one for each scene."""
-
-    @staticmethod
-    def runner(name: str, function):
-        def command(**options):
-            own = {parameter.name: options.pop(parameter.name) for parameter in OWN}
-            study_scene(name, function, options, **own)
-
-        return with_options(command, function, OWN)
-
-
-study_app = typer.Typer(cls=Studies, no_args_is_help=True,
-                        help="Run a scene with several values of its options, and compare the paths.")
-
-
-@study_app.callback()
-def study_group() -> None:
-    """Run a scene with all combinations of values of its options, and compare their paths."""
 
 
 def variations(name: str, function, parameters: dict[str, Any], texts: Sequence[str]) -> dict[str, list[Any]]:
@@ -144,3 +124,7 @@ def study_scene(name: str, function, parameters: dict[str, Any], vary: list[str]
     typer.echo(f"{len(runs)} runs, {len(unfinished)} failed; results in {folder}")
     if unfinished:
         raise typer.Exit(1)
+
+
+study_app = scenes_app(OWN, study_scene, "Run a scene with several values of its options, and compare the paths.",
+                       "Run a scene with all combinations of values of its options, and compare their paths.")
