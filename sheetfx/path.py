@@ -18,7 +18,7 @@ from .archive.scattered import ScatteredState
 from .checks import require
 from .continuation.control import ArcLength, DisplacementControl, LoadControl, StepRule
 from .continuation.corner import LEAST, around_corner, change_ahead, up_to_bifurcation, up_to_change
-from .continuation.failing import explained_failure, several_modes
+from .continuation.failing import at_rest, explained_failure, several_modes
 from .continuation.lapse import growth_by_history
 from .continuation.linear import SingularTangent
 from .continuation.problem import Problem
@@ -224,7 +224,8 @@ class Path:
                 length = taken[0].length
                 break
             if shortest:
-                raise failure
+                resting = at_rest(self.control, self.tracer, before)
+                raise self._failure(before, length / 2, resting) if resting else failure
             length /= 2
         else:
             length = min(length, taken[0].length)
@@ -341,15 +342,15 @@ class Path:
         self.critical_states |= {p: state for p, state in points.items() if state is not None}
         return after, tuple(sorted(points, key=lambda p: (p.step, p.length)))
 
-    def _failure(self, state: State, length: float) -> PathFailure:
+    def _failure(self, state: State, length: float, known: tuple[str, str] | None = None) -> PathFailure:
         history, shortest = self.tracer.stepper.history, f"even with a step of {length:.2g}"
         cause, details = f"does not converge {shortest}", (
             f"{self.tracer.reason()} after {len(history) - 1} iterations (relative residuals "
             f"{', '.join(f'{h:.1e}' for h in history[-4:])})")
         remedy = "try a smaller first step, another control or look at the structure at that state"
-        details, remedy = explained_failure(self.control, self.tracer, self._earlier, state, 2 * length) or (
-            details, remedy)
-        if self._refusal:
+        details, remedy = known or explained_failure(
+            self.control, self.tracer, self._earlier, state, 2 * length) or (details, remedy)
+        if self._refusal and not known:
             cause, details = f"is refused {shortest}", f"it converges, but {self._refusal}"
             if self._together > 1:
                 more, remedy = several_modes(self._together, state)

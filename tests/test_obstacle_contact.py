@@ -286,3 +286,17 @@ def test_bifurcations_on_augmented_contact_are_doubted():
     (words,) = doubted("uzawa", 2)
     assert words.startswith("bifurcation at load 2 and 1 more: where something touches by ObstacleContact unstable ")
     assert doubted("uzawa", 0) == doubted("penalty", 2) == doubted("uzawa", 2, "limit") == []
+
+
+def test_a_load_on_what_rests_is_followed_by_the_load():
+    """Displacements do not grow any more: a cylindrical arc length says so, and what measures the load too goes on."""
+    mesh = fx.read(lambda: fx.meshes.arc(3380.6, -0.128, 0.128, 20, {"crown": 0.0}), dimension=2, order=2)
+    arch = fx.Beam(mesh, fx.Rectangle(25.4, 4.7625), fx.Elastic(72395.0))
+    floor = fx.RigidPlane((0.0, 3380.6 - 4.7625 / 2 - 8.0), (0.0, 1.0))
+    scene = fx.Scene([arch], [fx.clamp(mesh, "start"), fx.clamp(mesh, "end")],
+                     [fx.PointForce(mesh, "crown", (0.0, -1.0))], fx.Monitor(mesh, "crown", "y", -1.0),
+                     joints=[fx.ObstacleContact(mesh, "crown", floor)])
+    with pytest.raises(fx.PathFailure, match=r"rests against something.*ArcLength\(shape='elliptical'\)"):
+        list(fx.Path(scene, fx.ArcLength(), fx.Until(load=400.0)))
+    last = list(fx.Path(scene, fx.ArcLength(shape="elliptical"), fx.Until(load=400.0)))[-1]
+    assert last.load == pytest.approx(400.0) and last.deflection == pytest.approx(8.0, abs=1e-4)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from .control import DisplacementControl, LoadControl, StepRule
+from math import copysign, inf
+
+from .control import ArcLength, DisplacementControl, LoadControl, StepRule
 from .state import State
 from .tracer import Tracer
 
@@ -54,6 +56,25 @@ def _plastic_limit(tracer: Tracer, before: State, state: State, length: float) -
     beyond = tracer.attempt_by(DisplacementControl(), way)
     tracer.back_to(state)
     return beyond.load if beyond is not None and abs(beyond.factor - state.factor) <= length else None
+
+
+def at_rest(control: StepRule, tracer: Tracer, state: State) -> tuple[str, str] | None:
+    """Cause and remedy where the structure answers more load with almost no displacement; None: it does not."""
+    cylindrical = isinstance(control, ArcLength) and control.shape == "cylindrical"
+    if tracer.system.smooth or not cylindrical or not state.factor:
+        return None
+    by_load = LoadControl(target=copysign(inf, control.direction(state)))
+    for power in (1, 2, 3):
+        tracer.back_to(state)
+        beyond = tracer.attempt_by(by_load, control.with_contact**power * abs(state.factor))
+        tracer.back_to(state)
+        if beyond is not None:
+            if tracer.distance(0.0, beyond.response) > control.smallest * tracer.distance(0.0, state.response):
+                return None
+            return ("what the load acts on rests against something, so that displacements no longer grow with the "
+                    "load, by which a cylindrical arc length measures steps",
+                    "give fx.ArcLength(shape='elliptical'), which measures the load too, or fx.LoadControl(...)")
+    return None
 
 
 def _unfinished(tracer: Tracer, state: State) -> str:
