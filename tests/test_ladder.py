@@ -223,14 +223,15 @@ def test_wrong_options_are_refused(tmp_path, command, arguments, said):
 
 @pytest.mark.slow
 def test_a_scene_without_reference_has_a_chart_of_its_models(tmp_path, command):
-    """What matters is far off, the whole model is near, and a chart that is gone on with runs nothing again."""
+    """The elastic column has no critical point; a chart that is gone on with runs nothing again."""
     words = ["chart", DEMOS / "stocky_column.py", "--repeat", "1", "-o", tmp_path]
-    status, _, errors = command(*words)
+    status, said, errors = command(*words)
     assert status == 0, errors
+    assert "without plasticity cells 32 is left out: sheetfx: error: no limit point" in said
     rows = list(csv.DictReader((tmp_path / "chart.csv").open()))
-    errors = {(row["method"], row["label"]): float(row["error_percent"]) for row in rows}
-    assert errors["without plasticity", "cells 32"] > 30
-    assert errors["all that the scene has", "cells 32"] < 1 and errors["sheetfx advise", ""] < 1
+    off = {(row["method"], row["label"]): float(row["error_percent"]) for row in rows}
+    assert 0.2 < off["all that the scene has", "cells 32"] < 1  # by five fibres along each side
+    assert off["sheetfx advise", ""] < 0.1
     assert (tmp_path / "chart.png").exists()
     begun = time.time()
     status, _, _ = command(*words, "--resume")

@@ -10,7 +10,7 @@ from scipy.linalg import eigh
 from ..discrete.free_body import rigid_motions
 
 FREE = 1e-9  # stiffness of a motion over that of its unknowns one by one, that is rounding
-HELD = 1e-9  # motion of what is held over that of the structure, that is rounding
+HELD = 1e-12  # sum of squares of what a motion moves at supports over that of all, that is rounding
 
 
 def rows_that_hold(discretisation, tangent: PETSc.Mat) -> np.ndarray:
@@ -24,7 +24,7 @@ def rows_that_hold(discretisation, tangent: PETSc.Mat) -> np.ndarray:
     whole = np.array(motions)
     sizes = np.sqrt(comm.allreduce((whole**2).sum(axis=1)))
     values, vectors = np.linalg.eigh(comm.allreduce(moved @ moved.T) / np.outer(sizes, sizes))
-    free = (vectors[:, values <= HELD**2 * len(sizes)].T / sizes) @ whole
+    free = (vectors[:, values <= HELD].T / sizes) @ whole
     free[:, system.fixed_rows] = 0
     free = _without_stiffness(free, tangent, comm)
     first, rows = tangent.getOwnershipRange()[0], []
