@@ -46,6 +46,7 @@ class Models:
         self.doubled = 0
         self._cases: dict[int, Case] = {}
         self._found: dict[tuple[int, LeftOut], FirstPoint] = {}
+        self._finer: dict[tuple[int, LeftOut], FirstPoint] = {}
 
     def scene(self, level: int) -> Scene:
         """With all that it has."""
@@ -78,13 +79,16 @@ class Models:
 
     def integrated_finer(self, level: int, left: LeftOut) -> FirstPoint:
         """That of a model with twice as many layers, fibres and steps."""
-        with quiet():
-            case = self._counted(integrated_finer(self.at(level, left).record.case))
-        return up_to_first(case, case.scene, LeftOut(), LeftOut(), self._names)
+        if (level, left) not in self._finer:
+            with quiet():
+                case = self._counted(integrated_finer(self.at(level, left).record.case))
+            self._finer[level, left] = up_to_first(case, case.scene, LeftOut(), LeftOut(), self._names)
+        return self._finer[level, left]
 
     def changed(self) -> None:
         """Forget what was found, since all models are others."""
         self._found.clear()
+        self._finer.clear()
 
     def _counted(self, case: Case) -> Case:
         """A case that looks for modes across planes of symmetry, where these count."""
