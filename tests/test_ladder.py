@@ -209,6 +209,13 @@ def test_two_processes_advise_the_same(tmp_path):
     assert [d["decided"] for d in two["decisions"]] == [d.decided for d in one.decisions]
 
 
+def test_an_interval_that_stays_wider_is_told(tmp_path, command):
+    status, said, _ = command("advise", "roof", "--cells", "2", "--finest", "0", "--within", "0.0001%", "-o", tmp_path)
+    told = json.loads((tmp_path / "advice.json").read_text())
+    assert status == 0 and not told["reached"] and "wider than asked for" in said
+    assert told["interval"][0] < told["load"] < told["interval"][1]
+
+
 @pytest.mark.parametrize("arguments, said", [
     (["--within", "0"], "--within is '0'; it must be a share above 0 and below 1"),
     (["--within", "half"], "--within is 'half'"),

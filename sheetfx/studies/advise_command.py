@@ -57,7 +57,7 @@ def share_of(text: str) -> float:
 
 def advise_scene(name: str, function: Callable, parameters: dict[str, Any], within: str, finest: int,
                  refine: str | None, output: str | None) -> None:
-    """Write and print the advice; exit status 1 where the interval is wider than asked for."""
+    """Write and print the advice; exit status 1 where there is no load."""
     from mpi4py import MPI
 
     from ..archive.folder import Archive
@@ -81,7 +81,7 @@ def advise_scene(name: str, function: Callable, parameters: dict[str, Any], with
             (folder / "advised.py").write_text(_script(name, parameters, share, meshes, advice))
             typer.echo(str(advice))
             typer.echo(f"results in {folder}; sheetfx run {folder / 'advised.py'} runs the model")
-    if not advice.reached:
+    if advice.load is None:
         raise typer.Exit(1)
 
 
