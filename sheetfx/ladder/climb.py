@@ -104,7 +104,7 @@ class Climb:
             else:
                 if found.refuted:
                     name, evidence = next(iter(found.refuted.items()))
-                elif doubtful := self._doubtful(level, left, found):
+                elif doubtful := self._doubtful(left, found):
                     name, evidence = doubtful[0].name, self._measured(level, left, found, *doubtful)
                     if self._is_small(evidence, level, name):
                         continue
@@ -113,7 +113,7 @@ class Climb:
             self._decide(name, "needed", evidence.because, evidence.worth)
             left = left.but(name)
 
-    def _doubtful(self, level: int, left: LeftOut, found: FirstPoint) -> tuple[Rung, Evidence] | None:
+    def _doubtful(self, left: LeftOut, found: FirstPoint) -> tuple[Rung, Evidence] | None:
         """A rung whose evidence does not allow to leave it out; None where all do, each then decided."""
         decided = {decision.about for decision in self._decisions}
         for rung in left.rungs:
@@ -121,8 +121,7 @@ class Climb:
                 continue
             if found.failure:
                 return rung, Evidence(f"the path without it stops: {found.failure}")
-            whole = left.but(rung.name).scene(self._models.scene(level))
-            evidence = rung.evidence(whole, found.record, found.point, found.seen[rung.name])
+            evidence = rung.evidence(found.seen[rung.name])
             if evidence.worth is None or abs(evidence.worth) > SMALL * self._within:
                 return rung, evidence
             if rung.name not in decided:

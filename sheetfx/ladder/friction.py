@@ -1,11 +1,11 @@
-"""What friction may be worth: its forces on the slip of the structure without friction."""
+"""What friction is worth: no state without it tells, so that its own path is followed and both are compared."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
 
-from ..continuation.state import CriticalPoint, State
+from ..continuation.state import State
 from ..critical.remade import remade
 from ..model.scene import Scene
 from ..record import Record
@@ -19,14 +19,17 @@ class Friction:
     name = "friction"
 
     def present(self, scene: Scene) -> bool:
-        return any(contact.friction > 0 for contact in contacts_of(scene) if hasattr(contact, "friction"))
+        return bool(_rough(scene))
 
     def without(self, scene: Scene) -> Scene:
-        rough = [one for one in contacts_of(scene) if getattr(one, "friction", 0.0) > 0]
-        return remade(scene, {one: replace(one, friction=0.0) for one in rough})
+        return remade(scene, {one: replace(one, friction=0.0) for one in _rough(scene)})
 
     def watch(self, scene: Scene, record: Record) -> Callable[[State], Evidence | None]:
         return lambda state: None
 
-    def evidence(self, scene: Scene, record: Record, point: CriticalPoint | None, seen: object) -> Evidence:
+    def evidence(self, seen: object) -> Evidence:
         return Evidence("only its own path tells")
+
+
+def _rough(scene: Scene) -> list:
+    return [one for one in contacts_of(scene) if getattr(one, "friction", 0.0) > 0]

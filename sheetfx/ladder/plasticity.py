@@ -8,7 +8,7 @@ from dataclasses import fields
 import numpy as np
 from mpi4py import MPI
 
-from ..continuation.state import CriticalPoint, State
+from ..continuation.state import State
 from ..critical.remade import remade
 from ..discrete.plastic import is_plastic
 from ..discrete.section_forces import section_forces
@@ -89,7 +89,7 @@ class Plasticity:
     def watch(self, scene: Scene, record: Record) -> Callable[[State], Evidence | None]:
         return Utilisation(scene, record)
 
-    def evidence(self, scene: Scene, record: Record, point: CriticalPoint | None, seen: Utilisation) -> Evidence:
+    def evidence(self, seen: Utilisation) -> Evidence:
         return Evidence(seen.told, 0.0 if seen.largest < self.NEAR else None)
 
 

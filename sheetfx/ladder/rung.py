@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from ..continuation.state import CriticalPoint, State
+from ..continuation.state import State
 from ..model.scene import Scene
 from ..record import Record
 
@@ -50,7 +50,7 @@ class Rung(Protocol):
         record : of the poorer model, as it grows
         """
 
-    def evidence(self, scene: Scene, record: Record, point: CriticalPoint | None, seen: Any) -> Evidence:
+    def evidence(self, seen: Any) -> Evidence:
         """What the path of the poorer model up to its first critical point tells.
 
         Parameters

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from mpi4py import MPI
 
-from ..continuation.state import CriticalPoint, State
+from ..continuation.state import State
 from ..discrete.discretisation import Discretisation
 from ..discrete.pair_work import pairs_of
 from ..discrete.transfer import Transfer
@@ -76,5 +76,5 @@ class Touching:
     def watch(self, scene: Scene, record: Record) -> Callable[[State], Evidence | None]:
         return Gaps(scene, record)
 
-    def evidence(self, scene: Scene, record: Record, point: CriticalPoint | None, seen: Gaps) -> Evidence:
+    def evidence(self, seen: Gaps) -> Evidence:
         return Evidence(seen.told, 0.0 if seen.smallest > 0 else None)

@@ -60,7 +60,7 @@ def advise_scene(name: str, function: Callable, parameters: dict[str, Any], with
     """Write and print the advice; exit status 1 where there is no load."""
     from mpi4py import MPI
 
-    from ..archive.folder import Archive
+    from ..archive.folder import Archive, write_whole
     from ..ladder.climb import Climb
     from ..ladder.decision import Decision
     from ..ladder.meshes import by_halving, by_option
@@ -78,7 +78,7 @@ def advise_scene(name: str, function: Callable, parameters: dict[str, Any], with
         advice = Climb(meshes, share, told).advice()
         if archive.comm.rank == 0:
             archive.write_json("advice.json", {"scene": name, "parameters": parameters} | own | written(advice))
-            (folder / "advised.py").write_text(_script(name, parameters, share, meshes, advice))
+            write_whole(folder / "advised.py", _script(name, parameters, share, meshes, advice))
             typer.echo(str(advice))
             typer.echo(f"results in {folder}; sheetfx run {folder / 'advised.py'} runs the model")
     if advice.load is None:
