@@ -66,7 +66,7 @@ def draw_chart(points: Sequence[Point], title: str):
     main = panels[0]
     main.set_title(f"{title}: largest error of its reference quantities", fontsize=10, loc="left")
     main.margins(0.1)
-    main.loglog(*_front(points).T, color="#999999", linewidth=5.0, alpha=0.4, solid_capstyle="round", zorder=1,
+    main.plot(*_front(points).T, color="#999999", linewidth=5.0, alpha=0.4, solid_capstyle="round", zorder=1,
                 label="no other is faster and as accurate")
     main.legend(frameon=True, framealpha=0.9, edgecolor="none", fontsize=9)
     texts = [(p.cpu_seconds, _height(p), p.label) for p in points if p.label and not p.peer]
