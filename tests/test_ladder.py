@@ -6,6 +6,7 @@ import csv
 import json
 import re
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ import pytest
 from helpers import on_two_processes
 
 import sheetfx as fx
+from sheetfx.ladder import models
 from sheetfx.ladder.climb import Climb
 from sheetfx.ladder.first_point import from_coarser, up_to_first
 from sheetfx.ladder.symmetry import Asymmetric, across, planes
@@ -123,6 +125,24 @@ def test_plastic_hinges_need_more_layers_and_cells():
     assert inside(advice, first_of(finest))
     coarse = scene_of("portal")(cells=4)
     assert first_of(fx.integrated_finer(coarse)) > 1.02 * first_of(coarse)
+
+
+def test_layers_whose_error_is_unknown_are_told(monkeypatch):
+    """Where the path with twice as many stops, the interval is not as narrow as asked, and no number is doubled."""
+    def stops(case: fx.Case, times: int = 1) -> fx.Case:
+        return replace(case, control=fx.LoadControl(step=1e9, target=1e9, fixed=True, smallest=0.5)) if times else case
+
+    monkeypatch.setattr(models, "integrated_finer", stops)
+    advice = advised("portal")
+    assert not advice.reached and not advice.doubled and decisions(advice)["layers and steps"] == "unknown"
+    assert sum(one.about == "layers and steps" for one in advice.decisions) == 1
+
+
+def test_half_steps_may_be_twice_as_many():
+    case = scene_of("portal")(cells=4)
+    case = replace(case, until=fx.Until(steps=len(up_to_first(case, case.scene, NOTHING, NOTHING).record.states)))
+    finer = fx.integrated_finer(case)
+    assert up_to_first(finer, finer.scene, NOTHING, NOTHING).point
 
 
 def test_finer_cells_give_the_point_of_their_path_directly():

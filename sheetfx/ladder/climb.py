@@ -54,7 +54,7 @@ class Climb:
             If the scene itself is refused.
         """
         begun, level, looked_across = time.process_time(), self._lowest, False
-        coarser: tuple | None = None
+        coarser: tuple[FirstPoint, int, LeftOut, Estimate | None, float] | None = None
         left = LeftOut.all_of(self._models.scene(level))
         while True:
             left = self._enough(level, left)
@@ -66,20 +66,18 @@ class Climb:
             if not looked_across:
                 looked_across = True
                 if self._buckles_across(found):
-                    self._models.changed()
                     continue
-            integration = self._of_integration(left)
+            integration, unknown = self._of_integration(left)
             if integration and integration.doubt > self._within / 2 * abs(found.load) and (
                     self._models.doubled < DOUBLINGS):
                 self._decide("layers and steps", "too few", integration.because, -integration.error / found.load)
                 self._models.doubled += 1
-                self._models.changed()
                 continue
             estimate = self._of_mesh(level, left)
             if estimate and integration:
                 estimate += integration
             doubt = sum(map(abs, self._models.small.values())) * abs(found.load) + (estimate.doubt if estimate else 0.0)
-            reached = estimate is not None and doubt <= self._within * abs(found.load)
+            reached = estimate is not None and not unknown and doubt <= self._within * abs(found.load)
             if (reached or level == self._highest) and (name := self._not_small(level, left)):
                 left = left.but(name)
                 continue
@@ -89,8 +87,10 @@ class Climb:
             level += 1
 
     def _decide(self, about: str, decided: str, because: str, worth: float | None = None) -> None:
-        self._decisions.append(Decision(about, decided, because, worth))
-        self._told(self._decisions[-1])
+        decision = Decision(about, decided, because, worth)
+        if decision not in self._decisions:
+            self._decisions.append(decision)
+            self._told(decision)
 
     def _enough(self, level: int, left: LeftOut) -> LeftOut:
         """What may be left out at a level: less than before, until the evidence for all of it holds."""
@@ -176,7 +176,7 @@ class Climb:
                 continue
             first, last = lowest(record.states[0]), lowest(state)
             if last < -SMALL * self._within * first:
-                self._models.across.append(modes.name)
+                self._models.counts(modes.name)
                 self._decide("symmetry", "broken", f"at load {state.load:.6g} of the symmetric structure a "
                              f"{lowest.name} is unstable already")
             else:
@@ -216,17 +216,21 @@ class Climb:
         error = change / (min(ratio, SECOND_ORDER) - 1)
         return Estimate(error, CONVERGING * abs(error), f"{said}, a change {ratio:.1f} times less than that before")
 
-    def _of_integration(self, left: LeftOut) -> Estimate | None:
-        """Error of a plastic load by layers, fibres and steps, on the coarsest mesh; None: nothing is plastic."""
+    def _of_integration(self, left: LeftOut) -> tuple[Estimate | None, bool]:
+        """Error of a plastic load by layers, fibres and steps on the coarsest mesh, and whether that is unknown."""
         level = self._lowest
         if not any(map(is_plastic, left.scene(self._models.scene(level)).parts)):
-            return None
-        found, other = self._models.at(level, left), self._models.integrated_finer(level, left)
-        if found.failure or other.failure or bool(other.point) != bool(found.point):
-            return None
+            return None, False
+        found, other = self._models.at(level, left), self._models.at(level, left, more=1)
+        twice = f"twice as many layers or fibres and steps on {self._models.meshes.words(level)}"
+        if found.failure or other.failure or other.refuted or bool(other.point) != bool(found.point):
+            ends = other.failure or found.failure or (
+                f"needs {', '.join(other.refuted)}" if other.refuted else
+                f"has {'a' if other.point else 'no'} critical point, {'none' if other.point else 'one'} without")
+            self._decide("layers and steps", "unknown", f"the path with {twice}: {ends}; the interval leaves them out")
+            return None, True
         change = found.load - other.load
-        return Estimate(change, abs(change), f"{-change / found.load:+.2%} by twice as many layers or fibres and steps "
-                        f"on {self._models.meshes.words(level)}")
+        return Estimate(change, abs(change), f"{-change / found.load:+.2%} by {twice}"), False
 
     def _advice(self, found: FirstPoint, level: int, left: LeftOut, estimate: Estimate | None, doubt: float,
                 reached: bool, begun: float) -> Advice:

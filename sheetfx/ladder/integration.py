@@ -22,7 +22,8 @@ def integrated_finer(case: Case, times: int = 1) -> Case:
                 if is_plastic(part) and isinstance(getattr(part.section, "points", None), int)}
     new = {one: replace(one, points=2 * one.points) for one in sections.values()}
     scene = remade(case.scene, new) if new else case.scene
-    return replace(case, scene=scene, control=_halved(case.control), events=(), until=replace(case.until, event=None))
+    until = replace(case.until, event=None, steps=2 * case.until.steps)
+    return replace(case, scene=scene, control=_halved(case.control), events=(), until=until)
 
 
 def _halved(control: StepRule) -> StepRule:

@@ -45,8 +45,7 @@ class Models:
         self.across: list[str] = []
         self.doubled = 0
         self._cases: dict[int, Case] = {}
-        self._found: dict[tuple[int, LeftOut], FirstPoint] = {}
-        self._finer: dict[tuple[int, LeftOut], FirstPoint] = {}
+        self._found: dict[tuple[int, LeftOut, int], FirstPoint] = {}
 
     def scene(self, level: int) -> Scene:
         """With all that it has."""
@@ -58,37 +57,34 @@ class Models:
                 self._cases[level] = self.meshes.case(level)
         return self._cases[level]
 
-    def at(self, level: int, left: LeftOut) -> FirstPoint:
+    def at(self, level: int, left: LeftOut, more: int = 0) -> FirstPoint:
         """The first critical point of a model: directly from that on coarser cells where these tell, else by its path.
+
+        Parameters
+        ----------
+        more : how often layers, fibres and steps are doubled in number, beyond `doubled`
 
         Raises
         ------
         ValueError
             If there is no structure without what is left out.
         """
-        if (level, left) not in self._found:
+        doubled = self.doubled + more
+        if (level, left, doubled) not in self._found:
             whole = self._case(level)
             with quiet():
-                case = self._counted(integrated_finer(left.of(whole), self.doubled))
+                case = self._counted(integrated_finer(left.of(whole), doubled))
             watched = LeftOut(**{rung.name: rung.name not in self.small for rung in left.rungs})
-            coarser, found = self._found.get((level - 1, left)), None
+            coarser, found = self._found.get((level - 1, left, doubled)), None
             if coarser and not (coarser.refuted or coarser.failure):
                 found = from_coarser(coarser, case, whole.scene, left, watched)
-            self._found[level, left] = found or up_to_first(case, whole.scene, left, watched, self._names)
-        return self._found[level, left]
+            self._found[level, left, doubled] = found or up_to_first(case, whole.scene, left, watched, self._names)
+        return self._found[level, left, doubled]
 
-    def integrated_finer(self, level: int, left: LeftOut) -> FirstPoint:
-        """That of a model with twice as many layers, fibres and steps."""
-        if (level, left) not in self._finer:
-            with quiet():
-                case = self._counted(integrated_finer(self.at(level, left).record.case))
-            self._finer[level, left] = up_to_first(case, case.scene, LeftOut(), LeftOut(), self._names)
-        return self._finer[level, left]
-
-    def changed(self) -> None:
-        """Forget what was found, since all models are others."""
+    def counts(self, name: str) -> None:
+        """From now on modes across a plane of symmetry are critical, so that all is to be found again."""
+        self.across.append(name)
         self._found.clear()
-        self._finer.clear()
 
     def _counted(self, case: Case) -> Case:
         """A case that looks for modes across planes of symmetry, where these count."""
