@@ -63,7 +63,7 @@ _ROOMS = {
     "critical.buckling": "BucklingLoad buckling",
     "events.search": "state_at",
     "critical.curve": "CriticalCurve CurveEnds CurvePoint",
-    "critical.descent": "SnapFailure",
+    "critical.fall": "SnapFailure",
     "critical.error_bar": "ErrorBar",
     "critical.gradient": "LoadGradient",
     "critical.imperfect": "imperfect",

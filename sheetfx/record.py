@@ -31,7 +31,7 @@ from .show.viewer import view_record
 if TYPE_CHECKING:
     from .critical.branches import Branch
     from .critical.buckling import BucklingLoad
-    from .critical.descent import FallStep
+    from .critical.fall import FallStep
     from .critical.error_bar import ErrorBar
     from .critical.snap import Snap
     from .critical.vibration import Vibration

@@ -171,7 +171,7 @@ def test_flags_of_contributions_are_those_of_the_system():
         def contributions(self, fields):
             contribution = Grounded(fields, self.mesh, self.at, self.stiffness, conservative=False)
             contribution.smooth = False
-            contribution.without_descent = "a spring of the test has no energy"
+            contribution.without_fall = "a spring of the test has no energy"
             yield contribution
 
     path = fx.Path(sprung_cantilever([lambda mesh: Rough(mesh, "tip", 4.0)]))

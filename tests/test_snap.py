@@ -14,7 +14,7 @@ import sheetfx as fx
 from sheetfx.continuation.control import ArcLength, DisplacementControl, LoadControl
 from sheetfx.continuation.state import State
 from sheetfx.critical.branches import branches
-from sheetfx.critical.descent import SnapFailure
+from sheetfx.critical.fall import SnapFailure
 from sheetfx.critical.snap import snap, snaps
 from sheetfx.events.search import state_at
 from sheetfx.model.loads import LineForce, PointForce, PrescribedDisplacement
@@ -38,7 +38,7 @@ def reached(record, near, control, length):
 def falls(fall):
     """Whether the energy falls in every step, to rounding in the last ones."""
     changes = np.diff([step.energy for step in fall.history])
-    return bool(np.all(changes <= 0) and np.all(changes[:-4] < 0))
+    return bool(np.all(changes <= 1e-9 * fall.energy_released) and np.all(changes[:-4] < 0))
 
 
 def distance(one, other):

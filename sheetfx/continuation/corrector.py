@@ -73,7 +73,8 @@ class BorderedNewton:
     behind : length of the corrections since the factor at hand was made, of the tangent near a guess; infinite: it was
         not
     elimination : of contact forces from each step; None: they are part of the iteration
-    viscosity : of forces against the increments, in the inner product's weights: those of a step of a slow motion
+    viscosity : of a fluid around the structure, in the inner product's weights, for a step of a slow motion
+    flow : increments of the fluid in the step; zero: it rests
     unfinished : increments (this process's part) at which the residual of the last step had no numbers; None: nowhere
     patient : whether it goes on where iterations lead nowhere for long, as where each peels off some points of contact
     """
@@ -93,7 +94,7 @@ class BorderedNewton:
         """Let the SNES solve this system; called once."""
         self.system = system
         self._residual, self._load = system.create_vector(), system.create_vector()
-        self._part, self._step, self._unit, self._answered = (system.create_vector() for _ in range(4))
+        self._part, self._step, self._unit, self._answered, self.flow = (system.create_vector() for _ in range(5))
         snes.setFunction(self._evaluate, self._residual)
         snes.setJacobian(lambda snes, x, a, p: self._linearise(), system.matrix)
         self.linear = DirectSolver(snes.getKSP(), system.matrix, system.conservative)
@@ -102,7 +103,7 @@ class BorderedNewton:
         self.system.configure(x, self.factor_now)
         self.system.residual(out)
         if self.viscosity:
-            out.axpy(self.viscosity, self.system.weights * x)
+            out.axpy(self.viscosity, self.system.weights * (x - self.flow))
 
     def _linearise(self) -> None:
         matrix = self.system.tangent()

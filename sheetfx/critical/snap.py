@@ -13,8 +13,7 @@ from ..continuation.segment import Jump, Missed
 from ..continuation.state import State
 from ..continuation.tracer import tracer_of
 from ..events.event import Event, occurrences
-from .descent import Fall, FallStep, SnapFailure, unstable
-from .viscous import ViscousFall
+from .fall import Fall, FallStep, unstable
 
 HOLDS = ("load", "displacement")
 # of the load, where its rate passes zero; of the displacement on which it works, where the compliance does
@@ -96,10 +95,8 @@ def snap(path, state: State, hold: str = "load", side: int = 1,
     present = tracer.state
     try:
         tracer.back_to(state)
-        kind = Fall if tracer.system.conservative else ViscousFall
-        fall = kind(tracer, hold, side, listener or (lambda step: None))
-        fall.run()
-        return Snap(state, fall.state(), hold, tuple(fall.history))
+        fall = Fall(tracer, hold, side, listener or (lambda step: None))
+        return Snap(state, fall.run(), hold, tuple(fall.history))
     finally:
         tracer.back_to(present)
 
@@ -108,8 +105,7 @@ def snaps(path, states: Sequence[State], hold: str = "load") -> list[Snap]:
     """Falls of a test along a path: one where each unstable piece begins.
 
     There what is held has its extreme, and this state is found first. Where a piece begins with a bifurcation or with
-    contact, or where very slender parts do not fall from the extreme itself, the next state of the path counts, and the
-    fall hangs on the length of steps.
+    contact, the next state of the path counts, and the fall hangs on the length of steps.
 
     Parameters
     ----------
@@ -123,13 +119,7 @@ def snaps(path, states: Sequence[State], hold: str = "load") -> list[Snap]:
 
 def first_fall(path, before: State, after: State, hold: str) -> Snap:
     """The fall from the extreme of what is held between two states, else from the second one."""
-    extreme = _extreme(tracer_of(path), before, after, hold)
-    try:
-        return snap(path, extreme or after, hold)
-    except SnapFailure:
-        if extreme is None:
-            raise
-        return snap(path, after, hold)
+    return snap(path, _extreme(tracer_of(path), before, after, hold) or after, hold)
 
 
 def _extreme(tracer, before: State, after: State, hold: str) -> State | None:
@@ -158,5 +148,5 @@ def _check(tracer, state: State, hold: str, side: int) -> None:
                          "factored with its inertia; use loads of fixed direction, contact with friction between parts "
                          "alone, and the default solver")
     for contribution in tracer.system.contributions:
-        if contribution.without_descent:
-            raise ValueError(f"snap: {contribution.without_descent}")
+        if contribution.without_fall:
+            raise ValueError(f"snap: {contribution.without_fall}")

@@ -10,7 +10,7 @@ from ..continuation.control import ArcLength, DisplacementControl, LoadControl, 
 from ..continuation.state import CriticalPoint, State
 from ..events.event import Event
 from ..events.until import AT_BOUND
-from .descent import SnapFailure, unstable
+from .fall import SnapFailure, unstable
 from .snap import Snap, first_fall
 
 __all__ = ["Falling", "SnapFailure"]

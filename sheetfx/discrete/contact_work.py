@@ -33,7 +33,7 @@ class ContactWork(FormWork):
         self._kept = fields.multiplier if fields.block is None else None
         self.augments = fields.enforcement != "penalty"
         if self.augments:
-            self.without_descent = (f"contact with enforcement {fields.enforcement!r} has no energy between its "
+            self.without_fall = (f"contact with enforcement {fields.enforcement!r} has no energy between its "
                                     "solutions; use Contact(..., enforcement='penalty') or a layer")
         self._keep()
 

@@ -63,7 +63,7 @@ class Contribution:
     conservative : whether its forces have a potential, so that its tangent is symmetric
     sticks : whether it can `stick`, and has a potential then, though it is not conservative: contact with friction
     called : what messages call it; "": by its class
-    without_descent : why falls cannot descend its energy, in words; "": they can
+    without_fall : why structures with it cannot fall, in words; "": they can
     moved : whether it couples other unknowns than when `pattern` was last asked; the system then asks again
     rubs : whether there is friction, so that it has to `foresee` where points touch
     augments : whether forces are found by augmentation: work is then told between accepted states only
@@ -85,7 +85,7 @@ class Contribution:
 
     smooth = conservative = tells_work = True
     steep = condenses = sticks = augments = rubs = False
-    called = without_descent = ""
+    called = without_fall = ""
     moved = gives_moments = kinks = remembers = history_moved = False
     stage: int | None = None
     tolerance = 0.0

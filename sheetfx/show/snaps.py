@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path as Folder
 
-from ..critical.descent import SnapFailure
+from ..critical.fall import SnapFailure
 from ..critical.snap import Snap, snaps
 from ..notices import warn
 from .curves import draw_path

@@ -25,7 +25,7 @@ NO_CONSTANTS = ("discrete/closest_point.py:ROWS",
                 "discrete/obstacle_work.py:DISTANCE", "discrete/obstacle_work.py:BEFORE",
                 "discrete/obstacle_work.py:SLIPPED",
                 "discrete/zones.py:SAMPLES", "discrete/zones.py:POINTS", "continuation/work.py:POINTS",
-                "critical/descent.py:POINTS", "critical/descent.py:WEIGHTS", "critical/branches.py:TURN",
+                "critical/fall.py:POINTS", "critical/fall.py:WEIGHTS", "critical/branches.py:TURN",
                 "continuation/control.py:LoadControl.target",
                 # fields of the state, before there is one
                 "continuation/control.py:LoadResponse.initial_norm2",
