@@ -31,8 +31,8 @@ from .show.viewer import view_record
 if TYPE_CHECKING:
     from .critical.branches import Branch
     from .critical.buckling import BucklingLoad
-    from .critical.fall import FallStep
     from .critical.error_bar import ErrorBar
+    from .critical.fall import FallStep
     from .critical.snap import Snap
     from .critical.vibration import Vibration
     from .discrete.discretisation import Discretisation

@@ -10,9 +10,10 @@ and is raised where a step does not converge, or is too long. Without friction t
 
 It leaves an unstable equilibrium in a fluid that flows along the mode: steep walls of a curved valley push it to the
 floor. With a viscosity below the growth of that mode a step can lead back to the unstable equilibrium, or past it. So
-the flow is so short that the step gives energy, and each step after it must begin down the forces and give energy. That is the integral of all forces along the motion, those of the held load and of friction
-included: what the fluid takes. Forces of contact change within a small part of a step, so that their work comes from
-its closed form (`Contribution.work_between`) where there is one.
+the flow is so short that the step gives energy, and each step after it must begin down the forces and give energy. That
+is the integral of all forces along the motion, those of the held load and of friction included: what the fluid takes.
+Forces of contact change within a small part of a step, so that their work comes from its closed form
+(`Contribution.work_between`) where there is one.
 
 With friction a mode may grow at once as pairs begin to slip, so that its eigenvalue lies far below zero, and in that
 sense only in which they slip on.
@@ -280,7 +281,7 @@ class Fall:
         return False
 
     def _motion(self, pushed: float) -> tuple[float, float] | None:
-        """Change of the energy in a step, at whose end the system is then, and its load increment; None: there is none."""
+        """Change of the energy and load increment of a step, at whose end the system is then; None: there is none."""
         tracer, system, x = self.tracer, self.system, self.tracer.x
         stepper, start = tracer.stepper, system.factor
         tangent = replace(tracer.tangent, functional=Functional(self._load.copy()))

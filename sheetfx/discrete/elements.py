@@ -83,8 +83,8 @@ class ElementWork(Contribution):
         self.kinks = bool(self._memories) or any(has_cases(t) for t in internal.terms)
         self.smooth = not self.kinks
         if self._memories:
-            self.without_fall = ("parts whose law has history have no energy to descend; trace their paths by arc "
-                                    "length, through the limit point")
+            self.without_fall = ("laws with history would have to remember the long steps of a fall; trace paths by "
+                                 "arc length, through the limit point")
         self.numbers = sorted({n for t in self._terms for n in t.numbers})
         self._fields = [fields[n] for n in self.numbers]
         self._nodes = [f.value.function_space.dofmap.list[cells].astype(np.int64) for f in self._fields]
