@@ -52,7 +52,7 @@ def test_koiters_coefficients_of_the_comparison_solid():
 
 def test_a_yielded_structure_does_not_snap():
     record = follow(hinged_beam(kinematic=0.01), fx.DisplacementControl(step=1e-4), deflection=3e-4)
-    with pytest.raises(ValueError, match="snap: laws with history would have to remember the long steps of a fall; trace"):
+    with pytest.raises(ValueError, match="snap: laws with history would have to remember the long steps of a fall"):
         record.snap(record.states[-1])
 
 
