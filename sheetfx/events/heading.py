@@ -2,8 +2,9 @@
 
 Where the number of unstable modes is the same at both ends of a piece, a mode may have lost its stability within it and
 regained it, such as one off the symmetry that the path keeps. An eigenvalue that dips below zero and is convex lies
-above its tangents: these lead through zero within the piece, from both ends. The rates are mode K' mode, of the change
-of the tangent K along the path.
+above its tangents: these lead through zero within the piece, from both ends. One that is known to pass zero may do so
+three times where its tangents lead there at places more than half the piece apart, the one at the left end first. The
+rates are mode K' mode, of the change of the tangent K along the path.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ MODES = 4  # nearest to zero, whose eigenvalues are followed
 
 
 def hides(segment: Segment, left: float, right: float) -> bool:
-    """Whether more eigenvalues head for zero within a piece, from both of its ends, than are known to pass it."""
+    """Whether eigenvalues head for zero within a piece, from both of its ends, more often than they are known to."""
     if (left, right) in segment.looked:
         return False
     segment.looked.add((left, right))
@@ -26,8 +27,11 @@ def hides(segment: Segment, left: float, right: float) -> bool:
     if one.unstable_modes is None or other.unstable_modes is None or not segment.tracer.system.conservative:
         return False
     way, known = segment.distance(left, right), abs(one.unstable_modes - other.unstable_modes)
-    return all(sum(value * (value + rate * ahead) < 0 for value, rate in _eigenvalues(segment, length)) > known
-               for length, ahead in ((right, -way), (left, way)))
+    from_left, from_right = (sorted(place for value, rate in _eigenvalues(segment, length)
+                                    if rate and 0 < (place := start - value / (way * rate)) < 1)
+                             for length, start in ((left, 0.0), (right, 1.0)))
+    return min(len(from_left), len(from_right)) > known or any(
+        later - earlier > 0.5 for earlier, later in zip(from_left, from_right, strict=False))
 
 
 def _eigenvalues(segment: Segment, length: float) -> list[tuple[float, float]]:
@@ -43,7 +47,7 @@ def _with_rates(tracer: Tracer, state: State) -> list[tuple[float, float]]:
     values, modes = tracer.spectrum(min(MODES, tracer.system.size), ABOUT)
     nearest = min(map(abs, values), default=0.0)
     rate, motion = state.tangent
-    system, product = tracer.system, tracer.system.create_vector()
+    system, image = tracer.system, tracer.system.create_vector()
     with system.additive_increments():
         system.configure(system.create_vector(DIFFERENCE * motion), state.factor + DIFFERENCE * rate)
         system.extrapolate_stress()
@@ -51,7 +55,7 @@ def _with_rates(tracer: Tracer, state: State) -> list[tuple[float, float]]:
         for value, mode in zip(values, modes, strict=True):
             if SAME * abs(value) > nearest:
                 continue
-            there.mult(mode, product)
-            found.append((value, (product.dot(mode) - value) / DIFFERENCE))
+            there.mult(mode, image)
+            found.append((value, (image.dot(mode) - value) / DIFFERENCE))
     tracer.back_to(state)
     return found
