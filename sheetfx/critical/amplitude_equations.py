@@ -5,8 +5,7 @@ With amplitudes a of the modes, a change d of the load factor and coefficients c
     k_ij a_j - d f_i + (p_im + d q_im) c_m + (d B_ij + c_m D_ijm) a_j + A_ijk a_j a_k / 2 + C_ijkl a_j a_k a_l / 6 = 0
 
 (Byskov and Hutchinson 1977, with the terms q and D of imperfections besides). Stable states are followed from the
-perfect structure's below its critical load to the imperfections, and on with the load, as the solution of the
-differential equation of their way by its arc length (Davidenko 1953), up to where an eigenvalue of the tangent is zero.
+perfect structure's below its critical load to the imperfections, and on with the load, without leaving their way.
 """
 
 from __future__ import annotations
@@ -15,12 +14,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.integrate import solve_ivp
-from scipy.optimize import minimize
 
 from .. import rounding
 
 BELOW = 0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8  # of the critical load factor, how far below it a path may begin
+PART, BENT = 0.02, 0.5  # longest part of a way in one step; change of amplitudes off their tangent over that along
+EXACT = 1e-8  # part of a way, shortest step
+NEAR = 1e-3  # correction of amplitudes over them that is small
+ITERATIONS, FEW = 50, 6  # of searches, and of Newton's method along a way
 
 
 @dataclass(frozen=True)
@@ -89,11 +90,21 @@ class AmplitudeEquations:
         """Derivatives of the forces by the coefficients, shape (m, n)."""
         return self.pushes + change * self.steeper + self.changes @ a
 
+    def _balanced(self, a: np.ndarray, change: float, c: np.ndarray) -> np.ndarray | None:
+        """Amplitudes of a stable equilibrium near others; None: Newton's method finds none."""
+        for _ in range(FEW):
+            step = np.linalg.solve(self.tangent(a, change, c), -self.forces(a, change, c))
+            a = a + step
+            if np.linalg.norm(step) <= NEAR**3 * np.linalg.norm(a):
+                stable = np.linalg.eigvalsh(self.tangent(a, change, c))[0] > 0
+                return a if stable else None
+        return None
+
     @cached_property
     def _perfect(self) -> list[tuple[np.ndarray, float]]:
         """Amplitudes and changes of the load factor of stable states without imperfections, the nearest first."""
         change, none, found = -BELOW[0] * self.factor, np.zeros(len(self.pushes)), []
-        a = self._lowest(change, none)
+        a = self._descended(change, none)
         for below in BELOW if a is not None else ():
             before, change = change, -below * self.factor
             a, there = self._followed(a, before, change - before, none, none)
@@ -120,37 +131,33 @@ class AmplitudeEquations:
     def _followed(self, a: np.ndarray, change: float, rise: float, c: np.ndarray,
                   more: np.ndarray) -> tuple[np.ndarray, float]:
         """Stable equilibria while load factor and coefficients change evenly, and the part at which they end."""
-        sense = np.eye(1 + len(a))[0]
+        there, part = 0.0, PART
+        while there < 1 and part > EXACT:
+            part, here = min(part, 1 - there), (change + there * rise, c + there * more)
+            by_part = rise * self.by_load(a, here[1]) + more @ self.by_shapes(a, here[0])
+            rate = -part * np.linalg.solve(self.tangent(a, *here), by_part)
+            ahead = self._balanced(a + rate, change + (there + part) * rise, c + (there + part) * more)
+            off = np.inf if ahead is None else np.linalg.norm(ahead - a - rate)
+            if ahead is None or off > BENT * np.linalg.norm(rate) + NEAR * np.linalg.norm(a):
+                part /= 2
+            else:
+                a, there, part = ahead, there + part, min(1.5 * part, PART)
+        return a, there
 
-        def here(way):
-            return way[1:], change + way[0] * rise, c + way[0] * more
-
-        def rate(_, way):
-            nonlocal sense
-            a, change, c = here(way)
-            by_part = rise * self.by_load(a, c) + more @ self.by_shapes(a, change)
-            found = np.linalg.svd(np.column_stack((by_part, self.tangent(a, change, c))))[2][-1]
-            sense = found * np.copysign(1.0, found @ sense)
-            return sense
-
-        def left(_, way):
-            return 1.0 - way[0]
-
-        def lowest(_, way):
-            return np.linalg.eigvalsh(self.tangent(*here(way)))[0]
-
-        left.terminal = lowest.terminal = True
-        found = solve_ivp(rate, (0.0, np.inf), np.array([0.0, *a]), "DOP853", events=(left, lowest),
-                          rtol=rounding.NONE, atol=rounding.SAME)
-        there, *a = found.y[:, -1]
-        return np.array(a), 1.0 if len(found.t_events[0]) else float(there)
-
-    def _lowest(self, change: float, c: np.ndarray) -> np.ndarray | None:
+    def _descended(self, change: float, c: np.ndarray) -> np.ndarray | None:
         """Amplitudes of the equilibrium that the energy falls to from none; None: it falls without end."""
-        none, size = np.zeros(len(self.load)), abs(change) * np.linalg.norm(self.softening)
-        found = minimize(self._energy, none, (change, c), "trust-exact", self.forces, self.tangent,
-                         options={"gtol": rounding.DIFFERENCE**2 * size})
-        return found.x if found.success else None
+        a = np.zeros(len(self.load))
+        for _ in range(ITERATIONS):
+            sizes, ways = np.linalg.eigh(self.tangent(a, change, c))
+            sizes_ = np.maximum(np.abs(sizes), rounding.SAME * np.abs(sizes).max())
+            step = -ways @ (ways.T @ self.forces(a, change, c) / sizes_)
+            if sizes[0] > 0 and np.linalg.norm(step) <= NEAR * np.linalg.norm(a + step):
+                return self._balanced(a + step, change, c)
+            energy = self._energy(a, change, c)
+            while self._energy(a + step, change, c) > energy:
+                step = step / 2
+            a = a + step
+        return None
 
     def end(self, c: np.ndarray) -> StableEnd | None:
         """Where stable states end as the load grows; None: they do not, up to about twice the critical load.

@@ -10,7 +10,6 @@ from dataclasses import replace
 from math import pi, radians
 
 import numpy as np
-from failure_map.traps import TRAPS
 from forty import STRUCTURES
 from helpers import hinged_arch, whole_arch
 from random_shapes import truss
@@ -222,12 +221,6 @@ def imperfect_arch(amplitude: float, step: float | None) -> fx.Case:
     return fx.Case(hinged_arch(mesh), fx.ArcLength(step), fx.Until(deflection=20.0))
 
 
-def apex_moved_in_long_steps() -> fx.Case:
-    """A truss whose lowest eigenvalue passes zero three times in one step."""
-    case = TRAPS["apex-moved"].case()
-    return replace(case, control=replace(case.control, step=16 * case.control.first))
-
-
 def nearly_straight_column() -> fx.Case:
     """A column that is bent by a ten-millionth of its length: its path bends away where the straight one's branches."""
     mesh = fx.read(lambda: fx.meshes.frame({"a": (0, 0), "m": (0.5, 1e-7), "b": (1, 0)},
@@ -257,7 +250,6 @@ def whole_truss() -> fx.Case:
 CASES: dict[str, Callable[[], fx.Case]] = {
     "chain": lambda: chain(None),
     "chain-long-steps": lambda: chain(0.08),
-    "apex-moved-long-steps": apex_moved_in_long_steps,
     "toggle-on-floor": toggle_on_floor,
     "plastic-toggle": lambda: plastic_toggle(30.0, 58.5),
     "plastic-toggle-yielding": lambda: plastic_toggle(100.0, 195.0),
