@@ -44,7 +44,7 @@ NEARLY_CRITICAL = 1e-3  # lowest eigenvalue over the next, of a stable state tak
 PERPENDICULAR = 1e-3  # cosine of the angle between mode and path
 ROUNDING = 1e-6  # of the energy given so far, energy that steps may take by rounding
 LOOKS = 8  # for modes that grow, each farther from zero
-MOST = 500  # steps, tried ones included
+MOST = 500  # steps and pushes, tried ones included
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(6)
 POINTS, WEIGHTS = (POINTS + 1) / 2, WEIGHTS / 2
 
@@ -227,7 +227,7 @@ class Fall:
     def _gives(self, mode: PETSc.Vec, sense: float) -> bool:
         """Go a short way with a fluid that flows along a mode; whether that gives energy, as friction may hold here."""
         length, flow, start = AMPLITUDE, self.tracer.stepper.flow, self.system.factor
-        while length > rounding.DIFFERENCE**2:
+        for _ in range(MOST):
             flow.array[:] = sense * length * mode.array
             motion = self._motion(0.0)
             flow.zeroEntries()
@@ -236,10 +236,10 @@ class Fall:
                 self.system.residual(self._residual)
                 return True
             self._back(start)
-            if motion and motion[0] > 0:
-                length /= FACTOR
-            else:
+            if motion is None or not motion[0]:
                 self._viscosity *= FACTOR
+            elif (length := length / FACTOR) < rounding.DIFFERENCE**2:
+                break
         return False
 
     def _modes(self, growing: int) -> tuple[list[float], list[PETSc.Vec]]:
