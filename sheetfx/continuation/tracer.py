@@ -277,11 +277,13 @@ class Tracer(FirstState):
         weight = self._load_weight()
         load_increment = self.stepper.load_increment if start else 0.0
         extremes = start.displacement_extremes + self._passes_extreme(start) if start else 0
-        along = tangent.inner(self.x, self._response) + weight * load_increment
-        sign = -1.0 if start and along < 0 else 1.0
         determinant = self.stepper.linear.determinant_sign()
         determinant = determinant and determinant * (-1) ** system.multipliers
         unstable = self._count.of_present(start, determinant)
+        along = tangent.inner(self.x, self._response) + weight * load_increment
+        if start and not system.smooth and unstable == 0 == start.unstable_modes:
+            along = start.load_rate  # what touches may turn displacements back, but the load of stable states goes on
+        sign = -1.0 if start and along < 0 else 1.0
         touching, penetration, apart = self.enforcement.summary()
         increment, deflection = self.x.array.copy(), self.monitored(self.x)
         self.system.history.commit()
