@@ -263,8 +263,10 @@ class Path:
     def _around_corner(self, before: State, wanted: float,
                        failed: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:
         """A step around a corner of the path, before which loads say nothing of those behind it."""
-        after = around_corner(self.tracer, before, wanted, failed, self._visited, self._earlier)
-        return None if after is None else self._searched(before, after, None, pi, whole=True)
+        for after in around_corner(self.tracer, before, wanted, failed, self._visited, self._earlier):
+            if (taken := self._searched(before, after, None, pi, whole=True)) is not None:
+                return taken
+        return None
 
     def _up_to_bifurcation(self, before: State,
                            failed: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:

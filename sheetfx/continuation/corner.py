@@ -8,6 +8,7 @@ tangent ahead of the corner, in whichever sense contacts go on as they are there
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import nullcontext
 from itertools import product
 
@@ -29,8 +30,8 @@ BACK = 0.95  # cosine of the angle with the step before, from which a step goes 
 
 
 def around_corner(tracer, before: State, wanted: float, failed: float, trail: VisitedStates | None = None,
-                  earlier: State | None = None) -> State | None:
-    """A step from a state that lies at a corner of the path; None, and back at the state, if none is found.
+                  earlier: State | None = None) -> Iterator[State]:
+    """Steps from a state that lies at a corner of the path, the shortest first; at the end back at the state.
 
     None is looked for on smooth paths, nor where the control leaves steps as they are. Where it prescribes the load,
     the path leads on with that load.
@@ -43,11 +44,12 @@ def around_corner(tracer, before: State, wanted: float, failed: float, trail: Vi
     """
     control = tracer.control
     if tracer.system.smooth or not control.guarded:
-        return None
-    if not before.length:
-        return _from_rest(tracer, before, FROM_REST * wanted)
-    if not control.passes_limits:
-        return tracer.attempt(failed)
+        return
+    if not before.length or not control.passes_limits:
+        found = tracer.attempt(failed) if before.length else _from_rest(tracer, before, FROM_REST * wanted)
+        if found is not None:
+            yield found
+        return
     flows = earlier is not None and tracer.system.history.moved_since(earlier.fields)
     ways = (False, True) if can_stick(tracer.system) else (False,)
     for length, sticks in product(_lengths(max(wanted, LEAST * tracer.usual), failed), ways):
@@ -60,9 +62,8 @@ def around_corner(tracer, before: State, wanted: float, failed: float, trail: Vi
             after = tracer.attempt_along(solution, sign, length)
             if (after is not None and _leads_on(tracer, before, after, earlier) and not (trail and trail.holds(after))
                     and not (flows and _unloads(tracer, before, after))):
-                return after
+                yield after
     tracer.back_to(before)
-    return None
 
 
 def up_to_bifurcation(tracer, before: State, failed: float) -> tuple[State, CriticalPoint] | None:

@@ -16,7 +16,7 @@ class Enforcement:
     def __init__(self, system: System):
         self._system = system
         self._rough = [c for c in system.contributions if not c.smooth]
-        self._condenses = bool(self._rough) and all(c.condenses for c in self._rough)
+        self._condenses = any(c.condenses for c in self._rough)
         self._eliminates = self._condenses or (bool(self._rough) and all(c.steep for c in self._rough))
 
     def approaches(self, eliminates: bool, again: bool, begins: bool) -> list[tuple[bool, list[float]]]:

@@ -362,7 +362,10 @@ class PairWork(PointWork):
         return self._law.strains(self.values())[:, 0]
 
     def gaps(self) -> np.ndarray:
-        return np.empty(0) if self.augments else np.where(self._here, self.place(), np.nan)
+        if not self.augments:
+            return np.where(self._here, self.place(), np.nan)
+        found = self.touch()
+        return np.empty(0) if found is None else np.where(self._here, -found[:, 1] / self._table[:, 0], np.nan)
 
     def smallest_gap(self) -> float:
         """Smallest gap of the pairs that have a partner; infinite where none has."""
