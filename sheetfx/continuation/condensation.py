@@ -14,8 +14,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import block_diag, csc_matrix, csr_matrix, vstack
 
+from .. import rounding
 from ..discrete.condensed_pairs import CondensedPairs
-from .elimination import Elimination
+from .elimination import ITERATIONS, Elimination
 
 NOTHING = 0.1  # of the error that is allowed, forces that are none
 SOFTENED = [10.0**n for n in range(6, -1, -1)]  # times softer than they are, pairs through which forces are approached
@@ -37,9 +38,60 @@ class Condensation(Elimination):
         self._laws = [c.law_of_changes() for c in pairs]
         motions = [c.motions() for c in pairs]
         self._motions, self._ends = vstack(motions, format="csr"), np.cumsum([m.shape[0] for m in motions])[:-1]
+        slide = any(m.shape[0] != c.pairs.count for m, c in zip(motions, pairs, strict=True))
+        self._gaps = None if slide else np.concatenate([c.place() for c in pairs])
         self._before, self._stiff = self._after(np.zeros(self._motions.shape[0]))
         for contribution in pairs:
             contribution.release()
+
+    def _converge(self, forces: np.ndarray) -> np.ndarray | None:
+        found = None if self._gaps is None else self._by_pivots(forces)
+        return super()._converge(forces) if found is None else found
+
+    def _by_pivots(self, forces: np.ndarray) -> np.ndarray | None:
+        """Forces of pairs without friction, at as many rows as it takes; None: not found."""
+        for _ in range(ITERATIONS):
+            if (remainder := self._remainder(self._moved(forces))) is None:
+                return None
+            forces = np.concatenate([forces, np.zeros(len(self._rows) - len(forces))])
+            if np.linalg.norm(remainder - forces) <= self._exact * self._size:
+                return forces
+            pivoted = self._pivoted(remainder < 0)
+            if pivoted is None:
+                return None
+            forces = pivoted
+        return None
+
+    def _pivoted(self, basic: np.ndarray) -> np.ndarray | None:
+        """Forces at the rows by pivots, where some are guessed to be there; None: not found.
+
+        With y = -q, gaps g before the forces and stiffnesses k of closed pairs it is the complementarity problem
+
+            y >= 0,    y / k - s (g + F y) >= 0,    one of both zero,
+
+        where F is the flexibility at the rows and s is 1 for pairs that are pressed before, else -1. All rows that are
+        wrong are changed while they become fewer, else the last one of them (Judice and Pires 1994; Murty 1974).
+        """
+        rows, moved = self._rows, self._motions @ self._base
+        closed = -np.abs(self._gaps) - np.abs(moved).max()
+        pressures, moduli = self._after(closed)
+        stiff, pressed = moduli.diagonal()[rows], np.where(self._stiff.diagonal()[rows] > 0, 1.0, -1.0)
+        gaps = (moved - closed)[rows] + pressures[rows] / stiff
+        matrix, right = np.diag(1 / stiff) - pressed[:, None] * self._flexibility, -pressed * gaps
+        found, fewest = np.zeros(len(rows)), len(rows) + 1
+        for _ in range(ITERATIONS * len(rows)):
+            found[:] = 0.0
+            try:
+                found[basic] = np.linalg.solve(matrix[np.ix_(basic, basic)], -right[basic])
+            except np.linalg.LinAlgError:
+                return None
+            wrong = np.where(basic, found / stiff, matrix @ found + right) < -rounding.SAME * np.abs(right).max()
+            if not wrong.any():
+                return -found
+            if (count := wrong.sum()) >= fewest:
+                wrong[:np.flatnonzero(wrong)[-1]] = False
+            basic, fewest = basic ^ wrong, min(fewest, count)
+        return None
 
     def _after(self, changes: np.ndarray) -> tuple[np.ndarray, csr_matrix]:
         """Forces on gaps and slips that have changed by so much, and their derivatives."""
