@@ -193,3 +193,15 @@ def test_pairs_that_tension_holds_remember_no_slip(enforcement):
     at_once = replace(scene, loads=[fx.LineForce(beam, (0.5, -1.0))])
     ends = [fx.trace(fx.Case(one, fx.LoadControl(0.25))).states[-1].deflection for one in (pulled, at_once)]
     assert ends[0] == pytest.approx(ends[1], rel=1e-6)
+
+
+def test_a_crown_that_meets_a_floor_near_its_limit_invents_no_limit_point():
+    """Displacements turn back where it touches, by penalty; the load of stable states goes on."""
+    case = fx.load_case("roof")(cells=4, thickness=12.7)
+    (shell,) = case.scene.parts
+    crown = float(shell.mesh.domain.geometry.x[:, 2].max())
+    floor = fx.RigidPlane((0.0, 0.0, crown - 8.0 - 12.7 / 2), (0.0, 0.0, 1.0))
+    touch = fx.ObstacleContact(shell.mesh, "south", floor, enforcement="penalty", stiffness=1e4)
+    scene = replace(case.scene, joints=[*case.scene.joints, touch])
+    record = fx.trace(fx.Case(scene, case.control, fx.Until(deflection=15.0)))
+    assert record.critical_points == [] and record.states[-1].load > 10 * 2057

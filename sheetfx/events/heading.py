@@ -23,15 +23,16 @@ def hides(segment: Segment, left: float, right: float) -> bool:
     if (left, right) in segment.looked:
         return False
     segment.looked.add((left, right))
-    one, other = segment.states[left], segment.states[right]
-    if one.unstable_modes is None or other.unstable_modes is None or not segment.tracer.system.conservative:
+    counts = [segment.states[length].unstable_modes for length in (left, right)]
+    if None in counts or not segment.tracer.system.conservative:
         return False
-    way, known = segment.distance(left, right), abs(one.unstable_modes - other.unstable_modes)
-    from_left, from_right = (sorted(place for value, rate in _eigenvalues(segment, length)
+    way, known = segment.distance(left, right), abs(counts[0] - counts[1])
+    from_left, from_right = (sorted((place, value) for value, rate in _eigenvalues(segment, length)
                                     if rate and 0 < (place := start - value / (way * rate)) < 1)
                              for length, start in ((left, 0.0), (right, 1.0)))
     return min(len(from_left), len(from_right)) > known or any(
-        later - earlier > 0.5 for earlier, later in zip(from_left, from_right, strict=False))
+        later - earlier > 0.5 and one * other < 0
+        for (earlier, one), (later, other) in zip(from_left, from_right, strict=False))
 
 
 def _eigenvalues(segment: Segment, length: float) -> list[tuple[float, float]]:

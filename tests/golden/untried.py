@@ -13,6 +13,7 @@ import numpy as np
 from forty import STRUCTURES
 from helpers import hinged_arch, whole_arch
 from random_shapes import truss
+from random_stacks import stack
 from random_structures import scene as random_scene
 from test_following import pressure, ring
 from test_pair_contact import arch_above_a_beam, graded_leaves, plate_on_a_frame, two_leaves
@@ -221,6 +222,12 @@ def imperfect_arch(amplitude: float, step: float | None) -> fx.Case:
     return fx.Case(hinged_arch(mesh), fx.ArcLength(step), fx.Until(deflection=20.0))
 
 
+def stacked(seed: int) -> fx.Case:
+    """Leaves or an arch on an obstacle, up to their load."""
+    structure = stack(seed)
+    return fx.Case(structure.scene, until=fx.Until(load=structure.load))
+
+
 def nearly_straight_column() -> fx.Case:
     """A column that is bent by a ten-millionth of its length: its path bends away where the straight one's branches."""
     mesh = fx.read(lambda: fx.meshes.frame({"a": (0, 0), "m": (0.5, 1e-7), "b": (1, 0)},
@@ -269,6 +276,9 @@ CASES: dict[str, Callable[[], fx.Case]] = {
     "leaves-in-line": lambda: two_leaves(0.3, 0.05),
     "leaves-apart": lambda: two_leaves(0.3, -0.05),
     "leaves-graded": lambda: graded_leaves(24, 0.3),
+    "leaves-on-plane": lambda: stacked(14),
+    "leaves-without-gap": lambda: stacked(86),
+    "arch-turns-on-plane": lambda: stacked(59),
     "plate-lifts-corners": lambda: fx.Case(plate_on_a_frame(12), until=fx.Until(deflection=1e-5)),
     "arch-punch-yielding": scene("arch", elements=80, yield_stress=40.0, to=30.0),
     "drawn-tip": drawn_tip,
