@@ -38,8 +38,8 @@ def stack(seed: int) -> Stack:
 
 def _chain(places: np.ndarray) -> fx.NamedMesh:
     nodes = {f"{n}": tuple(map(float, place)) for n, place in enumerate(places)}
-    return fx.read(lambda: fx.meshes.frame(nodes, {f"part {n}": (f"{n}", f"{n + 1}", 1) for n in range(len(nodes) - 1)}),
-                   2)
+    members = {f"part {n}": (f"{n}", f"{n + 1}", 1) for n in range(len(nodes) - 1)}
+    return fx.read(lambda: fx.meshes.frame(nodes, members), 2)
 
 
 def _parts(first: int, last: int) -> list[str]:

@@ -6,7 +6,9 @@ derivatives, s(e) the law and D its moduli, the step in which the law holds on w
     dx = K^-1 (-R - G^T q),   q = s(e + G dx) - s(e) - D G dx,
 
 where q is zero for pairs that stay open, or stay pressed and stick. The structure is condensed onto the others,
-C = G K^-1 G^T (thesis, equations 4.5 to 4.12, onto all pairs), the problem is solved there, and dx follows.
+C = G K^-1 G^T (thesis, equations 4.5 to 4.12, onto all pairs), the problem is solved there, and dx follows. Without
+friction it is a linear complementarity problem, which block pivots solve; with friction Newton's iteration does.
+Contacts that are not condensed are part of what is linear.
 """
 
 from __future__ import annotations
@@ -50,16 +52,16 @@ class Condensation(Elimination):
 
     def _by_pivots(self, forces: np.ndarray) -> np.ndarray | None:
         """Forces of pairs without friction, at as many rows as it takes; None: not found."""
+        solved = -1
         for _ in range(ITERATIONS):
             if (remainder := self._remainder(self._moved(forces))) is None:
                 return None
             forces = np.concatenate([forces, np.zeros(len(self._rows) - len(forces))])
             if np.linalg.norm(remainder - forces) <= self._exact * self._size:
                 return forces
-            pivoted = self._pivoted(remainder < 0)
-            if pivoted is None:
-                return None
-            forces = pivoted
+            if len(self._rows) == solved or (pivoted := self._pivoted(remainder < 0)) is None:
+                return None  # the law has more than the two pieces of contact
+            forces, solved = pivoted, len(self._rows)
         return None
 
     def _pivoted(self, basic: np.ndarray) -> np.ndarray | None:
