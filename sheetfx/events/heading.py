@@ -23,10 +23,10 @@ def hides(segment: Segment, left: float, right: float) -> bool:
     if (left, right) in segment.looked:
         return False
     segment.looked.add((left, right))
-    counts = [segment.states[length].unstable_modes for length in (left, right)]
-    if None in counts or not segment.tracer.system.conservative:
+    before, after = (segment.states[length].unstable_modes for length in (left, right))
+    if before is None or after is None or not segment.tracer.system.conservative:
         return False
-    way, known = segment.distance(left, right), abs(counts[0] - counts[1])
+    way, known = segment.distance(left, right), abs(before - after)
     from_left, from_right = (sorted((place, value) for value, rate in _eigenvalues(segment, length)
                                     if rate and 0 < (place := start - value / (way * rate)) < 1)
                              for length, start in ((left, 0.0), (right, 1.0)))
