@@ -27,12 +27,18 @@ def hides(segment: Segment, left: float, right: float) -> bool:
     if before is None or after is None or not segment.tracer.system.conservative:
         return False
     way, known = segment.distance(left, right), abs(before - after)
-    from_left, from_right = (sorted((place, value) for value, rate in _eigenvalues(segment, length)
-                                    if rate and 0 < (place := start - value / (way * rate)) < 1)
-                             for length, start in ((left, 0.0), (right, 1.0)))
+    if not (from_left := _headed_for(segment, left, 0.0, way)):
+        return False
+    from_right = _headed_for(segment, right, 1.0, way)
     return min(len(from_left), len(from_right)) > known or any(
         later - earlier > 0.5 and one * other < 0
         for (earlier, one), (later, other) in zip(from_left, from_right, strict=False))
+
+
+def _headed_for(segment: Segment, length: float, start: float, way: float) -> list[tuple[float, float]]:
+    """Parts of a piece at which eigenvalues of one of its ends lead through zero, in order, and these eigenvalues."""
+    return sorted((place, value) for value, rate in _eigenvalues(segment, length)
+                  if rate and 0 < (place := start - value / (way * rate)) < 1)
 
 
 def _eigenvalues(segment: Segment, length: float) -> list[tuple[float, float]]:
