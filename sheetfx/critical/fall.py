@@ -138,7 +138,7 @@ class Fall:
         ------
         SnapFailure
         """
-        self._assemble()
+        self._note()
         pushed, calmed = self._push(), False
         for _ in range(MOST):
             before = self._residual.norm()
@@ -170,14 +170,14 @@ class Fall:
             factorisations=self.tracer.total_factorisations - self._spent,
             load_rate=copysign(found.load_rate, growing or 1.0))
 
-    def _assemble(self) -> None:
-        """Forces and tangent of the current configuration, and its entry in the history."""
+    def _note(self) -> None:
+        """Forces of the current configuration, and its entry in the history."""
         system, discretisation = self.system, self.tracer.discretisation
         system.load(self._load)
         system.residual(self._residual)
         size = max(system.reaction, abs(system.factor) * self._load.norm())
         residual = self._residual.norm() / size if size else 0.0
-        self._held.assemble()
+        system.extrapolate_stress()
         self.history.append(FallStep(discretisation.scene.symmetry_factor * self._energy, residual, self._viscosity,
                                      discretisation.total_load(), self._deflection))
         self._listener(self.history[-1])
@@ -272,7 +272,7 @@ class Fall:
         start, motion, allowed = self.system.factor, self._motion(pushed), ROUNDING * abs(self._energy)
         if motion and (pushed or (motion[0] <= allowed and self._residual.dot(self._step) <= allowed)):
             self._accept(*motion)
-            self._assemble()
+            self._note()
             return True
         self._back(start)
         return False
