@@ -27,9 +27,10 @@ def hides(segment: Segment, left: float, right: float) -> bool:
     if before is None or after is None or not segment.tracer.system.conservative:
         return False
     way, known = segment.distance(left, right), abs(before - after)
-    if not (from_left := _headed_for(segment, left, 0.0, way)):
+    from_right = _headed_for(segment, right, 1.0, way)  # where the factor is at hand
+    if len(from_right) <= known and not any(place > 0.5 for place, _ in from_right):
         return False
-    from_right = _headed_for(segment, right, 1.0, way)
+    from_left = _headed_for(segment, left, 0.0, way)
     return min(len(from_left), len(from_right)) > known or any(
         later - earlier > 0.5 and one * other < 0
         for (earlier, one), (later, other) in zip(from_left, from_right, strict=False))
