@@ -37,6 +37,9 @@ def draw_snaps(record: Shown, falls: Sequence[Snap]):
     """Matplotlib figure of a path with the falls that leave it, each with the energy that it releases."""
     figure = draw_path(record, [(fall.before, fall.after) for fall in falls])
     axes = figure.axes[0]
+    if falls:  # an arrow that ends outside of the axes is not drawn
+        axes.update_datalim([(fall.after.deflection, fall.after.load) for fall in falls])
+        axes.autoscale_view()
     for snap in falls:
         start, end = ((state.deflection, state.load) for state in (snap.before, snap.after))
         axes.annotate("", end, start, zorder=5,
