@@ -34,7 +34,7 @@ class ContactWork(FormWork):
         self.augments = fields.enforcement != "penalty"
         if self.augments:
             self.without_fall = (f"contact with enforcement {fields.enforcement!r} has no energy between its "
-                                    "solutions; use Contact(..., enforcement='penalty') or a layer")
+                                 "solutions; use Contact(..., enforcement='penalty') or a layer")
         self._keep()
 
     def _keep(self) -> None:

@@ -362,6 +362,7 @@ class PairWork(PointWork):
         return self._law.strains(self.values())[:, 0]
 
     def gaps(self) -> np.ndarray:
+        """Distances now; of augmented pairs those at which the trial pressure would be zero, which change sign too."""
         if not self.augments:
             return np.where(self._here, self.place(), np.nan)
         found = self.touch()
