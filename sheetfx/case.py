@@ -13,6 +13,7 @@ from .archive.folder import Archive
 from .checks import Positive, check, require
 from .continuation.control import ArcLength, StepRule
 from .continuation.state import CriticalPoint, State
+from .critical.error_bar import by_path_alone
 from .critical.verdict import doubts
 from .events.event import Event
 from .model.reported import AXES, NOT_ASKED, counted, meaning
@@ -188,9 +189,10 @@ def run(case: Case, name: str, parameters: dict, folder: Folder, resume: bool,
 
 
 def _is_cheap(record: Record) -> bool:
-    """Whether error bars cost at most about a quarter of the path."""
+    """Whether error bars cost at most about a quarter of the path, which pieces of another path never do."""
     spent = sum(state.factorisations for state in record.states)
-    return 0 < FREE * len([p for p in record.critical_points if p.kind != "event"]) <= spent
+    count = len([p for p in record.critical_points if p.kind != "event"])
+    return not by_path_alone(record.path.discretisation.system) and 0 < FREE * count <= spent
 
 
 def _error_of(record: Record, point: CriticalPoint) -> dict:

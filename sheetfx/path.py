@@ -81,6 +81,7 @@ class Path:
     ----------
     message : why the path ended
     start : states that it resumes from, as this process has them
+    controls : of the load stages in turn
     critical_states : those of critical points that the search has had, and of others that have been asked for
     """
 
@@ -93,14 +94,14 @@ class Path:
         self._falling = Falling(last) if snaps else None
         if self._falling:
             last = self._falling.between
-        self._controls = [*map(_preloading, scene.stages), last]
+        self.controls = [*map(_preloading, scene.stages), last]
         self._ending = self.until.ending
         self.events = [*events, *([self._ending] if self._ending else [])]
-        monitors = [getattr(scene, "monitor", None), *(getattr(one, "monitor", None) for one in self._controls)]
+        monitors = [getattr(scene, "monitor", None), *(getattr(one, "monitor", None) for one in self.controls)]
         monitors = [*filter(None, monitors)] if self.until.steps else []
         self.discretisation: Problem = discretised(scene, mixed_points, monitors)
         self.start, self._started = self._taken(start), time.process_time()
-        self.tracer = Tracer(self.discretisation, self._controls[start[-1].stage if start else 0], prefix)
+        self.tracer = Tracer(self.discretisation, self.controls[start[-1].stage if start else 0], prefix)
         self._others = [Flutter(self.tracer)] if Flutter.concerns(self.tracer) else []
         self.message, self._refusal, self._hidden, self._together = "", "", 0.0, 0
         self.critical_states: dict[CriticalPoint, State] = {}
@@ -183,11 +184,11 @@ class Path:
 
     def _stage_is_over(self, state: State) -> bool:
         """Whether the loads of a stage before the last have their full size."""
-        return state.stage + 1 < len(self._controls) and state.factor >= 1 - SAME
+        return state.stage + 1 < len(self.controls) and state.factor >= 1 - SAME
 
     def _next_stage(self, state: State) -> State:
         self._earlier = None
-        return self.tracer.enter(state.stage + 1, self._controls[state.stage + 1])
+        return self.tracer.enter(state.stage + 1, self.controls[state.stage + 1])
 
     def _announce(self, state: State) -> State:
         self.clock.seconds["path"] = time.process_time() - self._started - self.clock.seconds["output"]
@@ -197,7 +198,7 @@ class Path:
         return state
 
     def _end(self, state: State) -> str | None:
-        if state.stage + 1 < len(self._controls):
+        if state.stage + 1 < len(self.controls):
             return self.until.stopped(state)
         if isinstance(self.control, LoadControl) and same(state.factor, self.control.target):
             return f"load factor {self.control.target:g} reached"
@@ -327,7 +328,7 @@ class Path:
         return None
 
     def _in_last_stage(self, state: State) -> bool:
-        return state.stage + 1 == len(self._controls)
+        return state.stage + 1 == len(self.controls)
 
     def _with_events(self, before: State, after: State, points: dict[CriticalPoint, State | None],
                      whole: bool) -> tuple[State, tuple[CriticalPoint, ...]]:

@@ -105,10 +105,10 @@ class Record:
         ----------
         points : of this record; None: all but events
         """
-        from .critical.error_bar import error_bars
+        from .richer_path import error_bars_of
 
         chosen = [p for p in self.critical_points if p.kind != "event"] if points is None else points
-        found = error_bars(self.path, chosen, self.state_at, self.critical_modes)
+        found = error_bars_of(self.path, self.states, chosen, self.state_at, self.critical_modes)
         self.errors |= {bar.point: bar for bar in found}
         return found
 

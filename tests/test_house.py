@@ -11,7 +11,8 @@ HOUSE = Path(__file__).parents[1] / "sheetfx"
 ROOMS = [["compat", "checks", "communicators", "interrupts", "jit", "notices", "recipes", "rooms", "rounding",
           "widening"],
          ["forms"], ["mesh"], ["model"], ["discrete"], ["continuation"], ["events"], ["critical"],
-         ["path", "plain", "archive"], ["show"], ["record"], ["case"], ["ladder"], ["scenes"], ["studies"], ["cli"]]
+         ["path", "plain", "archive", "richer_path"], ["show"], ["record"], ["case"], ["ladder"],
+         ["scenes"], ["studies"], ["cli"]]
 FLOOR = {room: level for level, rooms in enumerate(ROOMS) for room in rooms}
 FILES = [f for f in HOUSE.rglob("*.py") if f.parent != HOUSE or f.stem in FLOOR]
 

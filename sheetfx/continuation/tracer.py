@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import inf, sqrt
+from math import copysign, inf, sqrt
 from typing import cast
 
 import numpy as np
 from petsc4py import PETSc
 
 from ..discrete.free_motions import usual_stiffness
+from ..discrete.functional import Functional
 from .callbacks import interruptible
-from .control import LoadResponse, StepRule, weight_where_nothing_moves
+from .control import DisplacementControl, LoadResponse, StepRule, weight_where_nothing_moves
 from .corrector import FLOWS_TO_AND_FRO, TO_AND_FRO, create, fewer_iterations
 from .enforcement import Enforcement
 from .first_state import PROBE, FirstState
@@ -146,6 +147,22 @@ class Tracer(FirstState):
         self.state = replace(self._converged(self.state, iterations, factorisations=before), next_length=0.0)
         self._mark_factored()
         return self.state
+
+    def settle(self) -> State | None:
+        """Come to equilibrium at the same amplitude along the response, from a state that is not in balance.
+
+        It stays the state of its step, on a path that goes on in the same sense. None: it does not converge.
+        """
+        start, nothing = self.state, np.zeros(self.x.local_size)
+        across = replace(self.tangent, functional=Functional(self.system.weights * self._response))
+        found = self._attempted(DisplacementControl(), across, 0.0, (0.0, nothing))
+        if found is not None:
+            modes = start.unstable_modes if found.unstable_modes is None else found.unstable_modes
+            self.state = replace(found, step=start.step, load_sense=start.load_sense, unstable_modes=modes,
+                                 load_increment=start.load_increment, increment=start.increment,
+                                 load_rate=copysign(found.load_rate, start.load_rate), next_length=0.0)
+            self._mark_factored()
+        return found and self.state
 
     def adopt(self, increment: np.ndarray, load_increment: float, most: float) -> State | None:
         """Accept increments since the current state if they are in equilibrium, else stay.

@@ -3,7 +3,8 @@
 State and null vectors are taken over to the richer discretisation of the same cells, and the augmented Newton method
 finds the point there, until its load is known but for a small share of its change (the loss of stress that
 interpolation brings in comes first, see `augmented`). That takes one to four factorisations. Where solutions are smooth
-the change is 0.77 to 1.28 of the true error, elsewhere less (`demos/pages/error_bars.md`).
+the change is 0.77 to 1.28 of the true error, elsewhere less (`demos/pages/error_bars.md`). Where that method does not
+apply, as with contact, another one may find the points there (`richer_path`).
 """
 
 from __future__ import annotations
@@ -20,10 +21,12 @@ from ..continuation.state import CriticalPoint, State
 from ..continuation.tracer import Tracer, tracer_of
 from ..continuation.transferred import between
 from ..discrete.discretisation import Discretisation
-from ..model.richer import richer
+from ..model.richer import NothingRicher, richer
 from ..model.scene import Scene
 from .augmented import load_within
 from .remade import remade
+
+ByPath = Callable[[CriticalPoint, Scene, float], tuple[float, float, int]]
 
 SHARE = 0.02  # of the change of a load that need not be known
 ALIKE = 0.95  # cosine between a mode and that of the richer discretisation, below which it may be another one
@@ -56,7 +59,8 @@ class ErrorBar:
 
 
 def error_bars(path, points: Iterable[CriticalPoint], state_at: Callable[[CriticalPoint], State],
-               modes_at: Callable[[CriticalPoint], Sequence[np.ndarray]]) -> list[ErrorBar]:
+               modes_at: Callable[[CriticalPoint], Sequence[np.ndarray]],
+               by_path: ByPath | None = None) -> list[ErrorBar]:
     """Error bars of critical points of a path, which stays at its present state.
 
     Parameters
@@ -64,23 +68,31 @@ def error_bars(path, points: Iterable[CriticalPoint], state_at: Callable[[Critic
     path : Path or Tracer
     points : of the path
     state_at, modes_at : give the state and the null vectors of a point
+    by_path : finds a point of the richer structure where the augmented Newton method is not for it, see `richer_path`;
+        None: no bar then
     """
-    points, reason, tracer = list(points), _reason(path), None
-    if points and not reason:
-        try:
-            tracer = _richer(path.discretisation.scene)
-        except (ArithmeticError, ValueError) as failure:
-            reason = str(failure)
+    points, reason, scene = list(points), "", None
+    try:
+        if points:
+            scene = _richer(path.discretisation)
+    except (ArithmeticError, ValueError) as failure:
+        reason = str(failure)
+    refused = reason or by_path_alone(path.discretisation.system)
+    tracer = None if scene is None or refused else Tracer(Discretisation(scene), ArcLength(), "sheetfx_")
+    reason = reason or (refused if by_path is None else "")
     present, found = tracer_of(path).state, []
     try:
         for point in points:
             try:
                 if why := reason or _reason_of(point):
                     found.append(ErrorBar(point, None, why))
-                elif tracer is None:
+                elif scene is None:
                     found.append(ErrorBar(point, 0.0, alike=1.0))
-                else:
-                    found.append(_bar(point, path.discretisation, tracer, state_at(point), modes_at(point)))
+                elif tracer:
+                    there = _by_newton(path.discretisation, tracer, point, state_at(point), modes_at(point))
+                    found.append(_bar(point, there))
+                elif by_path:
+                    found.append(_bar(point, by_path(point, scene, ALIKE), _uncounted(path)))
             except (ArithmeticError, ValueError) as failure:
                 found.append(ErrorBar(point, None, str(failure)))
     finally:
@@ -88,18 +100,21 @@ def error_bars(path, points: Iterable[CriticalPoint], state_at: Callable[[Critic
     return _in_order(found)
 
 
-def _reason(path) -> str:
-    """Why no load of a path has an error bar; "": some may have."""
-    system = path.discretisation.system
-    if not isinstance(path.discretisation, Discretisation):
-        return "a plain form has no richer one"
+def by_path_alone(system) -> str:
+    """Why the augmented Newton method is not for critical points of a system; "": it is."""
     if system.rough:
         return "contact or friction"
     if any(contribution.remembers for contribution in system.contributions):
         return "laws with history"
-    if not system.conservative:
-        return "forces without a potential"
-    return ""
+    return "" if system.conservative else "forces without a potential"
+
+
+def _uncounted(path) -> str:
+    """What an error leaves out that is found with one degree more."""
+    contributions = path.discretisation.system.contributions
+    left = [what for what, there in (("layers and steps", any(c.remembers for c in contributions)),
+                                     ("steps", any(not (c.smooth or c.conservative) for c in contributions))) if there]
+    return f"without that of {left[0]}" if left else ""
 
 
 def _reason_of(point: CriticalPoint) -> str:
@@ -110,19 +125,26 @@ def _reason_of(point: CriticalPoint) -> str:
     return ""
 
 
-def _richer(scene: Scene) -> Tracer | None:
-    """A tracer of the structure with one degree more; None where it has no discretisation."""
-    things = richer(scene.parts)
-    return Tracer(Discretisation(remade(scene, things)), ArcLength(), "sheetfx_") if things else None
+def _richer(discretisation) -> Scene | None:
+    """The structure with one degree more; None where it has no discretisation."""
+    if not isinstance(discretisation, Discretisation):
+        raise NothingRicher("a plain form has no richer one")
+    things = richer(discretisation.scene.parts)
+    return remade(discretisation.scene, things) if things else None
 
 
-def _bar(point: CriticalPoint, source: Discretisation, tracer: Tracer, state: State,
-         modes: Sequence[np.ndarray]) -> ErrorBar:
+def _by_newton(source: Discretisation, tracer: Tracer, point: CriticalPoint, state: State,
+               modes: Sequence[np.ndarray]) -> tuple[float, float, int]:
+    """Load, likeness and factorisations by the augmented Newton method."""
     before = tracer.total_factorisations
     guess, there = between(state, source, cast(Discretisation, tracer.discretisation), modes)
-    load, alike = load_within(tracer, guess, there, point.kind, SHARE)
-    reason = "" if alike >= ALIKE else f"its mode may be another one there, alike to {alike:.2f}"
-    return ErrorBar(point, point.load - load, reason, alike, tracer.total_factorisations - before)
+    return *load_within(tracer, guess, there, point.kind, SHARE), tracer.total_factorisations - before
+
+
+def _bar(point: CriticalPoint, there: tuple[float, float, int], uncounted: str = "") -> ErrorBar:
+    load, alike, factorisations = there
+    other = f"its mode may be another one there, alike to {alike:.2f}" if alike < ALIKE else ""
+    return ErrorBar(point, point.load - load, "; ".join(filter(None, (uncounted, other))), alike, factorisations)
 
 
 def _in_order(bars: list[ErrorBar]) -> list[ErrorBar]:

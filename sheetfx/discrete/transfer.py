@@ -16,6 +16,7 @@ from ..mesh.places import Places
 from ..mesh.reader import NamedMesh
 from .discretisation import Discretisation
 from .nodal_field import AdditiveField, QuaternionField
+from .number import NumberField
 from .section_forces import section_points
 
 ALIGNED = 0.99  # cosine of the angle between axes of points, of which one remembers what the other did
@@ -37,6 +38,7 @@ class Transfer:
     def __init__(self, source: Discretisation, target: Discretisation):
         self._source, self._target = source, target
         self._meshes = _counterparts(source.scene.meshes, target.scene.meshes)
+        self._on_same = list(self._meshes) == list(self._meshes.values())
         self._pairs: list[tuple[AdditiveField, AdditiveField, Places | None]] = []
         for other, mesh in self._meshes.items():
             mine = {field.name: field for field in source.kinematics(mesh).block.fields}
@@ -76,9 +78,8 @@ class Transfer:
         source, target = self._source.system, self._target.system
         source.restore(fields)
         found = target.snapshot()
-        same = list(self._meshes) == list(self._meshes.values())
         found |= {name: fields[name].copy() for name, values in found.items()
-                  if name in fields and fields[name].shape == values.shape and (same or values.size == 1)}
+                  if name in fields and fields[name].shape == values.shape and (self._on_same or values.size == 1)}
         for own, field, places in self._pairs:
             values = field.create_change()
             values.x.array[:] = _interpolated(own, own.table, field, places).ravel()
@@ -95,6 +96,11 @@ class Transfer:
         motions = dict(zip(source.unknowns.fields, source.system.motions(source.system.create_vector(vector)),
                            strict=True))
         found = {field: _interpolated(own, motions[own], field, places) for own, field, places in self._pairs}
+        numbers = {source.system.history.key(f): moved for f, moved in motions.items() if isinstance(f, NumberField)}
+        for field in target.unknowns.fields:
+            moved = numbers.get(target.system.history.key(field))
+            if moved is not None and moved.size == len(field.dofs) and (self._on_same or moved.size == 1):
+                found[field] = moved
         step = target.system.step_by([found.get(f, np.zeros((len(f.dofs) // f.width, f.width)))
                                       for f in target.unknowns.fields])
         step.array[target.system.fixed_rows] = 0
