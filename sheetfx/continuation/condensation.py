@@ -42,7 +42,8 @@ class Condensation(Elimination):
         self._motions, self._ends = vstack(motions, format="csr"), np.cumsum([m.shape[0] for m in motions])[:-1]
         slide = any(m.shape[0] != c.pairs.count for m, c in zip(motions, pairs, strict=True))
         self._gaps = None if slide else np.concatenate([c.place() for c in pairs])
-        self._before, self._stiff = self._after(np.zeros(self._motions.shape[0]))
+        self._moved = self._motions @ self._base
+        self._before, self._stiff = self._after(np.zeros(len(self._moved)))
         for contribution in pairs:
             contribution.release()
 
@@ -54,14 +55,14 @@ class Condensation(Elimination):
         """Forces of pairs without friction, at as many rows as it takes; None: not found."""
         solved = -1
         for _ in range(ITERATIONS):
-            if (remainder := self._remainder(self._moved(forces))) is None:
+            if (off := self._off(forces)) is None:
                 return None
-            forces = np.concatenate([forces, np.zeros(len(self._rows) - len(forces))])
-            if np.linalg.norm(remainder - forces) <= self._exact * self._size:
+            forces = np.append(forces, np.zeros(len(off) - len(forces)))
+            if np.linalg.norm(off) <= self._exact * self._size:
                 return forces
-            if len(self._rows) == solved or (pivoted := self._pivoted(remainder < 0)) is None:
+            if len(off) == solved or (pivoted := self._pivoted(forces + off < 0)) is None:
                 return None  # the law has more than the two pieces of contact
-            forces, solved = pivoted, len(self._rows)
+            forces, solved = pivoted, len(off)
         return None
 
     def _pivoted(self, basic: np.ndarray) -> np.ndarray | None:
@@ -74,12 +75,13 @@ class Condensation(Elimination):
         where F is the flexibility at the rows and s is 1 for pairs that are pressed before, else -1. All rows that are
         wrong are changed while they become fewer, else the last one of them (Judice and Pires 1994; Murty 1974).
         """
-        rows, moved = self._rows, self._motions @ self._base
+        rows, moved = self._rows, self._moved
         closed = -np.abs(self._gaps) - np.abs(moved).max()
         pressures, moduli = self._after(closed)
         stiff, pressed = moduli.diagonal()[rows], np.where(self._stiff.diagonal()[rows] > 0, 1.0, -1.0)
         gaps = (moved - closed)[rows] + pressures[rows] / stiff
-        matrix, right = np.diag(1 / stiff) - pressed[:, None] * self._flexibility, -pressed * gaps
+        matrix = np.diag(1 / stiff) - pressed[:, None] * self._flexibility[:, rows].T
+        right = -pressed * gaps
         found, fewest = np.zeros(len(rows)), len(rows) + 1
         for _ in range(ITERATIONS * len(rows)):
             found[:] = 0.0
@@ -101,10 +103,13 @@ class Condensation(Elimination):
         forces, moduli = zip(*found, strict=True)
         return np.concatenate(forces), block_diag(moduli, format="csr")
 
-    def _beyond(self, step: np.ndarray) -> np.ndarray:
-        changes = self._motions @ step
-        forces, self._moduli = self._after(changes)
-        beyond = forces - self._before - self._stiff @ changes
+    def _places(self, responses: np.ndarray) -> np.ndarray:
+        return (self._motions @ responses.T).T
+
+    def _beyond(self, forces: np.ndarray) -> np.ndarray:
+        changes = self._moved - forces @ self._flexibility[:len(forces)]
+        after, self._moduli = self._after(changes)
+        beyond = after - self._before - self._stiff @ changes
         return np.where(np.abs(beyond) > NOTHING * self._exact * self._size, beyond, 0.0)
 
     def _stiffened(self) -> csr_matrix:
@@ -112,7 +117,3 @@ class Condensation(Elimination):
 
     def _units(self, rows: np.ndarray) -> csc_matrix:
         return self._motions[rows].T.tocsc()
-
-    def _motion(self, rows: np.ndarray, responses: np.ndarray) -> np.ndarray:
-        motions = self._motions[rows]
-        return np.array([motions @ response for response in responses]).reshape(len(responses), len(rows)).T

@@ -48,6 +48,7 @@ class Elimination:
     softened: Sequence[float] = ()
     begins = False
     _found = 0
+    _responses: list[np.ndarray]
 
     def __init__(self, system: System, linear: DirectSolver, regularise, multiples: Sequence[float]):
         self._system, self._linear, self._regularise, self._multiples = system, linear, regularise, multiples
@@ -75,8 +76,8 @@ class Elimination:
         self._x, self._factor, self._base, self._size = x, factor, system.everywhere(step), size
         self._unit, self._normal, self._exact = unit, normal, exact
         self._linearise()
-        self._rows, self._loads = np.empty(0, dtype=np.int64), np.empty(0)
-        self._responses, self._flexibility = np.empty((0, len(self._base))), np.empty((0, 0))
+        self._rows, self._loads, self._responses = np.empty(0, dtype=np.int64), np.empty(0), []
+        self._flexibility = np.empty((0, len(self._places(self._base[None])[0])))
         forces = self._solve()
         system.configure(x, factor)
         if forces is None and self._many and self.can_do_without:
@@ -84,8 +85,12 @@ class Elimination:
         if forces is None:
             raise ArithmeticError("contact forces are not found")
         self._found += len(forces) > 0
-        step.array[:] = system.own(self._moved(forces))
-        return -float(self._loads @ forces)
+        change = -float(self._loads @ forces)
+        for part in self._responses:
+            this, forces = np.split(forces, [len(part)])
+            self._base -= this @ part
+        step.array[:] = system.own(self._base)
+        return change
 
     def found_since(self) -> int:
         """How often forces have been found that were not zero since this was last asked."""
@@ -106,12 +111,12 @@ class Elimination:
 
     def _solve(self) -> np.ndarray | None:
         """Forces at the rows; None: not found."""
-        remainder = self._remainder(self._base)
-        if remainder is None:
+        off = self._off(np.zeros(0))
+        if off is None:
             return None
-        size = np.linalg.norm(remainder) / self._size
+        size = np.linalg.norm(off) / self._size
         if size <= self._exact:
-            return np.zeros(len(self._rows))
+            return np.zeros(len(off))
         sequences = [self._multiples]
         if size < NEAR and len(self._multiples) > 1:
             sequences.insert(0, [1.0])
@@ -136,18 +141,11 @@ class Elimination:
         """
         errors: list[float] = []
         for _ in range(ITERATIONS):
-            remainder = self._remainder(self._moved(forces))
-            if remainder is None:
+            if (off := self._off(forces)) is None:
                 return None
-            forces = np.concatenate([forces, np.zeros(len(self._rows) - len(forces))])
-            off = remainder - forces
-            change = self._stiffened()[self._rows][:, self._rows]
-            try:
-                correction = np.linalg.solve(np.eye(len(off)) + change @ self._flexibility, off)
-            except np.linalg.LinAlgError:
-                return None
-            error = float(np.linalg.norm(off))
-            if any(abs(error - other) <= AGAIN * other for other in errors) or not np.isfinite(correction).all():
+            forces = np.append(forces, np.zeros(len(off) - len(forces)))
+            correction, error = self._correction(off), float(np.linalg.norm(off))
+            if correction is None or any(abs(error - other) <= AGAIN * other for other in errors):
                 return None
             errors.append(error)
             forces = forces + correction
@@ -155,35 +153,47 @@ class Elimination:
                 return forces
         return None
 
-    def _moved(self, forces: np.ndarray) -> np.ndarray:
-        return self._base - forces @ self._responses[:len(forces)]
+    def _correction(self, off: np.ndarray) -> np.ndarray | None:
+        """Newton's, of forces that are off by so much; it couples rows whose stiffness changes. None: there is none."""
+        change = self._stiffened()[self._rows][:, self._rows].tocsr()
+        change.eliminate_zeros()
+        rows, correction = np.flatnonzero(np.diff(change.indptr)), off.copy()
+        by_forces = change[rows] @ self._flexibility[:, self._rows].T
+        correction[rows] = 0.0
+        try:
+            correction[rows] = np.linalg.solve(np.eye(len(rows)) + by_forces[:, rows],
+                                               off[rows] - by_forces @ correction)
+        except np.linalg.LinAlgError:
+            return None
+        return correction if np.isfinite(correction).all() else None
 
-    def _remainder(self, step: np.ndarray) -> np.ndarray | None:
-        """Forces of the contacts after a step beyond those that are linear in it, at the rows where there are any.
+    def _off(self, forces: np.ndarray) -> np.ndarray | None:
+        """What the contacts' laws say of the forces at rows, less these; None: these are too many.
 
-        None: these are too many.
+        Rows are added where there are forces.
         """
-        beyond = self._beyond(step)
+        beyond = self._beyond(forces)
         new = np.setdiff1d(np.flatnonzero(beyond), self._rows)
         self._many = not self._is_patient and len(self._rows) + len(new) > self.most
         if self._many:
             return None
         if len(new):
-            self._add(new)
-        return beyond[self._rows]
+            responses, loads = self._respond(self._units(new))
+            self._responses.append(responses)
+            self._loads = np.append(self._loads, loads)
+            self._flexibility = np.vstack([self._flexibility, self._places(responses)])
+            self._rows = np.concatenate([self._rows, new])
+        off = beyond[self._rows]
+        off[:len(forces)] -= forces
+        return off
 
-    def _add(self, new: np.ndarray) -> None:
-        """Have the responses to unit forces at further rows, and the motions at rows by all of them."""
-        responses, loads = self._respond(self._units(new))
-        self._flexibility = np.hstack([self._flexibility, self._motion(self._rows, responses)])
-        self._responses = np.vstack([self._responses, responses]) if len(self._rows) else responses
-        self._loads = np.append(self._loads, loads)
-        self._flexibility = np.vstack([self._flexibility, self._motion(new, self._responses)])
-        self._rows = np.concatenate([self._rows, new])
+    def _places(self, responses: np.ndarray) -> np.ndarray:
+        """Motions in responses, as rows, where contacts act."""
+        return responses
 
-    def _beyond(self, step: np.ndarray) -> np.ndarray:
-        """Forces after a step beyond those that are linear in it, at all rows there are."""
-        system, trial = self._system, self._trial
+    def _beyond(self, forces: np.ndarray) -> np.ndarray:
+        """Forces beyond those that are linear in the step that forces at rows lead to, at all rows there are."""
+        system, trial, step = self._system, self._trial, self._base - forces @ self._flexibility[:len(forces)]
         self._x.copy(trial)
         self._column.array[:] = system.own(step)
         system.retract(trial, self._column)
@@ -197,10 +207,6 @@ class Elimination:
     def _units(self, rows: np.ndarray) -> csc_matrix:
         """Unit forces at rows, as columns."""
         return csc_matrix((np.ones(len(rows)), (rows, np.arange(len(rows)))), shape=(len(self._base), len(rows)))
-
-    def _motion(self, rows: np.ndarray, responses: np.ndarray) -> np.ndarray:
-        """Motions at some rows in some responses, as columns."""
-        return responses[:, rows].T
 
     def _respond(self, units: csc_matrix) -> tuple[np.ndarray, np.ndarray]:
         """Responses to forces that keep to the control's equation, as rows, and the changes of load in them."""
