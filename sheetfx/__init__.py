@@ -84,6 +84,7 @@ _ROOMS = {
     "ladder.decision": "Advice Decision",
     "ladder.integration": "integrated_finer",
     "ladder.left_out": "LeftOut",
+    "ladder.refined": "Refined Refinement",
     "ladder.meshes": "Meshes by_halving by_option halved raised",
     "scenes": "load_case",
 }

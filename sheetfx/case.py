@@ -142,8 +142,13 @@ def trace(case: Case | Path, listeners: Sequence[Callable[[State], None]] = (), 
 
 
 def run(case: Case, name: str, parameters: dict, folder: Folder, resume: bool,
-        listeners: Sequence[Callable[[State], None]] = ()) -> dict:
+        listeners: Sequence[Callable[[State], None]] = (),
+        further: Callable[[Record], dict[str, Any]] | None = None) -> dict:
     """Trace a case, write its folder and return its summary.
+
+    Parameters
+    ----------
+    further : what else the summary is to have
 
     Raises
     ------
@@ -181,11 +186,18 @@ def run(case: Case, name: str, parameters: dict, folder: Folder, resume: bool,
             "quantities": quantities, "energy": energy.summary(),
             "timings": {part: clock.seconds[part] for part in PARTS} | {"total": clock.total},
         }
-        if archive.comm.rank == 0:
-            archive.write_json("summary.json", summary)
+        _write(archive, summary)
+        if further:
+            summary |= further(record)
+            _write(archive, summary)
     if energy.broken:
         warn(energy.broken)
     return summary
+
+
+def _write(archive: Archive, summary: dict) -> None:
+    if archive.comm.rank == 0:
+        archive.write_json("summary.json", summary)
 
 
 def _is_cheap(record: Record) -> bool:

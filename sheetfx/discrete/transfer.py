@@ -88,7 +88,7 @@ class Transfer:
             found[target.history.key(field)] = field.holding(table, self._target.layout.held(field)).ravel()
         found["load"] = np.array([fields["load"][0], factor])
         target.restore(found)
-        return found | self._remembered(fields)
+        return found | (self._remembered(fields) if source.history.moved else {})
 
     def increments(self, vector: np.ndarray) -> PETSc.Vec:
         """The target's increments that move and turn its nodes as the source's do; both at the same state."""

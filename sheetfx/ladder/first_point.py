@@ -126,7 +126,7 @@ def from_coarser(coarser: FirstPoint, case: Case, whole: Scene, left: LeftOut, w
         there = critical(path, guess, modes, kind=point.kind)
     except (ValueError, NoCriticalPoint):
         return None
-    if _overtaken(path, there.state, there.point.multiplicity):
+    if unstable_beside(path, there.state, there.point.multiplicity) > 0:
         return None
     found.point, found.given = there.point, there.modes
     found.record.states.append(there.state)
@@ -135,10 +135,10 @@ def from_coarser(coarser: FirstPoint, case: Case, whole: Scene, left: LeftOut, w
     return found
 
 
-def _overtaken(path: Path, state: State, multiplicity: int) -> bool:
-    """Whether a mode other than those nearest to zero is unstable."""
+def unstable_beside(path: Path, state: State, multiplicity: int) -> int:
+    """Number of unstable modes at a critical point beside those that are critical."""
     tracer = tracer_of(path)
     tracer.factorise_at(state)
     nearest = sorted(tracer.spectrum(multiplicity)[0], key=abs)[:multiplicity]
     unstable = (tracer.stepper.linear.negative_pivots() or 0) - tracer.system.multipliers
-    return unstable > sum(value < 0 for value in nearest)
+    return unstable - sum(value < 0 for value in nearest)

@@ -66,6 +66,10 @@ class Progress:
         if time.perf_counter() - self._told >= INTERVAL:
             self._tell()
 
+    def tell(self, text: str) -> None:
+        """Print a line."""
+        self.console.print(text, soft_wrap=True)
+
     def _tell(self) -> None:
         if self._last is not None:
             self.console.print(self._line(self._last), soft_wrap=True)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from .run import OF_A_FOLDER, folder_of, option, scenes_app
+from .run import OF_A_FOLDER, folder_of, option, scenes_app, share_of
 
 if TYPE_CHECKING:
     from ..ladder.decision import Advice
@@ -35,24 +35,6 @@ OWN = [
            metavar="PATH", rules=[OF_A_FOLDER]),
 ]
 
-
-
-def share_of(text: str) -> float:
-    """A share from a text such as "2%" or "0.02".
-
-    Raises
-    ------
-    ValueError
-        If it is no number above 0 and below 1.
-    """
-    number = text.strip()
-    try:
-        share = float(number.removesuffix("%")) / (100.0 if number.endswith("%") else 1.0)
-    except ValueError:
-        share = 0.0
-    if not 0.0 < share < 1.0:
-        raise ValueError(f"--within is {text!r}; it must be a share above 0 and below 1, such as 2% or 0.02")
-    return share
 
 
 def advise_scene(name: str, function: Callable, parameters: dict[str, Any], within: str, finest: int,

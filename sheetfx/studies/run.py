@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -15,6 +16,7 @@ from ..checks import POSITIVE, Like, require
 from ..scenes import load_case, option_of, scene_names
 from .suggesting import Completed, Single, scripts
 
+FINEST = 4  # times that --within halves cells
 PLAIN = {"add_completion": False, "pretty_exceptions_enable": False}
 
 
@@ -35,6 +37,8 @@ ANIMATE = option("animate", bool, False, "Draw animation.gif, the motion along t
 NO_PICTURES = option("no_pictures", bool, False, "Draw no pictures, and write no files for ParaView.", "--no-pictures")
 ERROR = option("error", bool | None, None, "Estimate the discretisation error of critical loads; default: where it "
                "costs a quarter of the path at most.", "--error/--no-error")
+WITHIN = option("within", str | None, None, "Find critical points again on finer meshes until errors are less than "
+                "that share of their loads, such as 1%.", "--within", metavar="SHARE")
 SNAPS = option("snaps", bool, False, "Let the structure fall where it has lost its stability, and go on from there.",
                "--snaps")
 TABLES = option("tables", bool, False, "Write reactions, energies and section forces of all states as CSV.", "--tables")
@@ -51,11 +55,13 @@ class Scenes(TyperGroup):
     @staticmethod
     def runner(name: str, function):
         """A command with the options of a scene's function and those of every run."""
-        def command(output: str | None, resume: bool, tables: bool, balance: float | None, error: bool | None,
-                    animate: bool, no_pictures: bool, snaps: bool, **parameters):
-            run_scene(name, function, parameters, output, resume, tables, balance, error, animate, no_pictures, snaps)
+        own = [OUTPUT, RESUME, TABLES, BALANCE, ERROR, WITHIN, ANIMATE, NO_PICTURES, SNAPS]
 
-        return with_options(command, function, [OUTPUT, RESUME, TABLES, BALANCE, ERROR, ANIMATE, NO_PICTURES, SNAPS])
+        def command(**options):
+            mine = {parameter.name: options.pop(parameter.name) for parameter in own}
+            run_scene(name, function, options, **mine)
+
+        return with_options(command, function, own)
 
     def list_commands(self, context):
         return scene_names()
@@ -145,23 +151,53 @@ def folder_of(name: str, output: str | None, ending: str = "") -> Path:
     return Path("results") / f"{Path(name).stem}{ending}" if output is None else Path(output)
 
 
-def run_scene(name: str, function, parameters: dict, output: str | None, resume: bool, with_tables: bool,
-              balance: float | None, error: bool | None, animate: bool, no_pictures: bool, snaps: bool) -> None:
+def share_of(text: str) -> float:
+    """A share from a text such as "2%" or "0.02".
+
+    Raises
+    ------
+    ValueError
+        If it is no number above 0 and below 1.
+    """
+    number = text.strip()
+    try:
+        share = float(number.removesuffix("%")) / (100.0 if number.endswith("%") else 1.0)
+    except ValueError:
+        share = 0.0
+    if not 0.0 < share < 1.0:
+        raise ValueError(f"--within is {text!r}; it must be a share above 0 and below 1, such as 2% or 0.02")
+    return share
+
+
+def run_scene(name: str, function, parameters: dict, output: str | None, resume: bool, tables: bool,
+              balance: float | None, error: bool | None, within: str | None, animate: bool, no_pictures: bool,
+              snaps: bool) -> None:
     """Run one scene with progress on the terminal."""
     from ..case import run
+    from ..ladder.meshes import by_halving, by_option
     from ..show.animating import animation
     from ..show.progress import Progress
-    from ..show.tables import tables
+    from ..show.tables import tables as written
 
-    folder = folder_of(name, output)
+    folder, share = folder_of(name, output), None if within is None else share_of(within)
     with Progress(Path(name).stem, folder) as progress:
         case = function(**parameters)
-        pictures = [*(() if no_pictures else case.pictures), *([tables] if with_tables else []),
+        pictures = [*(() if no_pictures else case.pictures), *([written] if tables else []),
                     *([animation] if animate else [])]
         case = replace(case, pictures=pictures, balance=balance or case.balance,
                        error=case.error if error is None else error, snaps=case.snaps or snaps)
+        meshes = None if share is None else (by_option(function, parameters, FINEST) or by_halving(case, FINEST))
+        further = meshes and partial(_refined, meshes, share, progress.tell)
         progress.begin(case)
-        summary = run(case, Path(name).stem, parameters, folder, resume, [progress])
+        summary = run(case, Path(name).stem, parameters, folder, resume, [progress], further)
         progress.report(summary)
     if summary["status"] != "finished":
         raise typer.Exit(1)
+
+
+def _refined(meshes, share: float, told: Callable[[str], None], record) -> dict:
+    """Critical points of a record on finer meshes, for its summary."""
+    from ..ladder.refined import Refinement
+
+    found = Refinement(record, meshes, share, lambda refined: told(str(refined))).all()
+    return {"refined": [vars(one) | {"point": record.critical_points.index(one.point)} for one in found]}
