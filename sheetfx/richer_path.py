@@ -90,6 +90,8 @@ class RicherPath:
     def _starts(self, point: CriticalPoint) -> Iterator[State]:
         """States before a point, the last one first, each twice as far behind as the one before."""
         before, back = [s for s in self._without_past if s.step < point.step], 1
+        if not before:
+            raise ArithmeticError("no state before the point is known that remembers nothing")
         while back < len(before):
             yield before[-back]
             back *= 2
@@ -97,15 +99,15 @@ class RicherPath:
 
     @cached_property
     def _without_past(self) -> list[State]:
-        """States up to the first one that depends on those before, but the first of all at least."""
-        tracer, kept = self._path.tracer, self._states[:1]
+        """States up to the first one that depends on those before; a path's beginning never does."""
+        tracer, kept = self._path.tracer, []
         contributions = tracer.system.contributions
         remembers = any(c.remembers for c in contributions)
         rubs = any(not (c.smooth or c.conservative) for c in contributions)
-        for state in self._states[1:]:
+        for state in self._states:
             if remembers:
                 tracer.back_to(state)
-            if (rubs and not state.apart) or (remembers and tracer.system.history.moved):
+            if state.step and ((rubs and not state.apart) or (remembers and tracer.system.history.moved)):
                 break
             kept.append(state)
         return kept

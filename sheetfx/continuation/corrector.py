@@ -25,7 +25,7 @@ from .linear import DirectSolver
 
 Reason = PETSc.SNES.ConvergedReason
 SLOW = 0.1  # residual over that of the iteration before, from which a guess is corrected with a new factor
-WRONG = 1e-3  # residual over the load, above which a guess whose residual grows is given up
+WRONG = 1e-3  # residual over the load, above which a guess is given up that grows, or steps that lead nowhere
 SPARE = 10.0  # of the fall of the residual in an iteration, what one more with the same tangent may leave
 UNDAMPED = 5  # iterations, after which half steps are taken where it cycles
 VAIN = 5  # iterations, after which a residual that has not fallen to half gives up
@@ -287,7 +287,7 @@ class BorderedNewton:
             return len(self.history) > 1 and self.history[-1] > max(WRONG, self.history[-2])
         before, last = self.history[:-VAIN], self.history[-VAIN:]
         newton = self.control.guarded and self.control.newton == "full" and not self.patient
-        vain = bool(before) and 2 * min(last) > min(before)
+        vain = bool(before) and 2 * min(last) > min(before) > WRONG
         return newton and (vain or self.cycles)
 
     @property

@@ -187,13 +187,6 @@ class Contribution:
         ahead : whether the system is there
         """
 
-    def freeze_reversed_slip(self) -> bool:
-        """Answer for one Newton iteration as if what it would overshoot held on; whether anything is held.
-
-        It is called at each iterate, so that a contribution can compare it with the one before.
-        """
-        return False
-
     def freeze_open_contacts(self) -> bool:
         """Answer as if what was pressed stayed closed, where all of it is open at an iterate; whether anything is held.
 
@@ -206,7 +199,7 @@ class Contribution:
         """Answer as if all that touches stuck where it is now, with the forces of now, until `release`."""
 
     def release(self) -> None:
-        """Answer again as it is, after `freeze_reversed_slip`, `freeze_open_contacts` or `stick`."""
+        """Answer again as it is, after `freeze_open_contacts` or `stick`."""
 
     def augment(self) -> bool:
         """Whether a converged solution satisfies the contribution; if not, change what the next solution starts from.

@@ -42,7 +42,6 @@ class PairWork(PointWork):
     _least = 0  # how often the stiffness grows within a step at least, see `Growth`
     _slack = 0.0  # part of the bound of friction by which tractions may be off where they slip
     _apart: np.ndarray  # gaps where a step starts
-    _slipping: np.ndarray | None = None  # tractions of pairs that slipped at the last iterate, zero at others
 
     def __init__(self, unknowns: Unknowns, first: Sequence[Trace], second: Trace | Partners | None, pairs: Pairs,
                  contact, name: str):
@@ -230,7 +229,6 @@ class PairWork(PointWork):
         return bool(self._slips and slipping.any())
 
     def commit(self) -> None:
-        self._slipping = None
         self.update_history(self.augments)
         self._growth.commit()
         self._committed = self._history.copy()
@@ -272,7 +270,6 @@ class PairWork(PointWork):
         self.rewind()
 
     def rewind(self) -> None:
-        self._slipping = None
         self._growth.rewind()
         self.regularise(1.0)
         self._put_history(self._begun())
@@ -309,24 +306,6 @@ class PairWork(PointWork):
         history[:, 1 + n:1 + 2 * n] += part[:, None] * strains[:, 1:1 + n]
         self._return_partners()
         self._put_history(history)
-
-    def freeze_reversed_slip(self) -> bool:
-        """Let pairs stick for one iteration that slip the other way than at the iterate before.
-
-        A pair that slips has no stiffness along its slip: where it sticks in the solution, Newton's iteration hops over
-        the narrow range of elastic slip, back and forth. With a tangent and a force that stick it lands there, as
-        active sets do that know of sticking and slipping (Hueeber, Stadler and Wohlmuth 2008).
-        """
-        if not self._slips:
-            return False
-        state, before = self.evaluate(), self._slipping
-        self._slipping = np.where((state.status == SLIP)[:, None], state.traction, 0.0)
-        if before is None or not (turned := (self._slipping * before).sum(axis=1) < 0).any():
-            return False
-        held = self._table.copy()
-        held[turned, 2] = STICKING
-        self._law.give(self._data_of_history + 1, held)
-        return True
 
     def stick(self) -> None:
         held = self._table.copy()

@@ -157,8 +157,7 @@ class System:
     @contextmanager
     def held(self, found: bool) -> Iterator[bool]:
         """Let contributions hold what an iteration would overshoot, or open if forces are found; whether any does."""
-        holding = [] if self.smooth else [c for c in self.contributions if (
-            c.freeze_open_contacts() if found else c.freeze_reversed_slip())]
+        holding = [c for c in self.contributions if c.freeze_open_contacts()] if found else []
         try:
             yield not self.smooth and self.comm.allreduce(len(holding)) > 0
         finally:

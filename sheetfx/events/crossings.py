@@ -107,7 +107,7 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
         return _halves(segment, left, right)
     if segment.guarded:
         _compare_sides(segment, roots, samples, border)
-    found = _at_loads(segment, _together(border, roots, lengths, close), samples, border)
+    found = _at_loads(segment, _together(border, roots, lengths), samples, border)
     if segment.nonsmooth and error > exact:
         return [replace(c, corner=_jumps(segment, border, *segment.neighbours(c.length))) for c in found]
     return found
@@ -122,8 +122,8 @@ def _moved(roots: np.ndarray, others: np.ndarray, close: float) -> float:
     return max(abs(float(group.mean())) for group in groups)
 
 
-def _together(border: Determinant, roots: np.ndarray, lengths: Sequence[float], close: float) -> np.ndarray:
-    """Crossings that are close to each other as far apart as states that are further off have them, if that is less.
+def _together(border: Determinant, roots: np.ndarray, lengths: Sequence[float]) -> np.ndarray:
+    """Crossings as far apart as states that are further off have them, if that is less.
 
     Rounding splits eigenvalues that are alike by as much as it moves states along the mode, in inverse proportion to
     their distance from the crossing; where they lie together these know less exactly, but how far they are apart. They
@@ -131,7 +131,7 @@ def _together(border: Determinant, roots: np.ndarray, lengths: Sequence[float], 
     """
     size, middle = lengths[-1] - lengths[0], roots.mean()
     far = [s for s in lengths if abs(s - middle) >= FAR * size]
-    if not 0 < np.ptp(roots) < close or len(far) < 3:
+    if not np.ptp(roots) or len(far) < 3:
         return roots
     coarser, finer = (border.roots(_nearest(far, roots)[:n]) for n in (min(len(far), SAMPLES) - 1, SAMPLES))
     doubt = abs(np.ptp(finer) - np.ptp(coarser)) if np.isfinite((coarser, finer)).all() else np.inf

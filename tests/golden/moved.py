@@ -115,8 +115,9 @@ def _switched(row: Row, stack: ExitStack) -> bool:
         function, value = vars(place)[name], row.value
         places = [place] if owner else [m for key, m in sys.modules.items()
                                         if key.startswith("sheetfx") and vars(m).get(name) is function]
+        off = property(lambda _: value) if isinstance(function, property) else lambda *_, **__: value
         for place in places:
-            _replace(place, name, lambda *_, **__: value, stack)
+            _replace(place, name, off, stack)
         return True
     function = _function(module, row.name.split(":")[0])
     if function is None:

@@ -18,7 +18,7 @@ from random_structures import scene as random_scene
 from test_following import pressure, ring
 from test_pair_contact import arch_above_a_beam, graded_leaves, plate_on_a_frame, two_leaves
 from test_plastic_paths import hinged_beam
-from test_plastic_steps import dome
+from test_plastic_steps import dome, portal
 
 import sheetfx as fx
 from sheetfx.scenes import load_case
@@ -298,6 +298,8 @@ CASES: dict[str, Callable[[], fx.Case]] = {
     "arch-nodes-friction": scene("arch", elements=40, contact="nodes", friction=0.3, to=20.0),
     "arch-yielding": scene("arch", elements=20, no_punch=True, yield_stress=200.0, to=20.0),
     "roof-yielding": scene("roof", cells=3, form="naghdi-q2", yield_stress=15.0, to=20.0),
+    "portal-sways": portal,
+    "dome-double": scene("dome", divisions=5, form="naghdi-t2", to=39.0),
     "plastic-cylinder": scene("plastic-cylinder", cells=6, layers=3, to=30.0),
     "double-plate-elastic": scene("double-plate", 10, elastic=True, cells=4),
     "double-plate": scene("double-plate", 20, cells=4, layers=2),
