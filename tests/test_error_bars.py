@@ -170,7 +170,7 @@ def test_a_run_tells_them_where_they_are_cheap(tmp_path):
     points, said = run(tmp_path / "roof", "roof", "--cells", "2", "--no-pictures")
     assert [(point["error"], point["error_reason"]) for point in points] == 2 * [
         (None, "not asked for; --error estimates it")]
-    points, _ = run(tmp_path / "asked", "roof", "--cells", "2", "--error", "--to", "25")
+    points, _ = run(tmp_path / "asked", "roof", "--cells", "2", "--error", "--to", "25", "--no-pictures")
     assert [point["error"] for point in points] == pytest.approx([0.088, -0.26], rel=0.05)
     assert not any(point["error_reason"] for point in points)
 
