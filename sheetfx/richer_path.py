@@ -16,6 +16,7 @@ import numpy as np
 from .continuation.state import CriticalPoint, State
 from .continuation.transferred import between
 from .critical.error_bar import ErrorBar, error_bars
+from .critical.remade import Remade
 from .critical.shares import critical_modes
 from .discrete.discretisation import Discretisation
 from .events.determinant import orthonormal
@@ -128,10 +129,12 @@ class Piece:
     def __init__(self, start: State, path: Path, scene: Scene):
         self._start, self._poorer, self._target = start, path.discretisation, Discretisation(scene)
         first = between(start, self._poorer, self._target)[0]
-        self._path = Path(scene, path.controls[-1], start=[first] if start.step else [])
-        there = not start.step or self._is_behind_as_many(start)
+        there = {id(one): other for one, other in zip(path.scene.meshes, scene.meshes, strict=False)}
+        control = Remade(there).of(path.controls[-1])  # it may have a monitor of its own
+        self._path = Path(scene, control, start=[first] if start.step else [])
+        known = not start.step or self._is_behind_as_many(start)
         self._states = [self._path.tracer.state]
-        self._further = iter(self._path if there else ())
+        self._further = iter(self._path if known else ())
 
     def _is_behind_as_many(self, start: State) -> bool:
         """Whether it settles, with as many unstable modes where they are counted: no point lies between."""

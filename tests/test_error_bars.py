@@ -123,6 +123,14 @@ def test_pieces_of_the_richer_path_lead_where_it_leads_as_a_whole(how, reason):
         assert bar.alike > 0.99 and bar.reason == reason
 
 
+def test_a_control_may_have_a_monitor_of_its_own():
+    case = arch.case(elements=20)
+    found = []
+    for control in (fx.ArcLength(), fx.DisplacementControl(2.0, monitor=case.scene.monitor)):
+        found.append(fx.trace(replace(case, control=control, until=fx.Until(deflection=20.0))).error_bars()[0])
+    assert found[1].error == pytest.approx(found[0].error, rel=0.02), str(found[1])
+
+
 def limits(record):
     return [point for point in record.critical_points if point.kind == "limit"]
 
