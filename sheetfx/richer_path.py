@@ -8,7 +8,7 @@ the last one that remembers nothing.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import count, islice
 
 import numpy as np
@@ -23,13 +23,12 @@ from .events.determinant import orthonormal
 from .model.scene import Scene
 from .path import Path, PathFailure
 
-Modes = Callable[[CriticalPoint], Sequence[np.ndarray]]
-
 LONGER = 2  # times the steps of the path, that a piece of the richer one takes at most, and so many more
 
 
 def error_bars_of(path: Path, states: Sequence[State], points: Sequence[CriticalPoint],
-                  state_at: Callable[[CriticalPoint], State], modes_at: Modes) -> list[ErrorBar]:
+                  state_at: Callable[[CriticalPoint], State],
+                  modes_at: Callable[[CriticalPoint], Sequence[np.ndarray]]) -> list[ErrorBar]:
     """Error bars of critical points of a path, directly or by pieces of the richer one; none by these after falls.
 
     Parameters
@@ -37,27 +36,27 @@ def error_bars_of(path: Path, states: Sequence[State], points: Sequence[Critical
     states : of the path, from its first state on
     points, state_at, modes_at : see `critical.error_bar.error_bars`
     """
-    return error_bars(path, points, state_at, modes_at, None if path.falls else RicherPath(path, states))
+    return error_bars(path, points, state_at, modes_at, None if path.falls else partial(RicherPath, path, states))
 
 
 class RicherPath:
-    """Finds points of a path with one degree more.
+    """Finds points of a path on a richer discretisation.
 
     Parameters
     ----------
     path, states : of the structure, from its first state on
+    scene : richer one
     """
 
-    def __init__(self, path: Path, states: Sequence[State]):
-        self._path, self._states = path, states
+    def __init__(self, path: Path, states: Sequence[State], scene: Scene):
+        self._path, self._states, self._target = path, states, Discretisation(scene)
         self._pieces: dict[int, Piece] = {}
 
-    def __call__(self, point: CriticalPoint, scene: Scene, alike: float) -> tuple[float, float, int]:
-        """The same point of the structure with one degree more.
+    def __call__(self, point: CriticalPoint, alike: float) -> tuple[float, float, int]:
+        """The same point of the richer structure.
 
         Parameters
         ----------
-        scene : richer one
         alike : cosine between modes, from which on a point is surely the same
 
         Returns
@@ -72,7 +71,7 @@ class RicherPath:
         spent, modes = 0, modes_of(self._path, self._states, point)
         for start in self._starts(point):
             if start.step not in self._pieces:
-                self._pieces[start.step] = Piece(start, self._path, scene)
+                self._pieces[start.step] = Piece(start, self._path, self._target)
             piece, found = self._pieces[start.step], []
             for there in piece.points(start.step + LONGER * (point.step - start.step + 1)):
                 if there.kind == point.kind and (there.name == point.name or there.kind != "limit"):
@@ -121,13 +120,13 @@ class Piece:
     ----------
     start : state of the poorer path that it begins at
     path : poorer one
-    scene : richer one
+    target : richer discretisation
     """
 
     _told = 0
 
-    def __init__(self, start: State, path: Path, scene: Scene):
-        self._start, self._poorer, self._target = start, path.discretisation, Discretisation(scene)
+    def __init__(self, start: State, path: Path, target: Discretisation):
+        self._start, self._poorer, self._target, scene = start, path.discretisation, target, target.scene
         first = between(start, self._poorer, self._target)[0]
         there = {id(one): other for one, other in zip(path.scene.meshes, scene.meshes, strict=False)}
         control = Remade(there).of(path.controls[-1])  # it may have a monitor of its own

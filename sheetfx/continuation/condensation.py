@@ -42,8 +42,7 @@ class Condensation(Elimination):
         self._motions, self._ends = vstack(motions, format="csr"), np.cumsum([m.shape[0] for m in motions])[:-1]
         slide = any(m.shape[0] != c.pairs.count for m, c in zip(motions, pairs, strict=True))
         self._gaps = None if slide else np.concatenate([c.place() for c in pairs])
-        self._moved = self._motions @ self._base
-        self._before, self._stiff = self._after(np.zeros(len(self._moved)))
+        self._before, self._stiff = self._after(np.zeros(self._motions.shape[0]))
         for contribution in pairs:
             contribution.release()
 
@@ -106,8 +105,7 @@ class Condensation(Elimination):
     def _places(self, responses: np.ndarray) -> np.ndarray:
         return (self._motions @ responses.T).T
 
-    def _beyond(self, forces: np.ndarray) -> np.ndarray:
-        changes = self._moved - forces @ self._flexibility[:len(forces)]
+    def _beyond(self, changes: np.ndarray) -> np.ndarray:
         after, self._moduli = self._after(changes)
         beyond = after - self._before - self._stiff @ changes
         return np.where(np.abs(beyond) > NOTHING * self._exact * self._size, beyond, 0.0)

@@ -77,7 +77,8 @@ class Elimination:
         self._unit, self._normal, self._exact = unit, normal, exact
         self._linearise()
         self._rows, self._loads, self._responses = np.empty(0, dtype=np.int64), np.empty(0), []
-        self._flexibility = np.empty((0, len(self._places(self._base[None])[0])))
+        self._moved = self._places(self._base[None])[0]
+        self._flexibility = np.empty((0, len(self._moved)))
         forces = self._solve()
         system.configure(x, factor)
         if forces is None and self._many and self.can_do_without:
@@ -172,7 +173,7 @@ class Elimination:
 
         Rows are added where there are forces.
         """
-        beyond = self._beyond(forces)
+        beyond = self._beyond(self._moved - forces @ self._flexibility[:len(forces)])
         new = np.setdiff1d(np.flatnonzero(beyond), self._rows)
         self._many = not self._is_patient and len(self._rows) + len(new) > self.most
         if self._many:
@@ -191,9 +192,9 @@ class Elimination:
         """Motions in responses, as rows, where contacts act."""
         return responses
 
-    def _beyond(self, forces: np.ndarray) -> np.ndarray:
-        """Forces beyond those that are linear in the step that forces at rows lead to, at all rows there are."""
-        system, trial, step = self._system, self._trial, self._base - forces @ self._flexibility[:len(forces)]
+    def _beyond(self, step: np.ndarray) -> np.ndarray:
+        """Forces after a step beyond those that are linear in it, at all rows there are."""
+        system, trial = self._system, self._trial
         self._x.copy(trial)
         self._column.array[:] = system.own(step)
         system.retract(trial, self._column)

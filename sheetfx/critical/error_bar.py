@@ -26,7 +26,7 @@ from ..model.scene import Scene
 from .augmented import load_within
 from .remade import remade
 
-ByPath = Callable[[CriticalPoint, Scene, float], tuple[float, float, int]]
+ByPath = Callable[[Scene], Callable[[CriticalPoint, float], tuple[float, float, int]]]
 
 SHARE = 0.02  # of the change of a load that need not be known
 ALIKE = 0.95  # cosine between a mode and that of the richer discretisation, below which it may be another one
@@ -68,36 +68,40 @@ def error_bars(path, points: Iterable[CriticalPoint], state_at: Callable[[Critic
     path : Path or Tracer
     points : of the path
     state_at, modes_at : give the state and the null vectors of a point
-    by_path : finds a point of the richer structure where the augmented Newton method is not for it, see `richer_path`;
-        None: no bar then
+    by_path : from the richer scene to what finds its points where the augmented Newton method is not for them, see
+        `richer_path`; None: no bar then
     """
-    points, reason, scene = list(points), "", None
+    points, reason, present, found = list(points), "", tracer_of(path).state, []
     try:
-        if points:
-            scene = _richer(path.discretisation)
+        bar_of = _estimator(path, state_at, modes_at, by_path) if points else None
     except (ArithmeticError, ValueError) as failure:
-        reason = str(failure)
-    refused = reason or by_path_alone(path.discretisation.system)
-    tracer = None if scene is None or refused else Tracer(Discretisation(scene), ArcLength(), "sheetfx_")
-    reason = reason or (refused if by_path is None else "")
-    present, found = tracer_of(path).state, []
+        bar_of, reason = None, str(failure)
     try:
         for point in points:
+            why = reason or _reason_of(point)
             try:
-                if why := reason or _reason_of(point):
-                    found.append(ErrorBar(point, None, why))
-                elif scene is None:
-                    found.append(ErrorBar(point, 0.0, alike=1.0))
-                elif tracer:
-                    there = _by_newton(path.discretisation, tracer, point, state_at(point), modes_at(point))
-                    found.append(_bar(point, there))
-                elif by_path:
-                    found.append(_bar(point, by_path(point, scene, ALIKE), _uncounted(path)))
+                found.append(bar_of(point) if bar_of and not why else ErrorBar(point, None, why))
             except (ArithmeticError, ValueError) as failure:
                 found.append(ErrorBar(point, None, str(failure)))
     finally:
         tracer_of(path).back_to(present)
     return _in_order(found)
+
+
+def _estimator(path, state_at: Callable[[CriticalPoint], State],
+               modes_at: Callable[[CriticalPoint], Sequence[np.ndarray]],
+               by_path: ByPath | None) -> Callable[[CriticalPoint], ErrorBar]:
+    """Function that makes the bar of a point; ValueError where no point has one, and says why."""
+    scene, refused = _richer(path.discretisation), by_path_alone(path.discretisation.system)
+    if refused and by_path is None:
+        raise ValueError(refused)
+    if scene is None:
+        return lambda point: ErrorBar(point, 0.0, alike=1.0)
+    if refused and by_path:
+        by_piece, uncounted = by_path(scene), _uncounted(path)
+        return lambda point: _bar(point, by_piece(point, ALIKE), uncounted)
+    tracer = Tracer(Discretisation(scene), ArcLength(), "sheetfx_")
+    return lambda point: _bar(point, _by_newton(path.discretisation, tracer, point, state_at(point), modes_at(point)))
 
 
 def by_path_alone(system) -> str:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -31,14 +31,14 @@ from .models import quiet
 
 @dataclass(frozen=True)
 class Refined:
-    """A critical point on the coarsest mesh that is fine enough.
+    """A critical point on the coarsest mesh that is fine enough, or the last one that it was found on.
 
     Attributes
     ----------
     point : on the given mesh
-    load : on that mesh
+    load : of the point on `mesh`
     error : of the load; None: not known
-    mesh : in words
+    mesh : the one where its search ends, in words
     reason : why the mesh is not fine enough, or what is doubtful; "" otherwise
     seconds : CPU time
     """
@@ -51,7 +51,8 @@ class Refined:
     seconds: float = 0.0
 
     def __str__(self) -> str:
-        off = "not known" if self.error is None else f"{abs(self.error):.2g} too {'high' if self.error > 0 else 'low'}"
+        off = {None: "its error is not known", 0.0: "exact on any mesh"}.get(self.error) or (
+            f"{abs(self.error):.2g} too {'high' if self.error > 0 else 'low'}")
         reason = f" ({self.reason})" if self.reason else ""
         return f"{self.point.title} at load {self.load:.6g} with {self.mesh}, {off}{reason}"
 
@@ -62,7 +63,7 @@ class _There:
 
     Attributes
     ----------
-    given : number of other modes that are unstable there on the given mesh; None: not counted yet
+    given : number of other modes that are unstable there on the given mesh
     """
 
     load: float
@@ -72,7 +73,7 @@ class _There:
     path: Path | None = None
     state: State | None = None
     modes: Sequence[np.ndarray] = ()
-    given: int | None = None
+    given: int = 0
 
 
 class Refinement:
@@ -90,7 +91,7 @@ class Refinement:
                  told: Callable[[Refined], None] = lambda refined: None):
         require("Refinement", record=(record, Record), meshes=(meshes, Meshes), within=(within, Share))
         self._record, self._meshes, self._within, self._told = record, meshes, within, told
-        self._paths: dict[int, Path] = {0: record.path}
+        self._paths: dict[int, Path] = {}
         self._richer: dict[int, RicherPath] = {}
         self._pieces = bool(by_path_alone(record.path.discretisation.system))
 
@@ -100,8 +101,11 @@ class Refinement:
         return [self._refined(point) for point in chosen]
 
     def _refined(self, point: CriticalPoint) -> Refined:
-        begun, level, stopped = time.process_time(), 0, "points that could not be told apart" if point.spread else ""
-        here = self._given(point)
+        begun, level, here, stopped = time.process_time(), 0, self._given(point), ""
+        if point.spread:
+            stopped = "points that could not be told apart"
+        elif self._pieces and self._record.path.falls:
+            stopped = "a path with falls"
         while not (stopped or self._enough(here)):
             if level == self._meshes.highest:
                 stopped = f"more than {self._within:.3g} of it; no finer mesh is allowed"
@@ -125,27 +129,27 @@ class Refinement:
 
     def _given(self, point: CriticalPoint) -> _There:
         """The point on the given mesh."""
-        record = self._record
         if self._pieces or point.spread:
             return _There(point.load, None)
-        bar = record.errors.get(point) or record.error_bars([point])[0]
-        return _There(point.load, bar.error, bar.reason, (), record.path, record.state_at(point),
-                      record.critical_modes(point))
+        bar = self._record.errors.get(point) or self._record.error_bars([point])[0]
+        return _There(point.load, bar.error, bar.reason)
 
     def _directly(self, point: CriticalPoint, coarser: _There, level: int) -> _There:
         """The point by Newton's method from that on coarser cells."""
-        path, before = self._path(level), coarser.path
-        guess, modes = between(coarser.state, before.discretisation, path.discretisation, coarser.modes)
+        if coarser.path is None:
+            record = self._record
+            coarser = replace(coarser, path=record.path, state=record.state_at(point),
+                              modes=record.critical_modes(point))
+            coarser.given = unstable_beside(record.path, coarser.state, point.multiplicity)
+        path, given = self._path(level), coarser.given
+        guess, modes = between(coarser.state, coarser.path.discretisation, path.discretisation, coarser.modes)
         found = critical(path, guess, modes, kind=point.kind)
         changes = (*coarser.changes, coarser.load - found.point.load)
         error, doubt = _error(changes), ""
         if error is None:
             (bar,) = error_bars(path, [found.point], lambda _: found.state, lambda _: found.modes)
             error, doubt = bar.error, bar.reason
-        there, given = (unstable_beside(path, found.state, point.multiplicity),
-                        unstable_beside(before, coarser.state, point.multiplicity) if coarser.given is None
-                        else coarser.given)
-        if there != given:
+        if (there := unstable_beside(path, found.state, point.multiplicity)) != given:
             doubt = (f"{there} other modes are unstable there and {given} on the given mesh: points have changed "
                      "places, or new ones lie before it; follow its path")
         return _There(found.point.load, error, doubt, changes, path, found.state, found.modes, given)
@@ -153,10 +157,11 @@ class Refinement:
     def _by_piece(self, point: CriticalPoint, coarser: _There, level: int) -> _There:
         """The point by a piece of the path on the finer mesh."""
         if level not in self._richer:
-            self._richer[level] = RicherPath(self._record.path, self._record.states)
+            with quiet():
+                scene = self._meshes.case(level).scene
+            self._richer[level] = RicherPath(self._record.path, self._record.states, scene)
         with quiet():
-            scene = self._meshes.case(level).scene
-            load, alike, _ = self._richer[level](point, scene, ALIKE)
+            load, alike, _ = self._richer[level](point, ALIKE)
         changes = (*coarser.changes, coarser.load - load)
         error = _error(changes)
         return _There(load, changes[-1] if error is None else error,

@@ -36,7 +36,6 @@ OWN = [
 ]
 
 
-
 def advise_scene(name: str, function: Callable, parameters: dict[str, Any], within: str, finest: int,
                  refine: str | None, output: str | None) -> None:
     """Write and print the advice; exit status 1 where there is no load."""

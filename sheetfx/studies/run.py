@@ -55,13 +55,8 @@ class Scenes(TyperGroup):
     @staticmethod
     def runner(name: str, function):
         """A command with the options of a scene's function and those of every run."""
-        own = [OUTPUT, RESUME, TABLES, BALANCE, ERROR, WITHIN, ANIMATE, NO_PICTURES, SNAPS]
-
-        def command(**options):
-            mine = {parameter.name: options.pop(parameter.name) for parameter in own}
-            run_scene(name, function, options, **mine)
-
-        return with_options(command, function, own)
+        return with_options(run_scene, name, function,
+                            [OUTPUT, RESUME, TABLES, BALANCE, ERROR, WITHIN, ANIMATE, NO_PICTURES, SNAPS])
 
     def list_commands(self, context):
         return scene_names()
@@ -101,18 +96,24 @@ def run_group(listing: Annotated[bool, typer.Option("--list", help="Print the na
         raise typer.Exit
 
 
-def with_options(command, function, own: Sequence[inspect.Parameter]):
-    """A command that takes the parameters of a scene's function as options, and some of its own."""
+def with_options(do: Callable[..., None], name: str, function, own: Sequence[inspect.Parameter]):
+    """A command that takes the parameters of a scene's function as options, and some of its own.
+
+    Parameters
+    ----------
+    do : function (name, function of the scene, its parameters, **own)
+    """
     parameters = inspect.signature(function, eval_str=True).parameters.values()
 
-    def looked_at(**options):
+    def command(**options):
         for parameter in own:
             require("sheetfx", **{option_of(parameter): (options[parameter.name], parameter.annotation)})
-        command(**options)
+        mine = {parameter.name: options.pop(parameter.name) for parameter in own}
+        do(name, function, options, **mine)
 
-    looked_at.__signature__ = inspect.Signature([
+    command.__signature__ = inspect.Signature([
         *(p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in parameters), *own])
-    return looked_at
+    return command
 
 
 def scenes_app(own: Sequence[inspect.Parameter], do: Callable[..., None], summary: str, what: str) -> typer.Typer:
@@ -129,11 +130,7 @@ def scenes_app(own: Sequence[inspect.Parameter], do: Callable[..., None], summar
 
         @staticmethod
         def runner(name: str, function):
-            def command(**options):
-                mine = {parameter.name: options.pop(parameter.name) for parameter in own}
-                do(name, function, options, **mine)
-
-            return with_options(command, function, own)
+            return with_options(do, name, function, own)
 
     def group() -> None:
         pass
