@@ -70,7 +70,7 @@ def points_on_branch(gap: float, times: float = 1.0) -> list[CriticalPoint]:
 
 
 @pytest.mark.parametrize("gap", [0.05, 1e-3])
-@pytest.mark.parametrize("times", [1, 4, *(pytest.param(t, marks=pytest.mark.slow) for t in (1 / 16, 1 / 4, 16))])
+@pytest.mark.parametrize("times", [1, 4, 12, *(pytest.param(t, marks=pytest.mark.slow) for t in (1 / 16, 1 / 4, 15.9, 16))])
 def test_branch_that_returns_beside_another_mode(gap, times):
     """A closed branch passes through both bifurcations it ends at, and before and behind sways across itself."""
     found = points_on_branch(gap, times)
@@ -134,16 +134,6 @@ def test_springs_that_are_almost_equal_snap_one_after_the_other(times):
     assert [p.load for p in record.critical_points] == pytest.approx(exact, rel=1e-8)
 
 
-@pytest.mark.slow
-def test_springs_that_are_equal_end_at_a_multiple_point_that_is_found_directly():
-    """Where one mode is sought it takes more factorisations; the deflection is known to the root of that."""
-    with pytest.raises(fx.PathFailure, match=r"[2-4] modes .* fx.critical\(path, state, kind") as failure:
-        fx.trace(fx.Case(springs_in_series(4 * [1.0]), until=fx.Until(load=3.5)))
-    record = failure.value.record
-    for asked, most in ((1, 20), (4, 6)):
-        is_multiple_point_of_four(fx.critical(record.path, record.states[9], kind="limit", multiplicity=asked), most)
-
-
 def is_multiple_point_of_four(found, most):
     assert found.point.load == pytest.approx(2.5, rel=1e-8)
     assert found.point.deflection == pytest.approx(4.0, rel=1e-5)
@@ -151,7 +141,7 @@ def is_multiple_point_of_four(found, most):
     assert found.factorisations <= most
 
 
-@pytest.mark.parametrize("count", [2, *(pytest.param(n, marks=pytest.mark.slow) for n in (3, 5))])
+@pytest.mark.parametrize("count", [2, *(pytest.param(n, marks=pytest.mark.slow) for n in (3, 4, 5))])
 def test_springs_that_are_equal(count):
     """A path ends at a multiple point and says so, or finds all modes there, in one point or more at the same load."""
     path = fx.Path(springs_in_series(count * [1.0]), until=fx.Until(load=3.5))

@@ -179,7 +179,7 @@ def test_the_load_falls_where_a_step_has_passed_a_corner_by_a_hair():
     record = fx.trace(replace(seat, until=fx.Until(deflection=20.0, steps=16)))
     highest, last = max(record.states, key=lambda state: state.load), record.states[-1]
     assert highest.load == pytest.approx(185.88e3, rel=5e-4)
-    assert last.load < 0.9 * highest.load and last.deflection < highest.deflection and last.unstable_modes in (2, 6)
+    assert last.load < 0.95 * highest.load and last.deflection < highest.deflection and last.unstable_modes in (2, 6)
     assert sum(p.multiplicity for p in record.critical_points if p.kind == "bifurcation") >= last.unstable_modes
 
 

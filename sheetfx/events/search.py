@@ -68,10 +68,10 @@ def locate(tracer, earlier: State | None, before: State, after: State, named: Na
             _check(segment)
         limits, returns = stationary_loads(segment)
         if segment.guarded and (limits or returns) and _check(segment):
-            limits, returns = stationary_loads(segment)
+            limits, returns = stationary_loads(segment, returns)
         limits = _turned_before(segment, earlier) + limits
     points: dict[CriticalPoint, State | None] = dict(map(_limit, limits))
-    crossings = _bifurcations(segment, [limit.length for limit in limits if limit.segment is segment])
+    crossings = _bifurcations(segment, [limit.length for limit in limits if limit.segment is segment], returns)
     crossings += [returning(segment, length) for length in returns]
     clusters = _clusters(crossings, TOGETHER * after.length, tracer.control.same_load)
     points |= (_bifurcation(segment, cluster, named) for cluster in clusters)
@@ -182,9 +182,10 @@ def _turned_before(segment: Segment, earlier: State | None) -> list[Limit]:
     return turning_loads(segment, earlier) if Segment(segment.tracer, earlier, before).nonsmooth else []
 
 
-def _bifurcations(segment: Segment, limits: list[float]) -> list[Crossing]:
+def _bifurcations(segment: Segment, limits: list[float], returns: list[float]) -> list[Crossing]:
     """Where eigenvalues other than those of limit points pass zero, along the path.
 
+    At limit points, and where a path returns, an eigenvalue is zero, and rounding decides about its sign.
     With contact, where eigenvalues waver, the ends of the step are compared, and the states in between that are known
     to have the most and the fewest unstable modes.
     """
@@ -194,7 +195,7 @@ def _bifurcations(segment: Segment, limits: list[float]) -> list[Crossing]:
     if segment.nonsmooth:
         lengths = _extremes(segment)
     else:
-        lengths = [s for s in sorted(segment.states) if all(abs(s - limit) > near for limit in limits)]
+        lengths = [s for s in sorted(segment.states) if all(abs(s - zero) > near for zero in (*limits, *returns))]
     found = []
     for pair in zip(lengths[:-1], lengths[1:], strict=True):
         one, other = segment[pair[0]], segment[pair[1]]

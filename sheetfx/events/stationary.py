@@ -13,20 +13,25 @@ from ..rounding import SAME, root
 from .crossings import REACHES, SAMPLES, Crossing
 from .turning import SHORT, Limit
 
+BESIDE = REACHES[1:3]  # of a step, distances from a return of states that tell it
 ONWARD = 0.1  # rate of a displacement where the load is stationary, over the larger one beside it
 TURNED = 1e-5  # of the change of the load in a step, that by which it has turned, not wavered
 
 
 def surround(segment: Segment, length: float, reaches: Sequence[float] = REACHES[:2]) -> None:
-    """Have states on both sides of a bifurcation, from which its own is interpolated."""
-    for reach in reaches:
-        for wanted in (length - reach * segment.after.length, length + reach * segment.after.length):
-            if 0 < wanted < segment.after.length:
+    """Have states on both sides of a bifurcation, from which its own is interpolated; twice the same would spoil that."""
+    for away in (reach * segment.after.length for reach in reaches):
+        for wanted in (length - away, length + away):
+            if 0 < wanted < segment.after.length and min(abs(s - wanted) for s in segment.states) > away / 4:
                 segment.reach(wanted)
 
 
-def stationary_loads(segment: Segment) -> tuple[list[Limit], list[float]]:
+def stationary_loads(segment: Segment, known: Sequence[float] = ()) -> tuple[list[Limit], list[float]]:
     """Where the load rate is zero: limit points, and lengths of returns.
+
+    Parameters
+    ----------
+    known : lengths of returns that have been found with fewer states; those beside them now are dropped
 
     Raises
     ------
@@ -35,8 +40,11 @@ def stationary_loads(segment: Segment) -> tuple[list[Limit], list[float]]:
     """
     limits: list[Limit] = []
     returns: list[float] = []
+    for length in known:
+        _forget_beside(segment, length)
     for left, right in segment.pairs():
-        if not segment[left].load_rate * segment[right].load_rate < 0:
+        forgotten = not {left, right} <= segment.states.keys()  # beside a return
+        if forgotten or not segment[left].load_rate * segment[right].load_rate < 0:
             continue
         rising = segment[left].load_rate > 0
         try:
@@ -72,7 +80,7 @@ def _returns(segment: Segment, length: float) -> bool:
 
     if not (segment.guarded and segment.tracer.system.conservative):
         return False
-    coarse, fine = (reach * segment.after.length for reach in REACHES[1:3])
+    coarse, fine = (reach * segment.after.length for reach in BESIDE)
     if not stiff(coarse):
         return False
     surround(segment, length, REACHES[:3])
@@ -87,8 +95,13 @@ def _returns(segment: Segment, length: float) -> bool:
     onward = abs(rates(root(lambda s: rates(s)[0], one, other))[1])
     if onward > ONWARD * max(abs(rates(s)[1]) for s in (one, other)):
         return False
-    segment.forget(length, fine / 2)
+    _forget_beside(segment, length)
     return True
+
+
+def _forget_beside(segment: Segment, length: float) -> None:
+    """Drop the states beside a return whose rates are rounding."""
+    segment.forget(length, BESIDE[1] * segment.after.length / 2)
 
 
 def turns(segment: Segment) -> int:
