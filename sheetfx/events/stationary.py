@@ -13,7 +13,6 @@ from ..rounding import SAME, root
 from .crossings import REACHES, SAMPLES, Crossing
 from .turning import SHORT, Limit
 
-BESIDE = REACHES[1:3]  # of a step, distances from a return of states that tell it
 ONWARD = 0.1  # rate of a displacement where the load is stationary, over the larger one beside it
 TURNED = 1e-5  # of the change of the load in a step, that by which it has turned, not wavered
 
@@ -80,7 +79,7 @@ def _returns(segment: Segment, length: float) -> bool:
 
     if not (segment.guarded and segment.tracer.system.conservative):
         return False
-    coarse, fine = (reach * segment.after.length for reach in BESIDE)
+    coarse, fine = (reach * segment.after.length for reach in REACHES[1:3])
     if not stiff(coarse):
         return False
     surround(segment, length, REACHES[:3])
@@ -101,7 +100,7 @@ def _returns(segment: Segment, length: float) -> bool:
 
 def _forget_beside(segment: Segment, length: float) -> None:
     """Drop the states beside a return whose rates are rounding."""
-    segment.forget(length, BESIDE[1] * segment.after.length / 2)
+    segment.forget(length, REACHES[2] * segment.after.length / 2)
 
 
 def turns(segment: Segment) -> int:
