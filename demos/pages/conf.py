@@ -1,22 +1,47 @@
-"""Settings of Sphinx, which makes a site of the pages, the demos and the names of sheetfx; see `make` beside it."""
+"""Settings of Sphinx, which makes a site of the pages, the demos and the names of sheetfx; see `make` beside it.
+
+`make` copies `demos` and works on the copy: pages of the reference are written into it, one for each room, and the home
+page gets the tree of pages that navigation shows.
+"""
 
 import inspect
+import re
 from operator import attrgetter
+from pathlib import Path
+from textwrap import indent
 
 import jupytext
+from latex2mathml.converter import convert
 from myst_parser.parsers.sphinx_ import MystParser
 
 import sheetfx as fx
 
-project, root_doc = "sheetfx", "pages/index"
+project, root_doc, html_title = "sheetfx", "pages/index", "sheetfx"
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.viewcode"]
-exclude_patterns = ["peers", "pages/conf.py", "dome.py"]  # the page dome.md has the name of its script
+FOLDERS = ["advice", "failure_map", "peers", "studies"]  # of scripts that are no demos
+exclude_patterns = [*(f"{folder}/*" for folder in FOLDERS), "failure_map/traps/*", "pages/conf.py",
+                    "dome.py", "double_plate.py"]  # of which pages have the names
 myst_enable_extensions, myst_heading_anchors = ["dollarmath"], 2
 autodoc_typehints, autodoc_member_order, napoleon_use_ivar = "none", "bysource", True
-suppress_warnings = ["myst.xref_missing", "myst.header", "toc.not_included", "misc.highlighting_failure"]
-html_theme_options = {"nosidebar": True, "page_width": "60em"}
-REFERENCE = "pages/reference"
+suppress_warnings = ["myst.header", "misc.highlighting_failure"]
+default_role = "literal"
+html_theme, html_math_renderer, html_copy_source = "furo", "mathml", False
+html_theme_options = {"navigation_with_keys": True}
 WEAK_FORMS = [f"forms.{name}" for name in ("bar", "beam", "shell", "section", "contact", "interface", "load")]
+ROOMS = {"forms": "Weak forms", "meshes": "Meshes: geometry", "mesh": "Meshes: reading, groups, imperfect shapes",
+         "model": "What is modelled", "discrete": "Contributions of one's own", "continuation": "Controls and transfer",
+         "events": "Events", "critical": "Critical points, branches, buckling", "path": "Paths, records, cases",
+         "ladder": "Advice, refinement", "show": "Pictures"}
+NAVIGATION = {
+    "Start": ["install", "first_scene", "your_model", "scenes", "pictures", "results", "gallery"],
+    "Model": ["shells", "joints", "contact", "plasticity", "heat_and_prestress", "own_mesh", "forms"],
+    "Weak forms of one's own": ["own_weak_form", "own_law", "own_load", "plain_forms"],
+    "Stability": ["stability", "critical_points", "method", "curves", "imperfections"],
+    "Accuracy and speed": ["error_bars", "advice", "speed", "limits"],
+    "Studies": ["panel", "../dome", "../dome_contact", "../double_plate", "../plastic_cylinder", "../tested", "../failure_map",
+                "../assumed_strains"],
+    "Reference": [f"reference/{room}" for room in ROOMS],
+}
 
 
 class Percent(MystParser):
@@ -26,7 +51,20 @@ class Percent(MystParser):
 
     def parse(self, inputstring, document):
         notebook = jupytext.reads(inputstring, fmt="py:percent")
-        super().parse(jupytext.writes(notebook, fmt="md").split("---\n", 2)[-1], document)
+        super().parse(inside(jupytext.writes(notebook, fmt="md").split("---\n", 2)[-1]), document)
+
+
+def inside(text: str) -> str:
+    """Links that leave the site as plain words."""
+    return re.sub(rf"\[([^\]]*)\]\((?:\.\./)*(?:sheetfx|tests|docker|{'|'.join(FOLDERS)})/[^)]*\)", r"\1", text)
+
+
+def room_of(name: str) -> str:
+    """The room whose page has a public name."""
+    if name in fx._MODULES:
+        return name if name in ROOMS else "path"
+    room = fx._HOMES.get(name, "forms").split(".")[0]
+    return room if room in ROOMS else "path"
 
 
 def entry(name: str) -> str:
@@ -39,13 +77,53 @@ def entry(name: str) -> str:
     return f"```{{eval-rst}}\n.. auto{kind}:: sheetfx.{name}\n{members}```\n"
 
 
-def add_names(app, document, source):
-    """Put all public names under the head of the page of reference."""
-    if document == REFERENCE:
-        source[0] += "\n" + "\n".join(map(entry, [*dir(fx), *WEAK_FORMS]))
+def write_reference(app, _):
+    """A page for each room, anew only where its names have changed."""
+    folder = Path(app.srcdir) / "pages" / "reference"
+    folder.mkdir(exist_ok=True)
+    for room, title in ROOMS.items():
+        names = [name for name in [*dir(fx), *WEAK_FORMS] if room_of(name) == room and name != "forms"]
+        page, text = folder / f"{room}.md", f"# {title}\n\n" + "\n".join(map(entry, names))
+        if not page.exists() or page.read_text() != text:
+            page.write_text(text)
+
+
+def as_restructured_text(app, what, name, thing, options, lines):
+    """Examples as blocks of code, and bars as characters."""
+    text = "\n".join(line.replace("|", "\\|") for line in lines)
+    lines[:] = re.sub(r"```python\n(.*?)```", lambda found: ".. code-block:: python\n\n" + indent(found[1], "   "), text,
+                      flags=re.DOTALL).splitlines()
+
+
+def titled(page: str) -> str:
+    """An entry of the tree, with a short title."""
+    name = page.rpartition("/")[2]
+    return f"{ROOMS[name] if page.startswith('reference/') else name.replace('_', ' ').capitalize()} <{page}>"
+
+
+def add_navigation(app, document, source):
+    """Put the tree of pages below the home page, and the scripts below the gallery."""
+    source[0] = inside(source[0])
+    if document == root_doc:
+        source[0] += "".join(f"\n```{{toctree}}\n:hidden:\n:caption: {caption}\n\n" + "\n".join(map(titled, pages)) + "\n```\n"
+                             for caption, pages in NAVIGATION.items())
+    if document == "pages/gallery":
+        scripts = sorted(f"../{path.stem}" for path in Path(app.srcdir).glob("*.py") if path.name not in exclude_patterns)
+        source[0] += "\n```{toctree}\n:hidden:\n\n" + "\n".join(scripts) + "\n```\n"
+
+
+def formula(writer, node, display: str = "block"):
+    """MathML, which browsers draw by themselves."""
+    from docutils import nodes
+
+    writer.body.append(convert(node.astext(), display=display))
+    raise nodes.SkipNode
 
 
 def setup(app):
     app.add_source_suffix(".py", "percent")
     app.add_source_parser(Percent)
-    app.connect("source-read", add_names)
+    app.add_html_math_renderer("mathml", (lambda writer, node: formula(writer, node, "inline"), None), (formula, None))
+    app.connect("config-inited", write_reference)
+    app.connect("source-read", add_navigation)
+    app.connect("autodoc-process-docstring", as_restructured_text, priority=100)
