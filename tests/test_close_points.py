@@ -16,6 +16,7 @@ from sheetfx.continuation.segment import Segment
 from sheetfx.continuation.state import CriticalPoint, State
 from sheetfx.events.search import unresolved
 
+SLOW = pytest.mark.slow
 RISE = 3.0
 NAMES = {"across": "stable symmetric", "return": "unstable symmetric"}
 
@@ -70,7 +71,7 @@ def points_on_branch(gap: float, times: float = 1.0) -> list[CriticalPoint]:
 
 
 @pytest.mark.parametrize("gap", [0.05, 1e-3])
-@pytest.mark.parametrize("times", [1, 4, 12, *(pytest.param(t, marks=pytest.mark.slow) for t in (1 / 16, 1 / 4, 15.9, 16))])
+@pytest.mark.parametrize("times", [1, 4, 12, *(pytest.param(t, marks=SLOW) for t in (1 / 16, 1 / 4, 15.9, 16))])
 def test_branch_that_returns_beside_another_mode(gap, times):
     """A closed branch passes through both bifurcations it ends at, and before and behind sways across itself."""
     found = points_on_branch(gap, times)
@@ -81,7 +82,7 @@ def test_branch_that_returns_beside_another_mode(gap, times):
     assert [abs(p.load) for p in found] == pytest.approx([loads(gap)[kind] for _, kind in signs], rel=2e-7)
 
 
-@pytest.mark.slow
+@SLOW
 @pytest.mark.parametrize("gap", [0.05, 1e-3])
 def test_branch_that_returns_on_two_processes(gap):
     """The same points in the same order."""
@@ -124,7 +125,7 @@ def springs_in_series(scales: list[float]) -> fx.Scene:
     return fx.Scene([bars], supports, [load], monitor, joints=springs)
 
 
-@pytest.mark.parametrize("times", [pytest.param(t, marks=pytest.mark.slow) for t in (None, 1 / 8, 1 / 3, 3.0, 8.0)])
+@pytest.mark.parametrize("times", [pytest.param(t, marks=SLOW) for t in (None, 1 / 8, 1 / 3, 3.0, 8.0)])
 def test_springs_that_are_almost_equal_snap_one_after_the_other(times):
     """Behind a limit point others are as near as 0.013: the path goes through all, the load turning at each."""
     scales = [1.0, 1.0001, 1.0002, 1.0003]
@@ -141,7 +142,7 @@ def is_multiple_point_of_four(found, most):
     assert found.factorisations <= most
 
 
-@pytest.mark.parametrize("count", [2, *(pytest.param(n, marks=pytest.mark.slow) for n in (3, 4, 5))])
+@pytest.mark.parametrize("count", [2, *(pytest.param(n, marks=SLOW) for n in (3, 4, 5))])
 def test_springs_that_are_equal(count):
     """A path ends at a multiple point and says so, or finds all modes there, in one point or more at the same load."""
     path = fx.Path(springs_in_series(count * [1.0]), until=fx.Until(load=3.5))

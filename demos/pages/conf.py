@@ -38,8 +38,8 @@ NAVIGATION = {
     "Weak forms of one's own": ["own_weak_form", "own_law", "own_load", "plain_forms"],
     "Stability": ["stability", "critical_points", "method", "curves", "imperfections"],
     "Accuracy and speed": ["error_bars", "advice", "speed", "limits"],
-    "Studies": ["panel", "../dome", "../dome_contact", "../double_plate", "../plastic_cylinder", "../tested", "../failure_map",
-                "../assumed_strains"],
+    "Studies": ["panel", "../dome", "../dome_contact", "../double_plate", "../plastic_cylinder", "../tested",
+                "../failure_map", "../assumed_strains"],
     "Reference": [f"reference/{room}" for room in ROOMS],
 }
 
@@ -91,8 +91,9 @@ def write_reference(app, _):
 def as_restructured_text(app, what, name, thing, options, lines):
     """Examples as blocks of code, and bars as characters."""
     text = "\n".join(line.replace("|", "\\|") for line in lines)
-    lines[:] = re.sub(r"```python\n(.*?)```", lambda found: ".. code-block:: python\n\n" + indent(found[1], "   "), text,
-                      flags=re.DOTALL).splitlines()
+    parts = re.split(r"```(?:python)?\n", text + "\n")  # by turns prose and code
+    parts[1::2] = [".. code-block:: python\n\n" + indent(code, "   ") for code in parts[1::2]]
+    lines[:] = "\n".join(parts).splitlines()
 
 
 def titled(page: str) -> str:
@@ -101,15 +102,19 @@ def titled(page: str) -> str:
     return f"{ROOMS[name] if page.startswith('reference/') else name.replace('_', ' ').capitalize()} <{page}>"
 
 
+def tree(pages: list[str], caption: str = "") -> str:
+    """A tree of pages, which navigation shows."""
+    return "\n".join(["", "```{toctree}", ":hidden:", f":caption: {caption}" if caption else "", "", *pages, "```", ""])
+
+
 def add_navigation(app, document, source):
     """Put the tree of pages below the home page, and the scripts below the gallery."""
     source[0] = inside(source[0])
     if document == root_doc:
-        source[0] += "".join(f"\n```{{toctree}}\n:hidden:\n:caption: {caption}\n\n" + "\n".join(map(titled, pages)) + "\n```\n"
-                             for caption, pages in NAVIGATION.items())
+        source[0] += "".join(tree(list(map(titled, pages)), caption) for caption, pages in NAVIGATION.items())
     if document == "pages/gallery":
-        scripts = sorted(f"../{path.stem}" for path in Path(app.srcdir).glob("*.py") if path.name not in exclude_patterns)
-        source[0] += "\n```{toctree}\n:hidden:\n\n" + "\n".join(scripts) + "\n```\n"
+        scripts = sorted(path for path in Path(app.srcdir).glob("*.py") if path.name not in exclude_patterns)
+        source[0] += tree([f"../{path.stem}" for path in scripts])
 
 
 def formula(writer, node, display: str = "block"):

@@ -1,4 +1,4 @@
-"""The animation of the README: a thin channel that twists until its flange buckles, in a picture of a few hundred kB."""
+"""The animation of the README, of a few hundred kB: a thin channel that twists until its flange buckles."""
 
 from dataclasses import replace
 from pathlib import Path

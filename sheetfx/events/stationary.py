@@ -18,7 +18,7 @@ TURNED = 1e-5  # of the change of the load in a step, that by which it has turne
 
 
 def surround(segment: Segment, length: float, reaches: Sequence[float] = REACHES[:2]) -> None:
-    """Have states on both sides of a bifurcation, from which its own is interpolated; twice the same would spoil that."""
+    """Have states on both sides of a bifurcation, from which its own is interpolated, none of them twice."""
     for away in (reach * segment.after.length for reach in reaches):
         for wanted in (length - away, length + away):
             if 0 < wanted < segment.after.length and min(abs(s - wanted) for s in segment.states) > away / 4:
