@@ -22,7 +22,8 @@ FOLDERS = ["advice", "failure_map", "peers", "studies"]  # of scripts that are n
 exclude_patterns = [*(f"{folder}/*" for folder in FOLDERS), "failure_map/traps/*", "pages/conf.py",
                     "dome.py", "double_plate.py"]  # of which pages have the names
 myst_enable_extensions, myst_heading_anchors = ["dollarmath"], 2
-autodoc_typehints, autodoc_member_order, napoleon_use_ivar = "none", "bysource", True
+autodoc_typehints, autodoc_member_order, napoleon_use_ivar = "description", "bysource", True
+autodoc_typehints_description_target = "documented"
 suppress_warnings = ["myst.header", "misc.highlighting_failure"]
 default_role = "literal"
 html_theme, html_math_renderer, html_copy_source = "furo", "mathml", False
@@ -89,8 +90,9 @@ def write_reference(app, _):
 
 
 def as_restructured_text(app, what, name, thing, options, lines):
-    """Examples as blocks of code, and bars as characters."""
+    """Examples as blocks of code, bars as characters, and what is said of a name as its description, not as its type."""
     text = "\n".join(line.replace("|", "\\|") for line in lines)
+    text = re.sub(r"^([\w*]+(?:, [\w*]+)*) : (.+)$", r"\1\n    \2", text, flags=re.MULTILINE)
     parts = re.split(r"```(?:python)?\n", text + "\n")  # by turns prose and code
     parts[1::2] = [".. code-block:: python\n\n" + indent(code, "   ") for code in parts[1::2]]
     lines[:] = "\n".join(parts).splitlines()
