@@ -98,6 +98,11 @@ def test_links_lead_to_files(page):
     assert [link for link in links if not (page.parent / link).exists()] == []
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_names_of_pages_exist(page):
+    assert set(re.findall(r"`fx\.(\w+)", page.read_text())) <= set(dir(fx))
+
+
 def test_reference_has_all_names():
     """Each public name has a docstring to show."""
     assert [name for name in dir(fx) if not inspect.getdoc(getattr(fx, name))] == []

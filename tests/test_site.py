@@ -1,4 +1,4 @@
-"""The site of pages, demos and reference: built without a warning, no link leads nowhere, nothing comes from elsewhere."""
+"""The site of pages, demos and reference is built without a warning, and no link leads nowhere or elsewhere."""
 
 import re
 import subprocess

@@ -34,7 +34,7 @@ ROOMS = {"forms": "Weak forms", "meshes": "Meshes: geometry", "mesh": "Meshes: r
          "events": "Events", "critical": "Critical points, branches, buckling", "path": "Paths, records, cases",
          "ladder": "Advice, refinement", "show": "Pictures"}
 NAVIGATION = {
-    "Start": ["install", "first_scene", "your_model", "scenes", "pictures", "results", "gallery"],
+    "Start": ["install", "first_scene", "your_model", "coming_from", "scenes", "pictures", "results", "gallery"],
     "Model": ["shells", "joints", "contact", "plasticity", "heat_and_prestress", "own_mesh", "forms"],
     "Weak forms of one's own": ["own_weak_form", "own_law", "own_load", "plain_forms"],
     "Stability": ["stability", "critical_points", "method", "curves", "imperfections"],
@@ -90,7 +90,7 @@ def write_reference(app, _):
 
 
 def as_restructured_text(app, what, name, thing, options, lines):
-    """Examples as blocks of code, bars as characters, and what is said of a name as its description, not as its type."""
+    """Examples as blocks of code, bars as characters, what is said of a name as its description, not as its type."""
     text = "\n".join(line.replace("|", "\\|") for line in lines)
     text = re.sub(r"^([\w*]+(?:, [\w*]+)*) : (.+)$", r"\1\n    \2", text, flags=re.MULTILINE)
     parts = re.split(r"```(?:python)?\n", text + "\n")  # by turns prose and code
