@@ -13,7 +13,7 @@ from sheetfx.critical.branches import NoBranch
 COUNT = 3
 
 
-def propped():
+def propped() -> fx.Case:
     """Clamped columns side by side, each pressed against a prop that lets go at four times what it bears alone."""
     parts, supports, props, presses, loads = [], [], [], [], []
     for i in range(COUNT):
@@ -25,12 +25,12 @@ def propped():
         loads.append(fx.PointForce(column, "end", (-1.0, 0.01)))
     scene = fx.Scene(parts, supports, loads, fx.Monitor(parts[0].mesh, "end", "y"), joints=props,
                      stages=[fx.Stage(presses)])
-    return fx.trace(fx.Case(scene, until=fx.Until(deflection=0.01)))
+    return fx.Case(scene, until=fx.Until(deflection=0.01))
 
 
 @pytest.fixture(scope="module")
 def columns():
-    return propped()
+    return fx.trace(propped())
 
 
 def sets_of_branches(record) -> list[list[bool]]:
@@ -67,9 +67,10 @@ def test_every_set_of_props_may_let_go(columns):
 def test_two_processes_find_the_same_sets(columns):
     lines = on_two_processes("""
 import json
+import sheetfx as fx
 from mpi4py import MPI
 from test_corner_branches import propped, sets_of_branches
-found = sets_of_branches(propped())
+found = sets_of_branches(fx.trace(propped()))
 if MPI.COMM_WORLD.rank == 0:
     print(json.dumps(found))
 """)

@@ -9,6 +9,9 @@ from math import radians
 import numpy as np
 from failure_map.traps import TRAPS, contact
 from helpers import hinged_arch, whole_arch
+from random_structures import scene as random_scene
+from test_close_points import pyramid
+from test_corner_branches import propped
 from test_curves import propped_bar
 from test_imperfections import SWAYS
 from test_imperfections import propped_bar as upright_bar
@@ -32,6 +35,27 @@ def bifurcations(record: Record) -> dict[str, float]:
         kinds = sorted((np.sign(b.start.load - point.load), b.start.unstable_modes) for b in starts)
         found |= {f"branch {n} {k}": rises * (1 + modes) for k, (rises, modes) in enumerate(kinds)}
     return found
+
+
+def corner(record: Record) -> dict[str, float]:
+    """Which props let go on the branches of a corner: each set but none and all."""
+    point = next(p for p in record.critical_points if p.name == "corner")
+    return {" ".join(map(str, np.sign(branch.direction))): branch.start.load for branch in record.branches(point)}
+
+
+def returning(record: Record) -> dict[str, float]:
+    """Points on a closed branch that passes through its bifurcation, by long steps."""
+    point = next(p for p in record.critical_points if p.kind == "bifurcation")
+    path = fx.Path(record.case.scene, fx.ArcLength(0.12, largest=2 / 3), fx.Until(steps=25),
+                   start=[record.branches(point)[0].start])
+    found = [p for state in path for p in state.critical]
+    return {f"{n} {p.multiplicity} {p.name}": p.load for n, p in enumerate(found)}
+
+
+def energies(record: Record) -> dict[str, float]:
+    """Work of the loads, whether it is as accurate as asked for, and whether it is not stored."""
+    found = record.balance(1e-6)
+    return {"work": found.work[-1], "inaccurate": float(found.tolerance > 1e-6), "broken": float(bool(found.broken))}
 
 
 def falls(record: Record, hold: str) -> dict[str, float]:
@@ -187,6 +211,9 @@ AFTERWARDS: dict[str, tuple[Callable[[], fx.Case], Callable[[Record], dict[str, 
     "branches-close": (trap("close-modes-0.1-percent"), bifurcations),
     "branch-of-mast": (stayed_mast, secondary),
     "branches-column": (trap("column"), bifurcations),
+    "branches-corner": (propped, corner),
+    "branch-returns": (lambda: fx.Case(random_scene(pyramid(0.05)), until=fx.Until(deflection=3.0)), returning),
+    "energies-roof": (trap("roof-12.7"), energies),
     "directly-truss": (trap("von-mises-truss"), directly),
     "directly-frame": (trap("roorda-frame"), directly),
     "directly-star-dome": (trap("star-dome"), directly),

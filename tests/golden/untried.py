@@ -16,7 +16,7 @@ from random_shapes import truss
 from random_stacks import stack
 from random_structures import scene as random_scene
 from test_following import pressure, ring
-from test_pair_contact import arch_above_a_beam, graded_leaves, plate_on_a_frame, two_leaves
+from test_pair_contact import arch_above_a_beam, graded_leaves, plate_on_a_frame, sliding_tip, two_leaves
 from test_plastic_paths import hinged_beam
 from test_plastic_steps import dome, portal
 
@@ -201,7 +201,7 @@ def lying_plate() -> fx.Case:
     return fx.Case(scene, fx.ArcLength(), fx.Until(deflection=0.08, steps=30))
 
 
-def prop() -> fx.Case:
+def prop(control: fx.ArcLength) -> fx.Case:
     """A clamped column that is pressed against a prop, which lets go at a load of 100 (Timoshenko and Gere 1961)."""
     column = frame({"start": (0.0, 0.0), "end": (1.0, 0.0)}, {"bar": ("start", "end", 8)})
     wall = frame({"start": (0.9, 0.0), "end": (1.1, 0.0)}, {"wall": ("start", "end", 2)})
@@ -210,7 +210,7 @@ def prop() -> fx.Case:
     scene = fx.Scene(beams, [fx.clamp(column, "start"), fx.clamp(wall, "start"), fx.clamp(wall, "end")],
                      [fx.PointForce(column, "end", (-1.0, 0.01))], fx.Monitor(column, "end", "y"), joints=[touch],
                      stages=[fx.Stage([fx.PointForce(column, "end", (0.0, -1.0))])])
-    return fx.Case(scene, fx.ArcLength(step=0.02), fx.Until(deflection=0.02))
+    return fx.Case(scene, control, fx.Until(deflection=0.02))
 
 
 def imperfect_arch(amplitude: float, step: float | None) -> fx.Case:
@@ -285,7 +285,9 @@ CASES: dict[str, Callable[[], fx.Case]] = {
     "drawn-tip-uzawa": lambda: drawn_tip(enforcement="uzawa"),
     "wedge": lambda: wedge(None),
     "wedge-stiff": lambda: wedge(1e4),
-    "prop": prop,
+    "prop": lambda: prop(fx.ArcLength(step=0.02)),
+    "prop-long-steps": lambda: prop(fx.ArcLength()),
+    "tip-slides": lambda: replace(sliding_tip(0.2), until=fx.Until(deflection=30.6403, steps=40)),
     "column-nearly-straight": nearly_straight_column,
     "imperfect-arch": lambda: imperfect_arch(1e-4, None),
     "imperfect-arch-short": lambda: imperfect_arch(1e-4, 4.672885757e-3),
