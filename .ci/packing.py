@@ -9,8 +9,9 @@ import re
 from setuptools.build_meta import *  # noqa: F403  the hooks of a build backend
 from setuptools.command.egg_info import egg_info
 
-# Code, which stays; pictures; links into the tree, whose words stay.
-PARTS = re.compile(r"(?P<kept>^```.*?^```|`[^`\n]*`)|!\[[^]]*\]\([^)]*\)\n*|"
+# Code, which stays; tables of pictures; pictures with what is said below them; links into the tree, whose words stay.
+PARTS = re.compile(r"(?P<kept>^```.*?^```|`[^`\n]*`)|(?:^\|[^\n]*\n)+?^\|[^\n]*!\[[^\n]*\n\n*|"
+                   r"!\[[^]]*\]\([^)]*\)\n*(?:^\*[^*\n][^*]*\*\n*)?|"
                    r"\[(?P<words>[^]]*)\]\((?!https?://|#)[^)]*\)", re.MULTILINE | re.DOTALL)
 
 

@@ -98,8 +98,9 @@ def test_long_description_has_no_way_into_the_tree():
     packing = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(packing)
     text = packing.description((TREE / "README.md").read_text())
-    assert "![" not in text and not INTO_TREE.findall(text) and "minute, timed); or" in text
-    wanted = {"![a](b.png)\n\n*c*": "*c*", "[c](#d)": "[c](#d)",
+    assert "![" not in text and not INTO_TREE.findall(text) and "(six minutes). All ways." in text
+    wanted = {"![a](b.png)\n\n*c\nd*\n\n*e*": "*e*", "![a](b.png)\n\n**c**": "**c**", "[c](#d)": "[c](#d)",
+              "a\n\n| b |\n|---|\n| [![c](d)](e) |\n\nf": "a\n\nf", "| b |\n|---|\n| c |\n": "| b |\n|---|\n| c |\n",
               "[`a`](b) [c](https://d) ![e](f)": "`a` [c](https://d) ",
               "`x[0](1)`\n```py\nx[0](1)\n```\n[a](b)": "`x[0](1)`\n```py\nx[0](1)\n```\na"}
     assert {one: packing.description(one) for one in wanted} == wanted
