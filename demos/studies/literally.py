@@ -2,8 +2,8 @@
 
     python3 demos/studies/literally.py README.md demos/pages/own_weak_form.md demos/pages/your_model.md
 
-It needs nothing but what the pages ask for: commands go by `docker/run`, snippets by `docker/run python3`. What makes an
-environment of one's own, runs the tests, or needs a screen or a file of the reader's is left out and named.
+It needs what the pages ask for: commands go by `docker/run`, snippets by `docker/run python3`. What makes an environment
+of one's own, runs the tests, or needs a screen or a file of the reader's is left out and named.
 """
 
 import os
@@ -46,7 +46,8 @@ def main() -> int:
                                       env=os.environ | {"OMP_NUM_THREADS": "1"})
                 failed += done.returncode != 0
                 said = (done.stdout if done.returncode == 0 else done.stderr).strip().splitlines() or [""]
-                print(f"{page.name:24} {time.monotonic() - begun:7.1f} s  {command}\n{'':36}{said[-1][:90]}", flush=True)
+                print(f"{page.name:24} {time.monotonic() - begun:7.1f} s  {command}")
+                print(f"{'':36}{said[-1][:90]}", flush=True)
     print(f"{time.monotonic() - whole:.0f} s in all, {failed} failed")
     return failed
 
