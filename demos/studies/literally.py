@@ -2,8 +2,8 @@
 
     python3 demos/studies/literally.py README.md demos/pages/own_weak_form.md demos/pages/your_model.md
 
-It needs what the pages ask for: commands go by `docker/run`, snippets by `docker/run python3`. What makes an environment
-of one's own, runs the tests, or needs a screen or a file of the reader's is left out and named.
+It needs what the pages ask for: commands go by `docker/run`, snippets by `docker/run python3`. What makes another
+environment, runs the tests, or needs a screen or a file of the reader's is left out and named.
 """
 
 import os
