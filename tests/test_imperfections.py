@@ -63,7 +63,7 @@ def test_quantile_of_a_load_that_goes_with_the_size_alone():
     """The sizes of two independent normal coefficients have a distribution of Rayleigh."""
     probability = 0.05
     exact = law(SIZE * (-2 * log(probability)) ** 0.5)
-    found = bars(1.0).quantile(probability, SIZE, samples=20)
+    found = bars(1.0).quantile(probability, SIZE, samples=40)
     low, high = found.interval
     assert low <= exact <= high
     assert low <= found.load <= high

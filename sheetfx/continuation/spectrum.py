@@ -47,6 +47,8 @@ def nearest_to_zero(solver: Factored, mass: PETSc.Mat, count: int, tolerance: fl
         If none converges. Where multipliers hold all that has mass there are only infinite ones, and none is returned.
     """
     eps, infinite = _solved(solver, mass, count, tolerance, without), _infinite(solver, mass)
+    if eps is None:
+        return [], []
     found, farthest = [], max((abs(eps.getEigenvalue(i)) for i in range(min(count, eps.getConverged()))), default=0.0)
     for i in range(min(count, eps.getConverged())):
         real, imaginary = mass.createVecRight(), mass.createVecRight()
@@ -74,7 +76,7 @@ def nearest_pairs(solver: Factored, mass: PETSc.Mat, count: int,
     The parameters are those of `nearest_to_zero`; the modes are not scaled, and conjugate values come in pairs.
     """
     eps, found = _solved(solver, mass, count, tolerance), []
-    for i in range(eps.getConverged()):
+    for i in range(eps.getConverged() if eps else 0):
         real, imaginary = mass.createVecRight(), mass.createVecRight()
         found.append((complex(eps.getEigenpair(i, real, imaginary)), real, imaginary))
     found.sort(key=lambda pair: (abs(pair[0]), pair[0].imag))
@@ -84,8 +86,8 @@ def nearest_pairs(solver: Factored, mass: PETSc.Mat, count: int,
 
 
 def _solved(solver: Factored, mass: PETSc.Mat, count: int, tolerance: float,
-            without: Sequence[PETSc.Vec] = ()) -> SLEPc.EPS:
-    """Solved eigenproblem for the values nearest to zero."""
+            without: Sequence[PETSc.Vec] = ()) -> SLEPc.EPS | None:
+    """Solved eigenproblem for the values nearest to zero; None where nothing that has mass can move."""
     eps, kinds = about_zero(solver, mass, PREFIX), SLEPc.EPS.ProblemType
     eps.setProblemType(kinds.GHEP if solver.symmetric else kinds.GNHEP)
     eps.setDimensions(count, min(max(2 * count + 8, 12), mass.getSize()[0]))
@@ -93,8 +95,13 @@ def _solved(solver: Factored, mass: PETSc.Mat, count: int, tolerance: float,
     if without:
         eps.setDeflationSpace(list(without))
     eps.setFromOptions()
-    with interruptible():
-        eps.solve()
+    try:
+        with interruptible():
+            eps.solve()
+    except PETSc.Error as error:
+        if "Initial vector is zero" in str(error):
+            return None
+        raise
     return eps
 
 
