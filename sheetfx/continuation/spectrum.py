@@ -76,7 +76,9 @@ def nearest_pairs(solver: Factored, mass: PETSc.Mat, count: int,
     The parameters are those of `nearest_to_zero`; the modes are not scaled, and conjugate values come in pairs.
     """
     eps, found = _solved(solver, mass, count, tolerance), []
-    for i in range(eps.getConverged() if eps else 0):
+    if eps is None:
+        return found
+    for i in range(eps.getConverged()):
         real, imaginary = mass.createVecRight(), mass.createVecRight()
         found.append((complex(eps.getEigenpair(i, real, imaginary)), real, imaginary))
     found.sort(key=lambda pair: (abs(pair[0]), pair[0].imag))
