@@ -75,9 +75,10 @@ def nearest_pairs(solver: Factored, mass: PETSc.Mat, count: int,
 
     The parameters are those of `nearest_to_zero`; the modes are not scaled, and conjugate values come in pairs.
     """
-    eps, found = _solved(solver, mass, count, tolerance), []
+    eps = _solved(solver, mass, count, tolerance)
     if eps is None:
-        return found
+        return []
+    found = []
     for i in range(eps.getConverged()):
         real, imaginary = mass.createVecRight(), mass.createVecRight()
         found.append((complex(eps.getEigenpair(i, real, imaginary)), real, imaginary))
