@@ -98,14 +98,19 @@ def _solved(solver: Factored, mass: PETSc.Mat, count: int, tolerance: float,
     if without:
         eps.setDeflationSpace(list(without))
     eps.setFromOptions()
+    return eps if solve(eps) else None
+
+
+def solve(eps: SLEPc.EPS) -> bool:
+    """Solve an eigenproblem; False where the operator takes all to zero, as where nothing that has mass can move."""
     try:
         with interruptible():
             eps.solve()
     except PETSc.Error as error:
         if "Initial vector is zero" in str(error):
-            return None
+            return False
         raise
-    return eps
+    return True
 
 
 def lowest(solver: Factored, mass: PETSc.Mat, count: int, negative: int,

@@ -21,9 +21,8 @@ from petsc4py import PETSc
 from slepc4py import SLEPc
 
 from ..checks import Count, Positive, require
-from ..continuation.callbacks import interruptible
 from ..continuation.linear import DirectSolver
-from ..continuation.spectrum import solve_by
+from ..continuation.spectrum import solve, solve_by
 from ..continuation.state import State
 from ..discrete.discretisation import Discretisation
 from ..notices import warn
@@ -170,9 +169,7 @@ class BucklingProblem:
         eps.setTolerances(1e-10, 500)
         solve_by(self.solver, eps.getST().getKSP())
         eps.setFromOptions()
-        with interruptible():
-            eps.solve()
-        values = [eps.getEigenvalue(i) for i in range(eps.getConverged())]
+        values = [eps.getEigenvalue(i) for i in range(eps.getConverged())] if solve(eps) else []
         largest = max(map(abs, values), default=0.0)
         pairs = []
         for i, value in enumerate(values):
