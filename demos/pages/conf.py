@@ -11,6 +11,7 @@ from pathlib import Path
 from textwrap import indent
 
 import jupytext
+from docutils import nodes
 from latex2mathml.converter import convert
 from myst_parser.parsers.sphinx_ import MystParser
 
@@ -62,9 +63,7 @@ def inside(text: str) -> str:
 
 def room_of(name: str) -> str:
     """The room whose page has a public name."""
-    if name in fx._MODULES:
-        return name if name in ROOMS else "path"
-    room = fx._HOMES.get(name, "forms").split(".")[0]
+    room = name if name in fx._MODULES else fx._HOMES.get(name, "forms").split(".")[0]
     return room if room in ROOMS else "path"
 
 
@@ -79,14 +78,12 @@ def entry(name: str) -> str:
 
 
 def write_reference(app, _):
-    """A page for each room, anew only where its names have changed."""
+    """A page for each room."""
     folder = Path(app.srcdir) / "pages" / "reference"
-    folder.mkdir(exist_ok=True)
+    folder.mkdir()
     for room, title in ROOMS.items():
         names = [name for name in [*dir(fx), *WEAK_FORMS] if room_of(name) == room and name != "forms"]
-        page, text = folder / f"{room}.md", f"# {title}\n\n" + "\n".join(map(entry, names))
-        if not page.exists() or page.read_text() != text:
-            page.write_text(text)
+        (folder / f"{room}.md").write_text(f"# {title}\n\n" + "\n".join(map(entry, names)))
 
 
 def as_restructured_text(app, what, name, thing, options, lines):
@@ -121,8 +118,6 @@ def add_navigation(app, document, source):
 
 def formula(writer, node, display: str = "block"):
     """MathML, which browsers draw by themselves."""
-    from docutils import nodes
-
     writer.body.append(convert(node.astext(), display=display))
     raise nodes.SkipNode
 

@@ -33,6 +33,10 @@ def commands(page: Path, folder: Path) -> list[str]:
 
 
 def main() -> int:
+    missing = [name for name in sys.argv[1:] if not (ROOT / name).is_file()]
+    if missing or not sys.argv[1:]:
+        print(f"no such page: {', '.join(missing)}" if missing else "name pages, as README.md", file=sys.stderr)
+        return 2
     failed, whole = 0, time.monotonic()
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
