@@ -98,7 +98,8 @@ def test_a_strip_slips_to_and_fro():
     """Shear lag with friction: 1 pulled, 1/2 let go, -1 pushed, 1 again, in F^2 / (2 EA mu q), on twenty cells.
 
     Slip ends within a cell, of twelve that slip: within 0.6 % of what is pulled out. Of these six slip where it is let
-    go, so that the half is as far off: 0.5042 and 0.5034 by two sequences of steps, 0.5011 and 0.5016 on 40 and 80 cells.
+    go, so that the half is as far off: 0.5042 and 0.5034 by two sequences of steps, 0.5011 and 0.5016 on 40 and 80
+    cells.
     """
     force, modulus, depth, rough, press = 0.6, 1e4, 0.01, 0.5, 2.0
     mesh = fx.read(lambda: fx.meshes.frame({"a": (0, 0), "b": (1.0, 0)}, {"s": ("a", "b", 20)}), 2, order=2)

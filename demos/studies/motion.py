@@ -19,6 +19,7 @@ with Image.open(FILE) as picture:
     for number in range(picture.n_frames - 1, -1, -2)[::-1]:  # each second one, the last one too
         picture.seek(number)
         shown.append(picture.info["duration"])
-        frames.append(picture.convert("RGB").resize(SIZE, Image.Resampling.LANCZOS).quantize(COLOURS, Image.Quantize.FASTOCTREE))
+        frame = picture.convert("RGB").resize(SIZE, Image.Resampling.LANCZOS)
+        frames.append(frame.quantize(COLOURS, Image.Quantize.FASTOCTREE))
 frames[0].save(FILE, save_all=True, append_images=frames[1:], loop=0, duration=shown)
 print(FILE.name, len(frames), "frames", FILE.stat().st_size // 1000, "kB")
