@@ -14,8 +14,9 @@ import fcntl
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from functools import lru_cache
+from functools import lru_cache, partial
 from hashlib import sha256
+from importlib.machinery import EXTENSION_SUFFIXES
 from importlib.util import module_from_spec, spec_from_file_location
 from inspect import getsourcefile
 from pathlib import Path
@@ -26,6 +27,7 @@ import cffi
 import dolfinx.jit
 import numpy as np
 from dolfinx import fem
+from ffcx.codegeneration import jit as ffcx_jit
 from llvmlite.binding import get_host_cpu_features
 
 from .communicators import lasting
@@ -62,8 +64,13 @@ def _options() -> dict:
 
 def compiled_form(form) -> fem.Form:
     """A UFL form, or an array of them, as kernels and data for assembly."""
-    with _announced():
-        return fem.form(form, jit_options=_options())
+    usual = ffcx_jit.get_cached_module
+    ffcx_jit.get_cached_module = partial(_on_disk, usual)
+    try:
+        with _announced():
+            return fem.form(form, jit_options=_options())
+    finally:
+        ffcx_jit.get_cached_module = usual
 
 
 def compiled_expression(expression, points: np.ndarray, prepare: Callable | None = None) -> fem.Expression:
@@ -199,14 +206,28 @@ def _compile(expression, points: np.ndarray, prepare: Callable | None) -> tuple[
     return found, prepared, (library.name, next(n for n in dir(made[0][1].lib) if n.startswith("expression_")))
 
 
+def _on_disk(usual: Callable, module: str, names: list[str], folder: Path, timeout: int) -> tuple:
+    """What FFCx's `get_cached_module` returns, which lists all files of the cache for each form."""
+    library = Path(folder) / (module + EXTENSION_SUFFIXES[0])
+    if library not in _libraries and not (library.exists() and (Path(folder) / f"{module}.c.cached").exists()):
+        return usual(module, names, folder, timeout)
+    return [getattr(_library(library).lib, name) for name in names], _library(library)
+
+
+def _library(file: Path):
+    """The module in a file, loaded once."""
+    if file not in _libraries:
+        spec = spec_from_file_location(file.name.partition(".")[0], file)
+        module = module_from_spec(spec)
+        spec.loader.exec_module(module)
+        _libraries[file] = module
+    return _libraries[file]
+
+
 def _kernel(folder: Path, recipe: Recipe) -> tuple:
     """What `dolfinx.jit.ffcx_jit` returns of a kernel on disk."""
-    library = folder / recipe.library
-    if library not in _libraries:
-        spec = spec_from_file_location(library.name.partition(".")[0], library)
-        _libraries[library] = module_from_spec(spec)
-        spec.loader.exec_module(_libraries[library])
-    return getattr(_libraries[library].lib, recipe.name), _libraries[library], (None, None)
+    library = _library(folder / recipe.library)
+    return getattr(library.lib, recipe.name), library, (None, None)
 
 
 def _with_kernel(expression, points: np.ndarray, compiler: Callable, library: Callable[[], Path]) -> fem.Expression:

@@ -133,3 +133,16 @@ def test_options_of_the_user_come_first(monkeypatch):
     assert jit._options() == jit.OPTIONS
     monkeypatch.setattr(dolfinx.jit, "_load_options", lambda: ({"cffi_extra_compile_args": ["-O0"]}, {}))
     assert jit._options() == jit.OPTIONS | {"cffi_extra_compile_args": ["-O0"]}
+
+
+def test_forms_on_disk_are_found_without_a_list_of_all_files(cache, monkeypatch):
+    domain = create_interval(MPI.COMM_SELF, 2, (0.0, 1.0))
+    length = fem.Constant(domain, 1.0) * ufl.dx
+
+    def refused(*arguments):
+        raise AssertionError("FFCx looks for the form itself")
+
+    first = fem.assemble_scalar(jit.compiled_form(length))
+    monkeypatch.setattr(jit.ffcx_jit, "get_cached_module", refused)
+    jit._libraries.clear()
+    assert fem.assemble_scalar(jit.compiled_form(length)) == first == 1.0
