@@ -2,10 +2,10 @@
 
 import csv
 import json
+from dataclasses import replace
 from functools import cache
 from math import cos, sin
 
-import numpy as np
 import pytest
 from helpers import on_two_processes
 from typer.testing import CliRunner
@@ -176,6 +176,34 @@ def test_the_command(tmp_path):
     assert again.exit_code == 0 and list(csv.DictReader((tmp_path / "curve.csv").open())) == rows
 
 
+def test_with_friction_each_point_is_that_of_its_own_path(tmp_path):
+    words = ["curve", "arch", "--elements", "12", "--against", "friction=0:0.4", "--parts", "2", "-o", str(tmp_path)]
+    result = CliRunner().invoke(app, words)
+    assert result.exit_code == 0 and "by its whole path" in result.output, result.output
+    text = (tmp_path / "curve.csv").read_text()
+    rows = list(csv.DictReader(text.splitlines()))
+    assert [float(row["parameter"]) for row in rows] == [0.0, 0.2, 0.4] and {row["kind"] for row in rows} == {"limit"}
+    loads = [float(row["load"]) for row in rows]
+    last = trace(load_case("arch")(elements=12, friction=0.4)).critical_points
+    assert loads[-1] in [p.load for p in last if p.kind == "limit"] and loads == sorted(set(loads))
+    (tmp_path / "curve.csv").write_text(text.rpartition("0.4,")[0])
+    again = CliRunner().invoke(app, [*words, "--resume"])
+    assert again.exit_code == 0 and (tmp_path / "curve.csv").read_text() == text
+
+
+def test_a_point_that_paths_lose_is_told():
+    def shorter(to: float) -> Case:
+        return replace(load_case("von-mises-truss")(rise=1.0), until=fx.Until(deflection=to))
+
+    begun = iter(fx.CurveByPaths(shorter, 1.0, 0.2, steps=1))
+    first = next(begun)
+    assert first.kind == "limit"
+    with pytest.raises(fx.CurveEnds, match=f"no limit point is like that at .*, load {first.load:.6g}"):
+        list(begun)
+    with pytest.raises(ValueError, match="point 9 is asked for, but the path at 1 has 1 limit"):
+        list(fx.CurveByPaths(shorter, 1.0, 0.2, number=9))
+
+
 @pytest.mark.parametrize(("words", "said"), [
     ([], "nothing is varied"),
     (["--against", "elements=4:8"], "choose from alpha, depth, step"),
@@ -203,9 +231,8 @@ def test_what_a_curve_refuses():
         curve(record, "limit", arches(), 2.0, 2.0)
     with pytest.raises(ValueError, match="changes the unknowns"):
         list(curve(record, "limit", lambda n: arches(elements=2 * round(n))(2.0), 12.0, 16.0))
-    contact = load_case("arch")(elements=20)
-    scene = lambda value: contact.scene  # noqa: E731
-    point = record.critical_points[0]
-    with pytest.raises(ValueError, match="changes the unknowns|has contact"):
-        list(fx.CriticalCurve(point, record.state_at(point), record.critical_modes(point), scene, 0.0, 1.0))
-    assert np.isfinite(point.load)
+    contact = trace(load_case("arch")(elements=12))
+    point = next(p for p in contact.critical_points if p.kind == "limit")
+    with pytest.raises(ValueError, match="has contact"):
+        list(fx.CriticalCurve(point, contact.state_at(point), contact.critical_modes(point),
+                              lambda value: contact.case.scene, 0.0, 1.0))

@@ -11,7 +11,7 @@ import pytest
 DEMOS = sorted((Path(__file__).parents[1] / "demos").glob("*.py"))
 NOTEBOOKS = "arch", "double_plate"
 LONG = ("bolted_panel", "buckling", "enforcement", "imperfections", "large_steps", "pair_search", "panel",
-        "plastic_column", "speed", "thin_limit", "triangles")
+        "plastic_column", "snap_surface", "speed", "thin_limit", "triangles")
 WITH_JUPYTER = all(importlib.util.find_spec(name) for name in ("jupytext", "nbconvert", "ipykernel"))
 
 

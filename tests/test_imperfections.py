@@ -286,10 +286,42 @@ def test_command_on_two_processes(tmp_path):
 
 @pytest.mark.parametrize(("more", "said"), [
     ([], "add --amplitude"), (["--amplitude", "1", "--quantile", "0.6"], "below 0.5"),
-    (["--amplitude", "-1"], "amplitude")])
+    (["--amplitude", "-1"], "amplitude"),
+    (["--amplitude", "1", "--nodes", "--correlation", "2"], "both given")])
 def test_wrong_options_are_named(tmp_path, more, said):
     done = CliRunner().invoke(app, ["imperfections", "roorda-frame", "-o", str(tmp_path / "a"), *more])
     assert said in str(done.exception) + done.output
+
+
+def test_worst_over_nodes_of_two_bars():
+    """The limit load goes with the third power of the rise, to which the apex adds twice what a foot does."""
+    case = load_case("von-mises-truss")(rise=0.1)
+    nodes = fx.nodal_shapes(case.scene.meshes)
+    study = fx.Imperfections(case.scene, nodes, partial(path_of, case))
+    worst = study.worst(0.01)[0]
+    found = dict(zip([tuple(shape.place[:2]) for shape in nodes], worst.coefficients, strict=True))
+    feet = found[-1.0, 0.0], found[1.0, 0.0]
+    assert feet == pytest.approx([-found[0.0, 0.1] / 2] * 2, rel=0.02)
+    assert np.linalg.norm(worst.coefficients) == pytest.approx(0.01)
+    perfect_load = study.at([0.0] * 3).load
+    assert worst.load == pytest.approx(perfect_load * (1 - 0.1 * 1.5**0.5) ** 3, rel=3e-3)
+
+
+def test_nodes_of_several_meshes_are_moved_once():
+    scene = load_case("star-dome")().scene
+    assert len(fx.nodal_shapes(scene.meshes)) == 3 * 13
+    assert len(fx.nodal_shapes([*scene.meshes, *scene.meshes])) == 3 * 13
+    assert on_two_processes("import sheetfx as fx\nfrom sheetfx.scenes import load_case\n"
+                            "print(len(fx.nodal_shapes(load_case('star-dome')().scene.meshes)))")[0] == "39"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("reduced", ["0", "100"])
+def test_worst_over_nodes_is_worse_than_over_modes(reduced, tmp_path):
+    options = ["--nodes", "--amplitude", "0.1", "--shapes", "2", "--samples", "0", "--reduced", reduced]
+    done = CliRunner().invoke(app, ["imperfections", "star-dome", *options, "-o", str(tmp_path)])
+    assert done.exit_code == 0, done.output
+    assert results(tmp_path)["worst"]["load"] == pytest.approx(2.60552e-4, rel=1e-4)  # 2.6181e-4 over two modes
 
 
 @pytest.mark.slow

@@ -30,6 +30,7 @@ from ..continuation.bordered import BorderedSolver, pivots
 from ..continuation.linear import DirectSolver
 from ..continuation.problem import Problem
 from ..discrete.free_motions import usual_stiffness
+from ..discrete.system import System
 from ..events.determinant import orthonormal
 from .koiter import Energy
 
@@ -225,6 +226,11 @@ class DefiningSystem:
             return 0.0 * modes[n]
         along = combined([modes[m] for m in others], pushed[others] / (values[others] - values[n]))
         return self._energy.third([modes[n]], along, 0.0, about)[0]
+
+
+def has_third_variations(system: System) -> bool:
+    """Whether the equations hold: forces have a potential with third derivatives, and laws remember nothing."""
+    return bool(system.smooth and system.conservative) and not any(c.remembers for c in system.contributions)
 
 
 def combined(vectors: Sequence[PETSc.Vec], factors) -> PETSc.Vec:

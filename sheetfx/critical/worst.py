@@ -28,6 +28,7 @@ from ..checks import NOT_NEGATIVE, Count, Positive, Range, require
 from .gradient import NoDerivative
 
 NONE = "none"  # kind where a path has no critical point
+MANY = 8  # coefficients, more than which are not printed
 WELL = 1e-4  # relative fall of the load that the gradient still promises, where a search ends
 ITERATIONS, CUTS = 20, 3  # of a search, and of one of its steps
 TURNS = 0.3, 0.1, 0.03  # angles at which loads are looked at where the slope does not lead down
@@ -53,9 +54,12 @@ class ImperfectLoad:
     kind: str
 
     def __str__(self) -> str:
-        if self.kind == NONE:
-            return f"no critical point with {', '.join(f'{c:.4g}' for c in self.coefficients)}"
-        return f"{self.kind} at load {self.load:.6g} with {', '.join(f'{c:.4g}' for c in self.coefficients)}"
+        said = ", ".join(f"{c:.4g}" for c in self.coefficients)
+        if (count := len(self.coefficients)) > MANY:
+            n = int(np.argmax(np.abs(self.coefficients)))
+            said = f"{count} coefficients, the largest c{n + 1} = {self.coefficients[n]:.4g}"
+        return (f"no critical point with {said}" if self.kind == NONE else
+                f"{self.kind} at load {self.load:.6g} with {said}")
 
 
 @dataclass(frozen=True)

@@ -12,14 +12,16 @@ from ..archive.folder import write_whole
 from ..case import Case, trace
 from ..critical.augmented import KINDS
 from ..critical.curve import CriticalCurve, CurvePoint, Kept
-from ..model.scene import Scene
+from ..critical.defining import has_third_variations
+from ..discrete.discretisation import Discretisation
+from .curve_by_paths import CurveByPaths
 
 FILES = "curve.csv", "points.json", "curve.png", "kept/*.npz"
 COLUMNS = "parameter", "load", "deflection", "kind"
 
 
-def curve_of(name: str, case: Case, number: int, scene: Callable[[float], Scene], key: str, ends: tuple[float, float],
-             parts: int, kept: Kept | None) -> CriticalCurve:
+def curve_of(name: str, case: Callable[[float], Case], number: int, key: str, ends: tuple[float, float], parts: int,
+             kept: Kept | None, known: Sequence[CurvePoint]) -> CriticalCurve | CurveByPaths:
     """The curve of a critical point of a case, or what goes on from where another run of it was.
 
     Raises
@@ -27,14 +29,18 @@ def curve_of(name: str, case: Case, number: int, scene: Callable[[float], Scene]
     ValueError
         If the path has not so many critical points.
     """
-    record = trace(case)
+    first = case(ends[0])
+    if not has_third_variations(Discretisation(first.scene).system):
+        return CurveByPaths(case, *ends, number=number, steps=parts, known=known)
+    record = trace(first)
     points = [point for point in record.critical_points if point.kind in KINDS]
     if number > len(points):
         raise ValueError(f"--point: {number}, but the path of {name} with {key} = {ends[0]:g} has {len(points)} limit "
                          "points and bifurcations; give one of these, begin at another value, or let the path go "
                          "further")
     point = points[number - 1]
-    curve = CriticalCurve(point, record.state_at(point), record.critical_modes(point), scene, *ends, steps=parts)
+    curve = CriticalCurve(point, record.state_at(point), record.critical_modes(point), lambda value: case(value).scene,
+                          *ends, steps=parts)
     curve.kept = kept
     return curve
 

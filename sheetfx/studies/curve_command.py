@@ -52,38 +52,40 @@ def follow_scene(name: str, function: Callable, parameters: dict[str, Any], agai
     from mpi4py import MPI
 
     from ..archive.folder import Archive
-    from ..critical.curve import CurveEnds, CurvePoint, Kept
+    from ..critical.curve import CriticalCurve, CurveEnds, CurvePoint, Kept
     from .curve import FILES, begun, curve_of, draw, written
 
     key, at, to = range_of(name, function, parameters, against)
     folder, comm = folder_of(name, output, "-curve"), MPI.COMM_WORLD
     mine, points, failure = folder / f"kept/{comm.rank}.npz", list[CurvePoint](), ""
 
-    def scene(value: float):
-        return function(**parameters | {key: value}).scene
+    def case(value: float):
+        return function(**parameters | {key: value})
 
     archive = Archive(folder, comm, FILES, lambda: f"{len(points)} point{'' if len(points) == 1 else 's'}")
     with archive.opened({"command": "curve", "scene": name, "against": against, "point": point, "parts": parts}
                         | parameters, resume):
-        whole = comm.allreduce(int(mine.exists())) == comm.size
-        kept = Kept.load(mine) if resume and whole else None
-        if kept:
-            points += begun(folder)[:kept[1]]
-        case = function(**parameters | {key: at})
-        curve = curve_of(name, case, point, scene, key, (at, to), parts, kept and kept[0])
+        if resume and (folder / "curve.csv").exists():
+            points += begun(folder)
+        kept = Kept.load(mine) if points and comm.allreduce(int(mine.exists())) == comm.size else None
+        curve = curve_of(name, case, point, key, (at, to), parts, kept and kept[0], points)
+        if isinstance(curve, CriticalCurve):
+            points = points[:kept[1] if kept else 0]
+        elif comm.rank == 0:
+            typer.echo("contact, what laws remember or forces without a potential: each point by its whole path")
         try:
             for one in curve:
                 points.append(replace(one, modes=(), fields={}))
                 if comm.rank == 0:
                     typer.echo(str(one).replace(" at ", f" at {key} = ", 1))
                     written(points, folder)
-                if not one.name and curve.kept:
+                if isinstance(curve, CriticalCurve) and curve.kept and not one.name:
                     mine.parent.mkdir(exist_ok=True)
                     curve.kept.save(mine, len(points))
         except CurveEnds as ends:
             failure = str(ends)
         if comm.rank == 0 and points:
-            draw(points, key, case.axes[1], Path(name).stem, folder / "curve.png")
+            draw(points, key, case(at).axes[1], Path(name).stem, folder / "curve.png")
             typer.echo(f"{len(points)} points, {curve.factorisations} factorisations; results in {folder}")
     if failure:
         typer.echo(failure, err=True)

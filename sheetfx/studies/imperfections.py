@@ -25,6 +25,7 @@ from ..critical.reduced_energy import ReducedEnergy
 from ..critical.shares import softest_modes
 from ..critical.worst import ImperfectLoad, LoadQuantile, LoadsByShape
 from ..mesh.field_components import field_components
+from ..mesh.nodal_shapes import nodal_shapes
 from ..model.scene import Scene
 from ..notices import warn
 from ..path import Path
@@ -86,6 +87,7 @@ class Search:
     amplitude: float
     shapes: int
     correlation: float | None
+    nodes: bool
     quantile: Sequence[float]
     deviation: float
     samples: int
@@ -94,7 +96,9 @@ class Search:
     reduced: int
 
     def shapes_of(self, case: Case, ideal: Perfect) -> Sequence[Any]:
-        """Components of a random field, or the softest modes of the perfect structure."""
+        """Single nodes, components of a random field, or the softest modes of the perfect structure."""
+        if self.nodes:
+            return nodal_shapes(case.scene.meshes)
         if self.correlation is None:
             return ideal.modes
         return field_components(case.scene.meshes, self.correlation, self.shapes)

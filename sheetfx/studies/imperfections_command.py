@@ -20,6 +20,8 @@ OWN = [
     option("correlation", float | None, None, "Shapes are those of a random field along the normal, whose correlation "
            "is 1/e at this distance; default: the softest modes at the first critical point.", "--correlation",
            rules=[POSITIVE], metavar="LENGTH"),
+    option("nodes", bool, False, "Shapes are single nodes: along the normal, of bars in space in three directions.",
+           "--nodes"),
     option("quantile", list[float], [0.05], "Probability that the load is less, which may be given several times.",
            "--quantile", rules=[], metavar="SHARE"),
     option("deviation", float | None, None, "Standard deviation of each coefficient; default: the amplitude.",
@@ -50,6 +52,8 @@ def search_scene(name: str, function: Callable, parameters: dict[str, Any], ampl
         raise ValueError(f"imperfections of {name}: no size is given; add --amplitude, a length")
     if wrong := [probability for probability in options["quantile"] if not 0 < probability < 0.5]:
         raise ValueError(f"imperfections of {name}: --quantile is {wrong[0]:g}; it must be above 0 and below 0.5")
+    if options["nodes"] and options["correlation"] is not None:
+        raise ValueError(f"imperfections of {name}: --nodes and --correlation are both given; leave one out")
     search = study.Search(amplitude=amplitude, deviation=deviation or amplitude, **options)
     folder, comm = folder_of(name, output, "-imperfections"), MPI.COMM_WORLD
     mine, loads = folder / f"kept/{comm.rank}.npz", list[ImperfectLoad]()
