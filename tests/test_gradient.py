@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 from dataclasses import replace
 from math import pi
@@ -112,6 +113,19 @@ def test_what_has_no_gradient_is_refused():
         record.gradient(point, lambda v: roof.case(cells=6, form="naghdi-q2").scene, 12.7)
     with pytest.raises(ValueError, match="remade: the scene has not this Plate"):
         fx.remade(record.case.scene, {fx.Plate(12.7): fx.Plate(13.0)})
+
+
+def test_what_a_load_depends_on_by_nodes(tmp_path):
+    """A truss that is 0.1 high: its apex moves up as its rise grows, its feet have half of that the other way."""
+    words = ["depends", "von-mises-truss", "--rise", "0.1", "--nodes", "-o", str(tmp_path)]
+    result = CliRunner().invoke(app, words)
+    assert result.exit_code == 0, result.output
+    by_rise = json.loads((tmp_path / "depends.json").read_text())["rise"]["derivative"]
+    rows = list(csv.DictReader((tmp_path / "nodes.csv").open()))
+    found = {float(row["x"]): float(row["derivative"]) for row in rows}
+    assert found[0.0] == pytest.approx(by_rise, rel=1e-5)
+    assert found[-1.0] == pytest.approx(found[1.0], rel=1e-6) == pytest.approx(-by_rise / 2, rel=0.01)
+    assert {row["along_x"] for row in rows} == {""} and (tmp_path / "nodes.png").exists()
 
 
 def test_what_a_load_depends_on(tmp_path):

@@ -28,7 +28,8 @@ WRONG = [nan, inf, -inf, None, "", "wrong", 0, -1, True, (), (1.0,), (1.0, nan),
 # Classes whose objects the program makes and nobody else: what they hold has been computed, not given.
 MADE_BY_THE_PROGRAM = {"Advice", "Branch", "BucklingLoad", "Critical", "CurvePoint", "Decision", "ErrorBar",
                        "FieldComponent", "ImperfectLoad", "LoadQuantile", "Meshes", "MeshesByKind", "MixedMesh",
-                       "NamedMesh", "NodalShape", "Record", "Refined", "Snap", "Trace", "UnilateralBuckling", "Vibration"}
+                       "NamedMesh", "NodalShape", "Record", "Refined", "Snap", "Trace", "UnilateralBuckling",
+                       "Vibration"}
 
 
 def public_dataclasses() -> dict[str, type]:

@@ -7,11 +7,6 @@ point is least among those of one size r, its gradient g is normal to the sphere
 
 a fixed point that is found by iteration (advanced mean value: Wu, Millwater and Cruse 1990), on the circle from c to
 there, not as far where the load does not fall by enough. Several starts find several minima.
-
-Where the coefficients are random, independent and normal with standard deviation s, the load of the worst shape of size
-beta s is to the first order the quantile of probability Phi(-beta) (Hasofer and Lind 1974). Samples about the minima,
-and as many that spread wider than the coefficients do (Hesterberg 1995), give the quantile itself: each counts by its
-density over that of all the distributions that samples come from (Veach and Guibas 1995; Owen and Zhou 2000).
 """
 
 from __future__ import annotations
@@ -22,10 +17,10 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
-from scipy.stats import norm
 
 from ..checks import NOT_NEGATIVE, Count, Positive, Range, require
 from .gradient import NoDerivative
+from .likely import LoadQuantile, load_quantile
 
 NONE = "none"  # kind where a path has no critical point
 MANY = 8  # coefficients, more than which are not printed
@@ -34,7 +29,6 @@ ITERATIONS, CUTS = 20, 3  # of a search, and of one of its steps
 TURNS = 0.3, 0.1, 0.03  # angles at which loads are looked at where the slope does not lead down
 ENOUGH, CUT = 0.25, 0.25  # of what the slope promises, fall that is enough; smallest part that a step is cut to
 APART = 0.9  # cosine between two minima that are different ones
-WIDE = 1.5  # standard deviation of every second sample over that of the coefficients: minima may lie on a whole circle
 BROKEN = 0.1  # of the size, what a start in one shape has of others: symmetry would hold a search
 
 
@@ -60,33 +54,6 @@ class ImperfectLoad:
             said = f"{count} coefficients, the largest c{n + 1} = {self.coefficients[n]:.4g}"
         return (f"no critical point with {said}" if self.kind == NONE else
                 f"{self.kind} at load {self.load:.6g} with {said}")
-
-
-@dataclass(frozen=True)
-class LoadQuantile:
-    """A load that critical loads are below with a given probability.
-
-    Attributes
-    ----------
-    probability : that the load is less
-    load : by samples about the minima
-    interval : of the load, in which it lies with a probability of 95 %
-    first_order : load of the worst imperfection that is as far from none
-    minima : the worst imperfections, the worst first
-    samples : what was looked at
-    """
-
-    probability: float
-    load: float
-    interval: tuple[float, float]
-    first_order: float
-    minima: tuple[ImperfectLoad, ...]
-    samples: tuple[ImperfectLoad, ...]
-
-    def __str__(self) -> str:
-        low, high = self.interval
-        return (f"{100 * self.probability:g} % of loads are below {self.load:.6g} ({low:.6g} to {high:.6g}; "
-                f"{self.first_order:.6g} to the first order)")
 
 
 class LoadsByShape(ABC):
@@ -141,38 +108,25 @@ class LoadsByShape(ABC):
         ways = _unit(np.concatenate((alone, random.standard_normal((2 * count if count > 1 else 0, count)))))
         return self._searched(size, ways, starts)
 
-    def quantile(self, probability: float, deviation: float, *, samples: int = 50, starts: int = 3, seed: int = 0,
-                 near: Sequence[ImperfectLoad] = ()) -> LoadQuantile:
-        """Load that critical loads are below with a probability, of independent normal coefficients.
+    def quantile(self, probability: float, deviation: float, *, samples: int = 50, seed: int = 0) -> LoadQuantile:
+        """Load that critical loads are below with a probability, of independent normal coefficients, see `likely`.
 
         Parameters
         ----------
         probability : below 1/2
         deviation : standard deviation of each coefficient
-        samples : number of paths beside those of the search for the worst imperfections
-        starts, seed : as of `worst`
-        near : as of `worst`
+        samples : number of loads that are looked for, two at least
+        seed : of the random numbers
 
         Raises
         ------
         ValueError
-            As `worst`.
+            If no imperfection that is looked at has a critical point.
         """
-        require("quantile", deviation=(deviation, Positive), samples=(samples, Count),
+        require("quantile", deviation=(deviation, Positive), samples=(samples, Annotated[int, Range(least=2)]),
+                seed=(seed, Annotated[int, NOT_NEGATIVE]),
                 probability=(probability, Annotated[float, Range(above=0.0, below=0.5)]))
-        radius = -float(norm.ppf(probability)) * deviation
-        minima = self.worst(radius, starts=starts, seed=seed, near=near)
-        centres = np.array([np.zeros(self.count), *(one.coefficients for one in minima)]) / deviation
-        widths = np.array([WIDE] + [1.0] * len(minima))
-        which = np.array([n // 2 % len(minima) + 1 if n % 2 else 0 for n in range(samples)])
-        random = np.random.default_rng(seed).standard_normal((samples, self.count))
-        places = centres[which] + widths[which, None] * random
-        found = [self.at(deviation * place) for place in places]
-        shares = np.bincount(which, minlength=len(centres)) / samples
-        exponents = (places**2).sum(axis=1)[:, None] - ((places[:, None] - centres) ** 2).sum(axis=2) / widths**2
-        weights = 1 / (np.exp(exponents / 2) @ (shares / widths ** self.count))
-        load, interval = _weighted(probability, np.array([one.load for one in found]), weights)
-        return LoadQuantile(probability, load, interval, minima[0].load, tuple(minima), tuple(found))
+        return load_quantile(self.at, self.count, probability, deviation, samples, seed)
 
     def _searched(self, size: float, ways: np.ndarray, starts: int) -> list[ImperfectLoad]:
         """Minima of one size, from the best of some ways."""
@@ -246,14 +200,3 @@ class LoadsByShape(ABC):
 
 def _unit(vectors: np.ndarray) -> np.ndarray:
     return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
-
-
-def _weighted(probability: float, loads: np.ndarray, weights: np.ndarray) -> tuple[float, tuple[float, float]]:
-    """Quantile of weighted samples, and the loads that its share below does not exclude, with its error of sampling."""
-    order, count = np.argsort(loads), len(loads)
-    loads, weights = loads[order], weights[order]
-    shares = np.cumsum(weights) / count
-    errors = norm.ppf(0.975) * np.sqrt(np.maximum(np.cumsum(weights**2) / count - shares**2, 0.0) / count)
-    low, load, high = (float(loads[np.argmax(above)] if above.any() else loads[-1])
-                       for above in (bound >= probability for bound in (shares + errors, shares, shares - errors)))
-    return load, (low, high)

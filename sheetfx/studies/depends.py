@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+import csv
 import inspect
-from collections.abc import Callable, Iterator
+import io
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path as Folder
 from typing import Any
 
+import numpy as np
+
+from ..archive.folder import write_whole
 from ..case import Case
 from ..continuation.state import CriticalPoint
-from ..critical.gradient import LoadGradient
+from ..critical.gradient import STEP, LoadGradient, NoDerivative
+from ..critical.imperfect import imperfect
 from ..critical.numbers import Number, numbers
+from ..mesh.nodal_shapes import NodalShape
 from ..model.scene import Scene
 from ..record import Record
 
@@ -70,6 +77,39 @@ def _options(function: Callable[..., Case], parameters: dict[str, Any]) -> Itera
 
 def _scene(function: Callable[..., Case], parameters: dict[str, Any], name: str, value: float) -> Scene:
     return function(**parameters | {name: value}).scene
+
+
+def by_nodes(record: Record, point: CriticalPoint, shapes: Sequence[NodalShape],
+             told: Callable[[int], None]) -> np.ndarray:
+    """Derivatives of the load of a critical point by the movement of each node, shape (number of shapes,).
+
+    Nodes that make a bifurcation's structure imperfect have none: NaN.
+
+    Parameters
+    ----------
+    told : called with the number of nodes that are done
+    """
+    gradient = LoadGradient(record.path, point, record.state_at(point), record.critical_modes(point))
+    scene, step = record.case.scene, STEP * max(mesh.size for mesh in record.case.scene.meshes)
+    found = np.empty(len(shapes))
+    for n, shape in enumerate(shapes):
+        try:
+            found[n] = np.min(gradient.derivative(lambda way, shape=shape: imperfect(scene, shape, way), 0.0, step))
+        except NoDerivative:
+            found[n] = np.nan
+        told(n + 1)
+    return found
+
+
+def write_nodes(folder: Folder, shapes: Sequence[NodalShape], derivatives: np.ndarray) -> None:
+    """Write `nodes.csv`: places, directions (empty: along the normal) and derivatives (empty: none)."""
+    text = io.StringIO()
+    rows = csv.writer(text, lineterminator="\n")
+    rows.writerow(["x", "y", "z", "along_x", "along_y", "along_z", "derivative"])
+    for shape, value in zip(shapes, derivatives, strict=True):
+        along = [""] * 3 if shape.direction is None else shape.direction.tolist()
+        rows.writerow([*shape.place.tolist(), *along, "" if np.isnan(value) else repr(float(value))])
+    write_whole(folder / "nodes.csv", text.getvalue())
 
 
 def table(found: list[Dependence]) -> dict[str, dict[str, float | None]]:

@@ -6,15 +6,19 @@ import typer
 
 from .run import OF_A_FOLDER, folder_of, option, scenes_app
 
+DRAWN = 1e-4  # largest movement in the picture over the size, small beside a cell
+
 OWN = [
     option("point", int, 1, "Number of the critical point along the path.", "--point", min=1),
+    option("nodes", bool, False, "Tell the derivatives by the place of each node too: nodes.csv and nodes.png.",
+           "--nodes"),
     option("output", str | None, None, "Folder of the results; default results/NAME-depends.", "-o", "--output",
            metavar="PATH", rules=[OF_A_FOLDER]),
 ]
 
 
 
-def tell_scene(name: str, function, parameters: dict, point: int, output: str | None) -> None:
+def tell_scene(name: str, function, parameters: dict, point: int, nodes: bool, output: str | None) -> None:
     """Write and print the dependences of one critical point."""
     from mpi4py import MPI
 
@@ -23,7 +27,7 @@ def tell_scene(name: str, function, parameters: dict, point: int, output: str | 
     from .depends import dependences, draw, table
 
     folder = folder_of(name, output, "-depends")
-    archive = Archive(folder, MPI.COMM_WORLD, ("depends.json", "depends.png"))
+    archive = Archive(folder, MPI.COMM_WORLD, ("depends.json", "depends.png", "nodes.csv", "nodes.png"))
     with archive.opened({"command": "depends", "scene": name, "point": point} | parameters, False):
         record = trace(function(**parameters))
         points = [one for one in record.critical_points if one.kind != "event"]
@@ -46,7 +50,33 @@ def tell_scene(name: str, function, parameters: dict, point: int, output: str | 
                 typer.echo(f"without effect: {', '.join(idle)}")
             archive.write_json("depends.json", table(found))
             draw(found, str(chosen), folder / "depends.png")
+        if nodes:
+            _tell_nodes(record, chosen, folder, archive)
+        if archive.comm.rank == 0:
             typer.echo(f"results in {folder}")
+
+
+def _tell_nodes(record, point, folder, archive) -> None:
+    """Derivatives by the places of nodes, as a table and a picture of the shape along which the load grows most."""
+    import numpy as np
+
+    from ..mesh.nodal_shapes import nodal_shapes
+    from .depends import by_nodes, write_nodes
+    from .shape_files import draw_shape
+
+    shapes = nodal_shapes(record.case.scene.meshes)
+
+    def told(done: int) -> None:
+        if archive.comm.rank == 0 and (done % 20 == 0 or done == len(shapes)):
+            typer.echo(f"nodes: {done} of {len(shapes)} movements")
+
+    derivatives = by_nodes(record, point, shapes, told)
+    if archive.comm.rank == 0:
+        write_nodes(folder, shapes, derivatives)
+    ways = np.nan_to_num(derivatives)
+    if size := np.abs(ways).max():
+        small = DRAWN * max(mesh.size for mesh in record.case.scene.meshes) / size
+        draw_shape(folder / "nodes.png", record, shapes, small * ways, f"{point}: movement that raises it most")
 
 
 def _size(one) -> float:

@@ -11,15 +11,12 @@ from pathlib import Path as Folder
 from typing import Any
 
 import numpy as np
-from dolfinx import fem
 
 from ..archive.folder import write_whole
 from ..case import Case
-from ..compat import geometry_nodes
 from ..continuation.control import ArcLength, LoadControl
 from ..continuation.state import write_arrays
 from ..critical.augmented import KINDS
-from ..critical.imperfect import imperfect
 from ..critical.imperfections import STEP, Imperfections, up_to_critical
 from ..critical.reduced_energy import ReducedEnergy
 from ..critical.shares import softest_modes
@@ -107,20 +104,20 @@ class Search:
                 ) -> tuple[list[ImperfectLoad], list[LoadQuantile]]:
         """The worst imperfections, and the quantiles; the search starts `near` others."""
         worst = loads.worst(self.amplitude, starts=self.starts, seed=self.seed, near=near)
-        return worst, self._quantiles(loads, worst, self.samples)
+        return worst, self._quantiles(loads, self.samples)
 
     def of_energy(self, energy: ReducedEnergy) -> tuple[list[ImperfectLoad], dict[str, Any]]:
         """The worst imperfections by the reduced energy, and what the results tell of it."""
         worst = energy.worst(self.amplitude, starts=self.starts, seed=self.seed)
         error = energy.error(worst[0].coefficients)
-        quantiles = self._quantiles(energy, worst, self.reduced)
+        quantiles = self._quantiles(energy, self.reduced)
         return worst, {"worst": {"load": worst[0].load, "shape": worst[0].coefficients, "kind": worst[0].kind},
                        "error": _finite(error),
                        "in_range": bool(abs(error) <= IN_RANGE * abs(worst[0].load)),
-                       "quantiles": {f"{q.probability:g}": _finite(q.load) for q in quantiles}}
+                       "quantiles": {f"{q.probability:g}": q.load for q in quantiles}}
 
-    def _quantiles(self, loads: LoadsByShape, worst: Sequence[ImperfectLoad], samples: int) -> list[LoadQuantile]:
-        return [loads.quantile(probability, self.deviation, samples=samples, seed=self.seed, near=worst)
+    def _quantiles(self, loads: LoadsByShape, samples: int) -> list[LoadQuantile]:
+        return [loads.quantile(probability, self.deviation, samples=samples, seed=self.seed)
                 for probability in self.quantile if samples]
 
 
@@ -166,11 +163,10 @@ def write_results(folder: Folder, search: Search, told: dict[str, Any], worst: S
                   quantiles: Sequence[LoadQuantile]) -> None:
     """Write `imperfections.json`; loads that no path has come to are null."""
     minima = [{"load": one.load, "shape": one.coefficients, "kind": one.kind} for one in worst]
-    detail = {f"{q.probability:g}": {"interval": [_finite(load) for load in q.interval], "first_order": q.first_order,
-                                     "shape": q.minima[0].coefficients, "samples": len(q.samples)} for q in quantiles}
+    detail = {f"{q.probability:g}": {"interval": q.interval, "samples": len(q.samples)} for q in quantiles}
     found = {"amplitude": search.amplitude, "deviation": search.deviation, "correlation": search.correlation, **told,
              "worst": minima[0], "other_minima": minima[1:],
-             "quantiles": {f"{q.probability:g}": _finite(q.load) for q in quantiles}, "reliability": detail}
+             "quantiles": {f"{q.probability:g}": q.load for q in quantiles}, "reliability": detail}
     write_whole(folder / "imperfections.json", json.dumps(found, indent=2) + "\n")
 
 
@@ -187,11 +183,10 @@ def draw(folder: Folder, axis: str, title: str, perfect_load: float, loads: Sequ
     axes = figure.add_subplot()
     axes.plot([np.linalg.norm(one.coefficients) for one in loads], [one.load for one in loads], ".", color="#8aa6bf",
               markersize=4, label=f"{len(loads)} imperfect structures")
-    least = sorted([(np.linalg.norm(one.coefficients), one.load) for one in (worst, *(q.minima[0] for q in quantiles))])
-    axes.plot(*zip((0.0, perfect_load), *least, strict=True), "D-", color="#b3261e", markersize=5, linewidth=1.0,
-              label="worst shapes")
+    axes.plot([0.0, np.linalg.norm(worst.coefficients)], [perfect_load, worst.load], "D-", color="#b3261e",
+              markersize=5, linewidth=1.0, label="worst shape")
     axes.plot([0.0], [perfect_load], "o", color="black", markersize=5, label="perfect")
-    for q in (q for q in quantiles if np.isfinite(q.interval).all()):
+    for q in quantiles:
         line = axes.axhline(q.load, linewidth=1.0, linestyle="--", label=f"{100 * q.probability:g} % are below")
         axes.axhspan(*q.interval, color=line.get_color(), alpha=0.12, linewidth=0)
     axes.set_xlabel("size of the imperfection")
@@ -201,32 +196,3 @@ def draw(folder: Folder, axis: str, title: str, perfect_load: float, loads: Sequ
     axes.legend(frameon=False, fontsize=9)
     axes.spines[["top", "right"]].set_visible(False)
     figure.savefig(folder / "imperfections.png")
-
-
-def write_shape(folder: Folder, record: Record, shapes: Sequence[Any], worst: ImperfectLoad) -> None:
-    """Write `worst.csv`, nodes and their displacements in a shape, and draw it as `worst.png`."""
-    from ..show.evaluate import unit_of, with_unit
-    from ..show.measure import OF_SIZE
-    from ..show.modes import draw_shapes, view_of
-    from ..show.saving import save_picture
-
-    scene, displacements, rows = record.case.scene, {}, []
-    moved = imperfect(scene, list(shapes), list(worst.coefficients))
-    for before, after in zip(scene.meshes, moved.meshes, strict=True):
-        x, y = before.domain.geometry.x, after.domain.geometry.x
-        count = before.domain.geometry.index_map().size_local
-        rows.append(np.column_stack((x, y - x))[:count])
-        space = fem.functionspace(before.domain, before.domain.ufl_domain().ufl_coordinate_element())
-        nodal = fem.Function(space)
-        nodal.x.array.reshape(-1, before.dimension)[space.dofmap.list] = (
-            y - x)[geometry_nodes(before.domain), :before.dimension]
-        displacements[before] = fem.Function(record.path.discretisation.kinematics(before).u.function_space)
-        displacements[before].interpolate(nodal)
-    table = record.path.discretisation.system.comm.gather(np.concatenate(rows))
-    if table is not None:
-        text = io.StringIO()
-        np.savetxt(text, np.concatenate(table), fmt="%.12g", delimiter=",", header="x,y,z,dx,dy,dz", comments="")
-        write_whole(folder / "worst.csv", text.getvalue())
-    view = view_of(record, displacements, f"worst imperfection: {with_unit(worst.load, unit_of(record.case.axes[1]))}",
-                   OF_SIZE)
-    save_picture(record, lambda: draw_shapes(record, [view], OF_SIZE), folder / "worst.png")

@@ -13,6 +13,8 @@ import typer
 from ..checks import POSITIVE
 from .run import OF_A_FOLDER, RESUME, folder_of, option, scenes_app
 
+MOST = 500  # loads for a quantile, whose time goes with their fourth power
+
 OWN = [
     option("amplitude", float | None, None, "Size of the worst imperfection: the norm of the coefficients of shapes, "
            "whose largest displacement is 1.", "--amplitude", rules=[POSITIVE], metavar="LENGTH"),
@@ -26,10 +28,10 @@ OWN = [
            "--quantile", rules=[], metavar="SHARE"),
     option("deviation", float | None, None, "Standard deviation of each coefficient; default: the amplitude.",
            "--deviation", rules=[POSITIVE], metavar="LENGTH"),
-    option("samples", int, 50, "Paths for each quantile; 0: no quantiles.", "--samples", min=0),
+    option("samples", int, 50, "Paths for each quantile; 0: no quantiles.", "--samples", min=0, max=MOST),
     option("starts", int, 3, "Searches for the worst shape.", "--starts", min=1),
-    option("reduced", int, 0, "Samples of the energy of the softest modes (Koiter), which takes no paths, for each "
-           "quantile; the search then starts from its worst shapes. 0: it is not made.", "--reduced", min=0),
+    option("reduced", int, 0, "Loads by the energy of the softest modes (Koiter), which takes no paths, for each "
+           "quantile; the search then starts from its worst shapes. 0: it is not made.", "--reduced", min=0, max=MOST),
     option("seed", int, 0, "Of the random numbers.", "--seed", min=0),
     option("output", str | None, None, "Folder of the results; default results/NAME-imperfections.", "-o", "--output",
            metavar="PATH", rules=[OF_A_FOLDER]),
@@ -46,7 +48,9 @@ def search_scene(name: str, function: Callable, parameters: dict[str, Any], ampl
     from ..archive.folder import Archive
     from ..critical.imperfections import Imperfections
     from ..critical.worst import ImperfectLoad
+    from ..show.evaluate import unit_of, with_unit
     from . import imperfections as study
+    from .shape_files import draw_shape, write_shape
 
     if amplitude is None:
         raise ValueError(f"imperfections of {name}: no size is given; add --amplitude, a length")
@@ -79,7 +83,9 @@ def search_scene(name: str, function: Callable, parameters: dict[str, Any], ampl
         paths = Imperfections(case.scene, shapes, partial(study.path_of, case), known=loads, told=told)
         near, told_by_energy = study.by_energy(search, record, ideal, paths)
         worst, quantiles = search.results(paths, near)
-        study.write_shape(folder, record, shapes, worst[0])
+        title = f"worst imperfection: {with_unit(worst[0].load, unit_of(case.axes[1]))}"
+        write_shape(folder / "worst.csv", case.scene, shapes, worst[0].coefficients)
+        draw_shape(folder / "worst.png", record, shapes, worst[0].coefficients, title)
         if comm.rank == 0:
             about = {"perfect": ideal.load, "shapes": len(shapes), "paths": len(loads)} | told_by_energy
             study.write_results(folder, search, about, worst, quantiles)

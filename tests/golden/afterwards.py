@@ -189,7 +189,7 @@ def imperfections(record: Record) -> dict[str, float]:
 
     paths, (point,) = fx.Imperfections(record.case.scene, SWAYS, follow), record.critical_points[:1]
     worst = paths.worst(0.05, starts=2)
-    quantile = paths.quantile(0.05, 0.05, samples=3, near=worst)
+    quantile = paths.quantile(0.05, 0.05, samples=8)
     state = record.state_at(point)
     energy = fx.ReducedEnergy(record.path, state, fx.softest_modes(record.path, state, 2), paths.scene, 2, 1e-5)
     return {"worst": worst[0].load, "minima": len(worst), "quantile": quantile.load, "reach": quantile.interval[1],
