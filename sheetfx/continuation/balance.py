@@ -1,4 +1,4 @@
-"""The balance of energy along a path: what its loads have done, and what is stored and dissipated.
+"""The balance of energy along a path: the work of its loads, and the energy stored and dissipated.
 
 Along a path of equilibrium states the loads f of a stage do the work
 
@@ -58,7 +58,7 @@ class Balance:
 
     @property
     def stored(self) -> np.ndarray:
-        """Energy of parts, joints and contacts, beyond that of the first state."""
+        """Energy of parts, joints and contacts, beyond the first state's."""
         stored = self.parts.sum(axis=1) + self.joints
         return stored - stored[0]
 

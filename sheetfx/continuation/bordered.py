@@ -59,7 +59,7 @@ class BorderedSolver:
     def negative(self) -> int | None:
         """Number of negative eigenvalues of the tangent on what the rows leave, which are the columns; None: not known.
 
-        It follows from those of the factored matrix and of a Schur complement (Haynsworth 1968, inertia additivity).
+        It follows from the factored matrix's and a Schur complement's (Haynsworth 1968, inertia additivity).
         """
         factored = self._solver.negative_pivots()
         if factored is None:

@@ -8,7 +8,7 @@ derivatives, s(e) the law and D its moduli, the step in which the law holds on w
 where q is zero for pairs that stay open, or stay pressed and stick. The structure is condensed onto the others,
 C = G K^-1 G^T (thesis, equations 4.5 to 4.12, onto all pairs), the problem is solved there, and dx follows. Without
 friction it is a linear complementarity problem, which block pivots solve; with friction Newton's iteration does.
-Contacts that are not condensed are part of what is linear.
+Contacts that are not condensed are part of the linear problem.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Condensation(Elimination):
     most, exact, can_do_without, softened = 600, 1e-3, True, SOFTENED
 
     def _linearise(self) -> None:
-        """Take forces and stiffness as they are, with what is held for this iteration, and the laws without it."""
+        """Take forces and stiffness as they are, with the forces held for this iteration, and the laws without them."""
         pairs = [c for c in self._system.contributions if isinstance(c, CondensedPairs)]
         self._laws = [c.law_of_changes() for c in pairs]
         motions = [c.motions() for c in pairs]

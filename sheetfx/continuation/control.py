@@ -272,7 +272,7 @@ class ArcLength(TwoWayRule):
 
 
 def weight_where_nothing_moves() -> float:
-    """Weight of the load, psi^2, with which the first step by arc length is that of load control."""
+    """Weight of the load, psi^2, with which the first step by arc length is load control's."""
     return (ArcLength.default / LoadControl.default) ** 2
 
 

@@ -24,7 +24,7 @@ from .visited import VisitedStates
 SHORTER, FEWEST = 1 / 4, 3  # ratio of the lengths of steps that are tried, and how many at least
 LEAST = 1 / 8  # of the usual first step, the longest one at least: beside a corner steps have become short
 FROM_REST = 1 / 16  # of a first step that fails, one at whose end what touched without a force has opened
-AHEAD = 0.5  # of a step that is tried, distance at which the tangent is that of the other side
+AHEAD = 0.5  # of a step that is tried, distance at which the tangent is the other side's
 SHORT_OF = 0.98  # of the way to a change of contact, for the state ahead of it; beyond it a corner leaves steps whole
 BACK = 0.95  # cosine of the angle with the step before, from which a step goes back where it came from
 

@@ -24,7 +24,7 @@ from .elimination import Elimination
 from .linear import DirectSolver
 
 Reason = PETSc.SNES.ConvergedReason
-SLOW = 0.1  # residual over that of the iteration before, from which a guess is corrected with a new factor
+SLOW = 0.1  # ratio of a residual to the last iteration's, from which a guess is corrected with a new factor
 WRONG = 1e-3  # residual over the load, above which a guess is given up that grows, or steps that lead nowhere
 SPARE = 10.0  # of the fall of the residual in an iteration, what one more with the same tangent may leave
 UNDAMPED = 5  # iterations, after which half steps are taken where it cycles
@@ -122,7 +122,7 @@ class BorderedNewton:
         ----------
         load_increment : of the predictor
         guess : increments to begin with, this process's part of the vector, for a solution a thousand times more
-            exact than that of a step and corrected at least once, since a small residual leaves much of a mode that
+            exact than a step's and corrected at least once, since a small residual leaves much of a mode that
             is about to buckle; None: along the tangent
         """
         self.control, self.tangent, self.length = control, tangent, length
@@ -229,12 +229,12 @@ class BorderedNewton:
 
     @property
     def _is_fresh(self) -> bool:
-        """Whether the last correction was by its own iterate's factor, or that of a step."""
+        """Whether the last correction was by its own iterate's factor, or a step's."""
         return self._guess is None or self.behind <= self._corrections[-1]
 
     @property
     def _is_near(self) -> bool:
-        """Whether the tangent of the iterate before takes away what is left, as the last correction's size tells."""
+        """Whether the last iterate's tangent takes away the rest, as the last correction's size tells."""
         if len(self.history) < 2:
             return False
         before, now = self.history[-2:]

@@ -97,7 +97,7 @@ def _correction(tracer, residual: PETSc.Vec, response: PETSc.Vec) -> tuple[float
 
 
 def _rooted(products: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Coordinates of two vectors as columns, and those of a third one, by the products of all three."""
+    """Coordinates of two vectors as columns, and a third one's, by the products of all three."""
     values, vectors = np.linalg.eigh(products)
     places = np.sqrt(np.maximum(values, 0.0))[:, None] * vectors.T
     return places[:, :2], places[:, 2]

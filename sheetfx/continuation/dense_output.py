@@ -15,7 +15,7 @@ from ..rounding import DIFFERENCE, root
 from .state import State
 
 MOST = 4  # states that are interpolated between
-APART = 0.1  # of their distance from the place in question, that of states from each other
+APART = 0.1  # distance of two states over their distance from the place in question
 
 
 class DenseOutput:
@@ -36,7 +36,7 @@ class DenseOutput:
         return self._interpolated(length, states, 0)
 
     def rate_at(self, length: float, states: dict[float, State]) -> tuple[float, np.ndarray]:
-        """Rates of what `at` gives, by the length over that of the step."""
+        """Rates of the values of `at`, by the share of the step's length."""
         return self._interpolated(length, states, 1)
 
     def _interpolated(self, length: float, states: dict[float, State], order: int) -> tuple[float, np.ndarray]:
@@ -72,7 +72,7 @@ class DenseOutput:
         return places, data
 
     def _rate(self, length: float, state: State) -> tuple[float, np.ndarray] | None:
-        """Rates by the length over that of the step; None where the tangent does not lead on."""
+        """Rates by the share of the step's length; None where the tangent does not lead on."""
         known = self._rates.get(length)
         if known is None or known[0] is not state:
             known = self._rates[length] = state, self._found(length, state)

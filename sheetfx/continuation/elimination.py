@@ -1,6 +1,6 @@
 """Contact forces found exactly within each Newton iteration, on what else is linear there.
 
-Where parts touch, forces change with motions that are far smaller than those of a step, so that Newton's iteration on
+Where parts touch, forces change with motions far smaller than a step's, so that Newton's iteration on
 all unknowns together would have to take tiny steps. But contact acts on few of them. With K dx + R = 0 the linear
 problem of an iteration, F the forces of the contacts in R and k their part of K, the step that has contact exact is
 

@@ -21,7 +21,7 @@ GAUSS_ALONG = (1 + np.sqrt(0.6) * np.array([-1.0, 0.0, 1.0])) / 2, np.array([5.0
 
 @dataclass(frozen=True)
 class Account:
-    """What is known of a state: energies, W of each stage so far, q of the present one and its rate by the factor.
+    """Known of a state: energies, W of each stage so far, q of the present one and its rate by the factor.
 
     Dead loads are those that W was made of in the first state; `unsure` is the accuracy of q since the state before.
 

@@ -79,8 +79,8 @@ class FirstState(Measuring):
     def _look_ahead(self) -> None:
         """Give the first state the response that leads on from it where laws of parts have cases there.
 
-        The moduli of a kink depend on the way that leads away: that of each response gives the next one, until it
-        stays. Stresses are those of the first state.
+        The moduli of a kink depend on the way that leads away: each response gives the next moduli, until it
+        stays. Stresses are the first state's.
         """
         system, tangent = self.system, self.tangent
         if tangent.least_weight or not any(c.kinks and not c.remembers for c in system.contributions):
@@ -105,7 +105,7 @@ class FirstState(Measuring):
         self._undo(self.state)
 
     def _load_stiffens(self) -> bool:
-        """Whether the load stresses what is held, though it moves nothing: by natural strains, or the tangent tells."""
+        """Whether the load stresses held parts, though it moves nothing: by natural strains, or the tangent tells."""
         system = self.system
         if any(c.stage == system.factors.stage and not c.tells_work for c in system.contributions):
             return True

@@ -1,6 +1,6 @@
 """Eigenvalues of an unsymmetric tangent that pass zero from one state to another.
 
-A symmetric tangent's factor counts its negative eigenvalues; that of an unsymmetric one only tells the sign of the
+A symmetric tangent's factor counts its negative eigenvalues; an unsymmetric one's only tells the sign of the
 determinant, which pairs of eigenvalues leave as it was. Between two tangents K0 and K1 that are close to each other
 those that pass zero are the real eigenvalues s between 0 and 1 of K0 + s (K1 - K0), which the factor of K1 finds: for a
 symmetric pencil Sylvester's law of inertia gives the same count.
@@ -95,7 +95,7 @@ class UnstableModes:
         return self._after(before.unstable_modes, self._tangent, determinant * before.determinant_sign)
 
     def _beside_sticking(self, determinant: int) -> int:
-        """Number for the tangent that is factored, from that of the one with which all that touches sticks."""
+        """Number for the tangent that is factored, from the number of the one with which all that touches sticks."""
         system = self._system
         earlier, pattern = sticking_tangent(system), compat.nonzero_state(system.matrix)
         if self._sticking is None or pattern != self._pattern:
@@ -108,7 +108,7 @@ class UnstableModes:
         return self._after(pivots, earlier, determinant * (-1) ** pivots)
 
     def _after(self, count: int, earlier: PETSc.Mat, signs: int) -> int:
-        """Number for the tangent that is factored, from that of an earlier one."""
+        """Number for the tangent that is factored, from an earlier one's."""
         found = count + crossings(self._linear, earlier, self._system.weights, signs)
         if found < 0:
             raise Uncounted("more eigenvalues seem to become positive than are negative")
@@ -133,7 +133,7 @@ def sticking(system) -> Iterator[None]:
 
 
 def sticking_tangent(system) -> PETSc.Mat:
-    """The tangent of a system as if all that touches stuck where it is; that of the system stays as it is."""
+    """The tangent of a system as if all that touches stuck where it is; the system's own stays as it is."""
     present = system.matrix.copy()
     with sticking(system):
         found = system.tangent(only=[c for c in system.contributions if c.sticks]).copy()
@@ -264,7 +264,7 @@ def _values(eps: SLEPc.EPS) -> np.ndarray:
 
 
 def _towards_negative(eps: SLEPc.EPS, solver: DirectSolver, change: PETSc.Mat, weights: PETSc.Vec, asked: int) -> int:
-    """Number of eigenvalues that become negative less that of those that become positive.
+    """Number of eigenvalues that become negative, less the number that become positive.
 
     A simple eigenvalue of K0 + s (K1 - K0) changes at zero by (left mode) (K1 - K0) (mode) over their inner product;
     several together by the eigenvalues of the same with matrices.

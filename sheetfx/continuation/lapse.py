@@ -5,7 +5,7 @@ exact where they go one way (Simo and Hughes 1998, section 1.4.3); what flowed o
 The law is therefore also followed in short pieces, along the curve through all known states of the step with their
 tangents. The resultants by which both differ are forgotten.
 
-Their power along the way, over that of all resultants, tells how far the load is off, at the end of the step or at a
+Their power along the way, over all resultants' power, tells how far the load is off, at the end of the step or at a
 state within it. The correction of their forces by the tangent tells how far the step has led off the path. Both fall
 with the square of the length. A step is divided until they are small, as by the local errors of methods for
 differential equations (Hairer, Norsett and Wanner 1993, section II.4).

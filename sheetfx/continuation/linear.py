@@ -50,7 +50,7 @@ class DirectSolver:
         SingularTangent
         """
         pattern = compat.nonzero_state(self.matrix)
-        if pattern != self._pattern:  # PETSc takes a new factor then, which would lack what is set below
+        if pattern != self._pattern:  # PETSc takes a new factor then, which would lack the settings below
             self._begin_anew()
             self._pattern = pattern
         if not self._analysed:

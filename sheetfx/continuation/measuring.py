@@ -51,7 +51,7 @@ class Measuring:
 
         These are the tangents at its start and its end. With contact, where tangents waver and paths have corners, it
         has to go on from either the increment before or the tangent at its start. Where the load turns because it is
-        made to, and nothing has flowed, points unload: the tangent at its end is that of the whole step.
+        made to, and nothing has flowed, points unload: the tangent at its end is the whole step's.
         """
         if self.system.smooth:
             return max(self.angle(after.direction, d) for d in (before.tangent, after.tangent))
@@ -63,7 +63,7 @@ class Measuring:
         return 0.0 if least > self.control.turn and self.stands_still(after) else least
 
     def stands_still(self, after: State) -> bool:
-        """Whether a prescribed load moves nothing by more than states are exact, as of what is pressed onto obstacles.
+        """Whether a prescribed load moves nothing by more than states are exact, as of parts pressed onto obstacles.
 
         They are so to rounding, and to the penetration and slip that augmented contact leaves.
         """

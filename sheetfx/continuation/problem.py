@@ -28,7 +28,7 @@ class Problem(Protocol):
     system : the equations
     clock : of the time that parts of the work take
     layout : rows of the unknowns
-    stages : of loads that are applied before those of the path; none: the load factor is that of the path throughout
+    stages : of loads that are applied before the path's; none: the load factor is the path's throughout
     size : what default steps of the monitored value are a part of
     massless : why frequencies are not followed; "": they can be
     follower : loads that follow the structure, and for each whether its forces have a potential nevertheless
@@ -64,13 +64,13 @@ class Problem(Protocol):
         """The load that states report."""
 
     def load_of_unit(self) -> float | None:
-        """That of a load factor of 1; None: it is not proportional to the factor."""
+        """The load at a load factor of 1; None: it is not proportional to the factor."""
 
     def visiting(self, snapshot: dict[str, np.ndarray]) -> AbstractContextManager[None]:
         """Be at a state, and afterwards where the problem was before."""
 
     def unbalanced(self, load: PETSc.Vec) -> str:
-        """What is wrong with a load vector that nothing takes, as of a body without supports; "": nothing."""
+        """Fault of a load vector that nothing takes, as of a body without supports; "": none."""
 
     def why_singular(self) -> str:
         """Why the tangent of the first state is singular; called on all processes."""

@@ -176,7 +176,7 @@ class Segment:
         return float(found[-1]), found[:-1]
 
     def curve(self, left: float, right: float) -> CubicHermiteSpline:
-        """Increments between two lengths, that of the load factor last, by their tangents."""
+        """Increments between two lengths, the load factor's last, by their tangents."""
         rate = self.distance(left, right) / (right - left)
         values, slopes = ([np.append(x, load) for load, x in vectors] for vectors in (
             map(self._increments, (left, right)), (self.states[s].tangent for s in (left, right))))

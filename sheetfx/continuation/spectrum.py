@@ -62,7 +62,7 @@ def nearest_to_zero(solver: Factored, mass: PETSc.Mat, count: int, tolerance: fl
 
 
 def _infinite(solver: Factored, mass: PETSc.Mat) -> float:
-    """Size beyond all eigenvalues: those of what has no mass, as of multipliers, are infinite but for rounding."""
+    """Size beyond all eigenvalues: without mass, as of multipliers, they are infinite but for rounding."""
     stiff, heavy = solver.matrix.getDiagonal().array, mass.getDiagonal().array
     there = heavy > 0
     largest = float(np.max(np.abs(stiff[there]) / heavy[there], initial=0.0))
@@ -73,7 +73,7 @@ def nearest_pairs(solver: Factored, mass: PETSc.Mat, count: int,
                   tolerance: float = 1e-12) -> list[tuple[complex, PETSc.Vec, PETSc.Vec]]:
     """Complex eigenvalues of K mode = value M mode nearest to zero, and the real and imaginary parts of modes.
 
-    The parameters are those of `nearest_to_zero`; the modes are not scaled, and conjugate values come in pairs.
+    Parameters as of `nearest_to_zero`; the modes are not scaled, and conjugate values come in pairs.
     """
     eps = _solved(solver, mass, count, tolerance)
     if eps is None:

@@ -95,7 +95,7 @@ class State:
     factor : load factor of that stage
     load : total load of that stage on the whole structure
     deflection : monitored displacement
-    unstable_modes : negative eigenvalues of the tangent beyond those of multipliers; None: not symmetric, not known
+    unstable_modes : negative eigenvalues of the tangent, the multipliers' aside; None: not symmetric, not known
     determinant_sign : sign of the tangent's determinant, where multipliers do not count; None: not known
     load_rate : load component of the unit tangent along the path
     iterations, factorisations : of the step that led here, failed tries included

@@ -188,7 +188,7 @@ class Tracer(FirstState):
         return None
 
     def enter(self, stage: int, control: StepRule) -> State:
-        """Begin a load stage at the current state: its load factor varies from zero, that of the last one stays."""
+        """Begin a load stage at the current state: its load factor varies from zero, the last one's stays."""
         if control.newton != self.control.newton:
             self.snes.setTolerances(max_it=control.iterations_allowed)
         self.control, self.tangent.functional = control, self._controlled(control)
@@ -246,7 +246,7 @@ class Tracer(FirstState):
             self._mark_factored(moved=False)
 
     def _mark_factored(self, moved: bool = True) -> None:
-        """Remember that the last factor is that of the current state, unless axes of nodes have turned since then."""
+        """Remember that the last factor belongs to the current state, unless axes of nodes have turned since then."""
         if not (moved and self.system.unknowns.charted):
             self._factored = self.state.response, self.total_factorisations
 

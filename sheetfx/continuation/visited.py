@@ -68,7 +68,7 @@ def _part(one: State, other: State, after: State) -> float:
 
 
 def _near(start: np.ndarray, end: np.ndarray, place: np.ndarray, part: float) -> bool:
-    """Whether displacements are about those of a part of the way between two states."""
+    """Whether displacements lie about a part of the way between two states."""
     return bool(np.linalg.norm(place - start - part * (end - start)) <= APART * np.linalg.norm(end - start))
 
 

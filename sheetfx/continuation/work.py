@@ -78,7 +78,7 @@ def _even(way: _Way, share: float) -> float:
 
     Parameters
     ----------
-    share : length of the step over that of the one before; 0: there is none
+    share : ratio of the step's length to the last step's; 0: there is none
     """
     rise, motion = way.step
     bends = [share * (share * a - b) / (1 + share) for a, b in zip(way.before, way.step, strict=True)]
@@ -97,7 +97,7 @@ def _cornered(way: _Way) -> tuple[float, float]:
 
 
 def _energy(segment: Segment, step_before: tuple[float, np.ndarray]) -> tuple[tuple[float, float], _Way]:
-    """Work taken up from the first to the last state less that of the load of the first, and the way of the loads.
+    """Work taken up from the first to the last state less the work of the first load, and the way of the loads.
 
     Beside the work the sum of the sizes of its parts.
     """

@@ -114,7 +114,7 @@ class AmplitudeEquations:
         return found
 
     def _begun(self, c: np.ndarray) -> tuple[np.ndarray, float]:
-        """Amplitudes and change of the load factor of a stable equilibrium, to which that of the perfect one leads.
+        """Amplitudes and change of the load factor of a stable equilibrium, to which the perfect structure's leads.
 
         Raises
         ------

@@ -1,6 +1,6 @@
 """Critical points found directly, by Newton's method for state, load and null vectors together.
 
-The equations are those of `critical.defining`. Both systems are regular at simple points, so that Newton's method
+The equations are in `critical.defining`. Both systems are regular at simple points, so that Newton's method
 converges quadratically; at points of several modes together their mean is sought, which symmetry makes regular too.
 Close to other points the tangent is nearly singular in modes that are not sought: they belong to the border. Where the
 tangent of the solution has other null vectors as well, Newton's method goes on with all of them.
@@ -65,7 +65,7 @@ class Critical:
     point : kind, load, deflection, multiplicity, name, Koiter's a and b
     state : from which paths go on, and branches
     modes : null vectors, this process's part, the largest displacement being 1
-    unfolding : norm of the forces along the null vectors that hold the state, over that of the load; at a bifurcation
+    unfolding : norm of the forces along the null vectors that hold the state, over the load's norm; at a bifurcation
         rounding, unless the structure is imperfect
     iterations : of Newton's method
     factorisations : that it took
@@ -122,7 +122,7 @@ def critical(scene, guess: State, mode: np.ndarray | Sequence[np.ndarray] | None
     kind : "limit" or "bifurcation"; None: a limit point where the response of the guess to the load is for the greater
         part along the mode
     multiplicity : number of modes where none are given; the point that is found may have more
-    beside : number of further modes in the border, those of the guess that are nearest to zero: as many as there are
+    beside : number of further modes in the border, the guess's nearest to zero: as many as there are
         other points close to the one that is sought; None: none beside given modes, else those whose eigenvalues differ
         from the sought one's by no more than its own size
 
@@ -170,7 +170,7 @@ def _softest(tracer: Tracer, guess: State, sought: int, beside: int | None, kind
     """Vectors near the sought null vectors, then those beside, from the tangent at the guess.
 
     Near a limit point that is the response to the load; bifurcations have the modes with eigenvalues nearest to zero
-    that the response does not lie along. Beside are those of points no farther from the sought one than the guess is.
+    that the response does not lie along. Beside are modes of points no farther from the sought one than the guess is.
     """
     tracer.factorise_at(guess)
     system, most = tracer.system, max(sought, tracer.system.size - 1)
@@ -288,7 +288,7 @@ class _Newton:
         raise self._failure(f"does not converge in {ITERATIONS} iterations")
 
     def load_within(self, share: float) -> float:
-        """Total load of the point, within a share of what it differs by from that of the guess."""
+        """Total load of the point, within a share of its difference from the guess's."""
         load = self._tracer.discretisation.total_load
 
         def is_last(change: float, contraction: float) -> bool:
@@ -364,7 +364,7 @@ class _Newton:
         return step + change * loaded
 
     def _is_last(self, change: float, contraction: float) -> bool:
-        """Whether the next correction of the load, which contracts as that of the state did, is less than allowed."""
+        """Whether the next correction of the load, which contracts as the state's did, is less than allowed."""
         if len(self._iterations) < 2:
             return False
         before, last = (iteration.correction for iteration in self._iterations[-2:])
@@ -400,7 +400,7 @@ class _Newton:
         return (low, high) if off > control.exact else None
 
     def _at_same_load(self, rate: float, bent: float, pushed: float) -> float:
-        """Size of the sought eigenvalue where the load is that of the point: of bifurcations by the option `same_load`.
+        """Size of the sought eigenvalue where the load is the point's: of bifurcations by the option `same_load`.
 
         At a limit point, by SAFETY times the option `exact`, which the iteration leaves: the eigenvalue changes by
         `bent` a and the load by bent a^2 / (2 pushed) with the amplitude a.

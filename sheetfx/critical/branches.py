@@ -68,10 +68,10 @@ class Branch:
 
 
 def branches(path, states: Sequence[State], point: CriticalPoint, amplitude: float = 0.05) -> list[Branch]:
-    """A start on every half-branch of a bifurcation but those of the path itself.
+    """A start on every half-branch of a bifurcation but the path's own.
 
-    A simple bifurcation has two. Those of a double one are complete as far as samples each 8 degrees show
-    them; those of higher ones are sought from many directions, and some may be missed. Starts lie on the first pieces
+    A simple bifurcation has two. A double one's are complete as far as samples each 8 degrees show
+    them; for higher ones they are sought from many directions, and some may be missed. Starts lie on the first pieces
     of the branches, before their own critical points; where that cannot be made sure of, `Branch.doubt` says why.
 
     At a corner, where pairs open or close together, branches are all other tangents with which contacts are consistent
@@ -91,7 +91,7 @@ def branches(path, states: Sequence[State], point: CriticalPoint, amplitude: flo
     ValueError
         For a limit point, if the amplitude is not positive, or if the states around the point are not given.
     NoBranch
-        If none converges, or those of a corner are not known: with friction, with pairs that are not
+        If none converges, or a corner's are not known: with friction, with pairs that are not
         condensed, or where more than 14 change together.
     """
     require("branches", amplitude=(amplitude, Positive))
@@ -207,7 +207,7 @@ def zeros_around(force: Callable[[float], float], angles: np.ndarray, values: Se
 
 
 def _over_sphere(reduction: Reduction, amplitude: float) -> tuple[list[np.ndarray], bool]:
-    """Zeros of the forces on a sphere of any dimension, near those of an interpolation between samples."""
+    """Zeros of the forces on a sphere of any dimension, near the zeros of an interpolation between samples."""
     multiplicity = len(reduction.modes)
     samples = _scattered(SAMPLES * multiplicity, multiplicity)
     solutions = [reduction.solve(c, amplitude) for c in samples]

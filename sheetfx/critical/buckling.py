@@ -77,7 +77,7 @@ def buckling(path, state: State, count: int = 6, *, supports: Sequence | None = 
     path : Path or Tracer that the state belongs to; it stays at its present state
     state : unloaded or loaded; contact stays as it is
     count : number of loads; more are returned where the last one would cut a cluster
-    supports : of the modes, where they differ from those of the response: modes of the other symmetry, or edges
+    supports : of the modes, where they differ from the response's: modes of the other symmetry, or edges
         that move freely before they buckle
     prebuckling : whether the tangent changes with the displacement of the response too, so that the error falls
         with the square of the distance to a bifurcation; False: with its stress alone, by the initial-stress
@@ -191,7 +191,7 @@ class BucklingProblem:
         return solver.negative_pivots() - self.system.multipliers
 
     def residual(self, increment: float, mode: PETSc.Vec) -> float:
-        """Energy norm of the residual over that of the mode."""
+        """Ratio of the energy norms of the residual and of the mode."""
         force, change, answer = mode.duplicate(), mode.duplicate(), mode.duplicate()
         self.tangent.mult(mode, force)
         energy = mode.dot(force)

@@ -5,7 +5,7 @@ to close there, and k their stiffnesses. For rates of the unknowns x' and of the
 
     x' = K^-1 (l' p + G^T f),   g' = G x',   f = k g' of pairs that open, -k g' of those that close, zero of others,
 
-which is a solution where gaps of all open pairs grow and those of closed ones shrink: a linear complementarity problem
+which is a solution where gaps of all open pairs grow and gaps of closed ones shrink: a linear complementarity problem
 (Cottle, Pang and Stone 1992, chapter 1). Where the structure is stable with and without the pairs it has one solution
 for each sense of the load. Where it is not there may be many, and going through all sets of pairs finds them all. The
 one with which nothing changes leads back along the path.

@@ -235,7 +235,7 @@ class CriticalCurve:
         self._exact, self.factorisations = ArcLength().exact, 0
         scene(to)
         self._first_problem = Discretisation(scene(at))
-        self._measure = self._first_problem.system  # of which the weights are those of all
+        self._measure = self._first_problem.system  # whose weights serve for all
         self._low, self._high = self._bounds()
         self.kept: Kept | None = None
 
@@ -336,7 +336,7 @@ class CriticalCurve:
         return place
 
     def _with_modes(self, place: _Place) -> _Place:
-        """A place with one more mode in its border, that of its tangent whose eigenvalue is next to zero."""
+        """A place with one more mode in its border, its tangent's whose eigenvalue is next to zero."""
         problem = self._problem(place.number, place.fields)
         system, count = problem.system, self._count + 1
         system.extrapolate_stress()
@@ -451,7 +451,7 @@ class CriticalCurve:
 
     def _require_perfect(self, system: System, found: Linearised, forces: np.ndarray, factor: float,
                          number: float) -> None:
-        """Refuse a bifurcation that forces along its modes must hold, as those of an imperfection do."""
+        """Refuse a bifurcation that forces along its modes must hold, as an imperfection's do."""
         load = system.create_vector()
         system.load(load)
         held = combined([system.weights * mode for mode in found.modes], forces).norm() / (abs(factor) * load.norm())
@@ -624,7 +624,7 @@ def _settle(system: System, defining: DefiningSystem, at: PETSc.Vec, factor: flo
 
 
 def _pushed(system: System, found: Linearised, influence: Influence, factor: float, way: float) -> float:
-    """Work along the sought mode of the number's forces by its whole range, over that of the load's size."""
+    """Work along the sought mode of the number's forces by its whole range, over the work of the load's size."""
     mode, load = found.modes[int(found.sought[0])], system.create_vector()
     system.load(load)
     return abs(way * mode.dot(influence.residual)) / (abs(factor) * load.norm() * mode.norm())

@@ -80,7 +80,7 @@ class Linearised:
     right: np.ndarray = field(repr=False)
 
     def solve(self) -> tuple[PETSc.Vec, np.ndarray, np.ndarray]:
-        """The correction of the state, those of load factor and numbers, and the forces t."""
+        """The corrections of state, load factor and numbers, and the forces t."""
         return self.step(np.linalg.solve(self.matrix, self.right))
 
     def step(self, solution: np.ndarray) -> tuple[PETSc.Vec, np.ndarray, np.ndarray]:
@@ -121,7 +121,7 @@ class DefiningSystem:
 
     @property
     def sought_modes(self) -> list[PETSc.Vec]:
-        """Those of the modes that are sought, as far as is known."""
+        """The modes that are sought, as far as is known."""
         return [self.modes[n] for n in self.sought]
 
     def factorise(self) -> None:
@@ -149,7 +149,7 @@ class DefiningSystem:
 
         Parameters
         ----------
-        more : forces out of balance besides those of the system
+        more : forces out of balance besides the system's
         """
         residual = self._system.create_vector()
         self._system.configure(x, factor)

@@ -29,7 +29,7 @@ from .remade import remade
 ByPath = Callable[[Scene], Callable[[CriticalPoint, float], tuple[float, float, int]]]
 
 SHARE = 0.02  # of the change of a load that need not be known
-ALIKE = 0.95  # cosine between a mode and that of the richer discretisation, below which it may be another one
+ALIKE = 0.95  # cosine between a mode and the richer discretisation's, below which it may be another one
 
 
 @dataclass(frozen=True)
@@ -152,7 +152,7 @@ def _bar(point: CriticalPoint, there: tuple[float, float, int], uncounted: str =
 
 
 def _in_order(bars: list[ErrorBar]) -> list[ErrorBar]:
-    """Bars of points in the order of a path; where those of neighbours overlap each tells it."""
+    """Bars of points in the order of a path; where neighbours overlap each tells it."""
     for n, (one, other) in enumerate(pairwise(bars)):
         if one.error is None or other.error is None:
             continue

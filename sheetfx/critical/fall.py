@@ -11,7 +11,7 @@ and is raised where a step does not converge, or is too long. Without friction t
 It leaves an unstable equilibrium in a fluid that flows along the mode: steep walls of a curved valley push it to the
 floor. With a viscosity below the growth of that mode a step can lead back to the unstable equilibrium, or past it. So
 the flow is so short that the step gives energy, and each step after it must begin down the forces and give energy. That
-is the integral of all forces along the motion, those of the held load and of friction included: what the fluid takes.
+is the integral of all forces along the motion, the held load's and friction's included: the work that the fluid takes.
 Forces of contact change within a small part of a step, so that their work comes from its closed form
 (`Contribution.work_between`) where there is one.
 
@@ -38,7 +38,7 @@ from .modes import scaled
 
 AMPLITUDE = 0.02  # of the first push, in the scaled norm
 FARTHEST = 0.2  # of any step, in the scaled norm
-PUSH = 1e-3  # of the load, by which it changes where friction holds a stable state, or that moves what is held
+PUSH = 1e-3  # of the load, by which it changes where friction holds a stable state, or that moves the held node
 FACTOR = 4.0  # on the viscosity after a step, and on a push that takes energy
 NEARLY_CRITICAL = 1e-3  # lowest eigenvalue over the next, of a stable state taken for critical
 PERPENDICULAR = 1e-3  # cosine of the angle between mode and path
@@ -60,7 +60,7 @@ class FallStep:
     Attributes
     ----------
     energy : change since the start, of the whole structure and its loads
-    residual : norm of the forces out of balance over that of loads or reactions
+    residual : ratio of the norms of the forces out of balance and of loads or reactions
     shift : damping of the step that led here
     load, deflection : as of a State
     """

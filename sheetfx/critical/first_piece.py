@@ -4,7 +4,7 @@ States between the bifurcation and the start must have one number of unstable mo
 as the type of the bifurcation asks, and lie on one smooth curve. A branch of a simple bifurcation has the stability
 that the path has on the other side of the critical load (exchange of stability: Crandall and Rabinowitz 1973), so that
 halves of a stable symmetric one are stable, whatever the load does (Koiter 1945). Where branches are a family, the
-modes that lead from one to another are neutral: their signs and their shares in tangents are those of rounding.
+modes that lead from one to another are neutral: rounding decides their signs and their shares in tangents.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from ..continuation.state import CriticalPoint, State
 from ..rounding import NONE
 from .reduction import NoSolution, Reduction
 
-RUNGS = (1 / 4, 1.0)  # amplitudes over that of the start, where the branch is looked at
+RUNGS = (1 / 4, 1.0)  # amplitudes over the start's, where the branch is looked at
 
 
 class FirstPiece:
@@ -47,7 +47,7 @@ class FirstPiece:
         Parameters
         ----------
         family : whether there are branches in all directions; the tangent is then the one that keeps its direction
-        free : whether the direction is that of another amplitude of the branch, which may turn
+        free : whether the direction belongs to another amplitude of the branch, which may turn
 
         Raises
         ------
@@ -81,11 +81,11 @@ class FirstPiece:
                 or self._rough(direction, amplitude, family, rungs))
 
     def _turned(self, direction: np.ndarray, amplitude: float, family: bool) -> State:
-        """The state at another amplitude of a branch, where that of several modes may have turned."""
+        """The state at another amplitude of a branch, where the direction of several modes may have turned."""
         return self.state(direction, amplitude, family, free=not family and len(direction) > 1)
 
     def _disagreement(self, states: Sequence[State], neutral: int) -> str:
-        """What changes between states of a branch, but the signs of neutral modes, which are those of rounding."""
+        """What changes between states of a branch, but the signs of neutral modes, which rounding decides."""
         counts, start = [_stability(state) for state in states], states[-1]
         if max(counts) - min(counts) > neutral and (start.unstable_modes is not None or not neutral):
             return (f"the number of unstable modes changes on the way to the start ({', '.join(map(str, counts))}): "

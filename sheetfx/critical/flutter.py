@@ -240,7 +240,7 @@ class _Between:
 
 
 def _gaps(squares: np.ndarray) -> np.ndarray:
-    """Differences of neighbouring squares; those of complex pairs are zero."""
+    """Differences of neighbouring squares; zero for complex pairs."""
     return np.diff(np.sort(squares.real))
 
 

@@ -48,7 +48,7 @@ class _Changed:
 
     Attributes
     ----------
-    residual, load : forces out of balance, and those of a load factor of 1
+    residual, load : forces out of balance, and loads of a load factor of 1
     images : of modes by the tangent
     unit : total load for a factor of 1
     """
@@ -135,7 +135,7 @@ class LoadGradient:
 
         Returns
         -------
-        Of several modes in ascending order as many, those of the loads that the point splits into as the number grows.
+        Of several modes in ascending order as many, one for each load that the point splits into as the number grows.
 
         Raises
         ------

@@ -158,7 +158,7 @@ def _fundamental(cubic: float, stiffness: float, bend: float, seen: float) -> fl
     """Component along the mode of the fundamental path by a unit of load.
 
     Both paths solve cubic k^2 + 2 stiffness k + bend = 0 (Keller 1977, algebraic bifurcation equation); the one
-    closest to what is seen counts.
+    closest to the one that is seen counts.
     """
     roots = np.roots([cubic, 2 * stiffness, bend]) if cubic or stiffness else np.zeros(1)
     return float(min(roots.real, key=lambda root: abs(root - seen)))

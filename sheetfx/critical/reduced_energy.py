@@ -4,7 +4,7 @@ With amplitudes a of modes phi, a change d of the load factor and coefficients c
 
     x = a_i phi_i + a_i a_j w_ij + d y + c_m z_m,
 
-where w, y and z make the energy stationary off the modes. What is left is equilibrium along these, the
+where w, y and z make the energy stationary off the modes. The rest is equilibrium along these, the
 `AmplitudeEquations`, whose paths take milliseconds. Third variations are differences of the Hessian, the quartic form
 is fitted to its values along many directions. Far from the critical point the energy has further terms. The forces
 along the null vector that equilibrium lacks at the state found tell by how much the load is off, to the first order.

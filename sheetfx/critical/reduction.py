@@ -176,7 +176,7 @@ class Reduction:
         return step, float(change), np.array(forces) @ tangential
 
     def relative_forces(self, solution: Solution) -> float:
-        """Norm of the forces along the null vectors over that of the loads."""
+        """Ratio of the norms of the forces along the null vectors and of the loads."""
         self.system.load(self._load)
         total = self.combined(self.weighted, solution.forces)
         return total.norm() / (self.size * self._load.norm())

@@ -16,7 +16,7 @@ from .koiter import expansion
 
 
 def limit_of_imperfect(point: CriticalPoint, amplitude: float, sensitivity: float = 1.0) -> float:
-    """Load at which the path of a slightly imperfect structure is lost, over that of the perfect one (Koiter 1945).
+    """Ratio of the loads at which a slightly imperfect and the perfect structure lose stability (Koiter 1945).
 
     The maximum of (1 - r) xi + a xi^2 + b xi^3 = sensitivity r amplitude over xi: asymptotically
     1 - r = 2 (-a amplitude)^(1/2) or 3 / 2^(2/3) (-b)^(1/3) amplitude^(2/3).

@@ -29,7 +29,7 @@ def critical_modes(path, states: Sequence[State], point: CriticalPoint,
 
     Returns
     -------
-    list of arrays of increments on this process, as many as the point's multiplicity; those of several span the space
+    list of arrays of increments on this process, as many as the point's multiplicity; several span the space
     of null vectors, in no particular order.
 
     Raises

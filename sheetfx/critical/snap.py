@@ -76,10 +76,10 @@ def snap(path, state: State, hold: str = "load", side: int = 1,
     ----------
     path : Path or Tracer that the state belongs to; it stays at its present state
     state : unstable, or at a critical point; with friction also a stable one ahead of which there is no equilibrium,
-        where a path ends: what is held is then raised by a thousandth of the load, as the path went on
+        where a path ends: the held quantity is then raised by a thousandth of the load, as the path went on
     hold : what the test holds during the fall: "load", the load factor (with a prescribed displacement that one), or
         "displacement", that on which the load works: the monitored one where the load is a force there
-    side : 1 or -1, the sense of the fall along the unstable direction; 1: that of the path where the two are not
+    side : 1 or -1, the sense of the fall along the unstable direction; 1: the path's sense where the two are not
         perpendicular, as at limit points; friction may hold the structure in one of them
     listener : called with every step of the fall
 
@@ -104,7 +104,7 @@ def snap(path, state: State, hold: str = "load", side: int = 1,
 def snaps(path, states: Sequence[State], hold: str = "load") -> list[Snap]:
     """Falls of a test along a path: one where each unstable piece begins.
 
-    There what is held has its extreme, and this state is found first. Where a piece begins with a bifurcation or with
+    There the held quantity has its extreme, and this state comes first. Where a piece begins with a bifurcation or with
     contact, the next state of the path counts, and the fall hangs on the length of steps.
 
     Parameters
@@ -118,12 +118,12 @@ def snaps(path, states: Sequence[State], hold: str = "load") -> list[Snap]:
 
 
 def first_fall(path, before: State, after: State, hold: str) -> Snap:
-    """The fall from the extreme of what is held between two states, else from the second one."""
+    """The fall from the extreme of the held quantity between two states, else from the second one."""
     return snap(path, _extreme(tracer_of(path), before, after, hold) or after, hold)
 
 
 def _extreme(tracer, before: State, after: State, hold: str) -> State | None:
-    """The state between two others at which what is held has its extreme; None if they know of none."""
+    """The state between two others at which the held quantity has its extreme; None if they know of none."""
     first = next((point for point in after.critical if point.step == after.step), None)
     if not tracer.system.smooth or (first and first.kind == "bifurcation"):
         return None

@@ -23,7 +23,7 @@ class Falling:
     Attributes
     ----------
     control : of the test: what it holds during a fall, and towards what it goes on
-    falls : those of the path so far
+    falls : of the path so far
     """
 
     control: StepRule

@@ -126,7 +126,7 @@ class _Touching:
     @classmethod
     @contextmanager
     def of(cls, system: System) -> Iterator[_Touching]:
-        """Those of a system, whose tangents leave them out meanwhile."""
+        """A system's contacts, which its tangents leave out meanwhile."""
         works = [c for c in system.rough if isinstance(c, PairWork)]
         if other := [c for c in system.rough if not isinstance(c, PairWork)]:
             name = other[0].called or type(other[0]).__name__

@@ -34,7 +34,7 @@ def searched(discretisation: Problem, control: StepRule, flutter: bool) -> list[
     if not control.guarded:
         found.append("other paths: not looked for, steps are taken as they are")
     elif not system.smooth:
-        work = (", or whose work is not what is stored and dissipated" if system.work_known else
+        work = (", or whose work is not the energy stored and dissipated" if system.work_known else
                 "; other jumps within steps are not looked for")
         apart = "; where all is apart, one that leaves the smooth path" if pairs_of(system.contributions) else ""
         found.append(f"other paths: a step is cut that turns too far, or leaps beside a critical point{work}{apart}")

@@ -1,7 +1,7 @@
 """The worst and the likely imperfections of a structure, by critical loads of imperfect ones and their gradients.
 
 Imperfections are sums of shapes with coefficients c; their size is the norm of c. Where the load of the first critical
-point is least among those of one size r, its gradient g is normal to the sphere:
+point is least among all of one size r, its gradient g is normal to the sphere:
 
     c = -r g / |g|,
 
@@ -57,7 +57,7 @@ class ImperfectLoad:
 
 
 class LoadsByShape(ABC):
-    """First critical loads of imperfect structures, and a search for what is worst and likely.
+    """First critical loads of imperfect structures, and a search for the worst and the likely ones.
 
     Attributes
     ----------

@@ -25,7 +25,7 @@ ALTERNATELY = (0.1, (-1,)), (0.03, (1,)), (0.01, (-1,))  # likewise, first on on
 ROUGH = 1e-5  # relative error of the load, which is too large
 SAMPLES = 6  # states that are interpolated between
 CLOSEST, CORNERED = 1e-4, 1 / 64  # of a step, piece that is not divided any more, in general and with contact
-STEEP = 4  # of an even change over the step, that of eigenvalues between two neighbouring states where they jump
+STEEP = 4  # of an even change over the step, change of eigenvalues between two neighbouring states where they jump
 EVEN = 0.5  # smaller rate of the load factor over the larger one at the outer samples, where it tells them apart
 DOUBT = 4  # of the last correction of a load, difference from another value of it that shows which one is noise
 FAR = 0.05  # of a piece of path, distance from crossings of states that tell how far apart these are
@@ -45,7 +45,7 @@ class Crossing:
 
 
 def unresolved(segment: Segment, left: float, right: float, count: int) -> list[Crossing]:
-    """Crossings that are known to lie between two lengths, and no more; those of a step around a corner: its start."""
+    """Crossings that are known to lie between two lengths, and no more; of a step around a corner: its start."""
     one, other = segment[left], segment[right]
     low, high = sorted((one.load, other.load))
     corner = segment.nonsmooth and _jumps(segment, Determinant(segment, left, right, count), left, right)
@@ -114,7 +114,7 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
 
 
 def _moved(roots: np.ndarray, others: np.ndarray, close: float) -> float:
-    """Largest distance of crossings from others, where they lie close together that of their means.
+    """Largest distance of crossings from others, where they lie close together the distance of their means.
 
     Rounding parts crossings that lie together, and the more the nearer the states are, but hardly moves their means.
     """

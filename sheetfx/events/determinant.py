@@ -1,4 +1,4 @@
-"""What is left of a tangent that is bordered by a few vectors near the modes that become unstable.
+"""The rest of a tangent that is bordered by a few vectors near the modes that become unstable.
 
 With these vectors Phi, and the weights W of the inner product, the small matrix
 

@@ -35,7 +35,7 @@ def locate(tracer, earlier: State | None, before: State, after: State, named: Na
     by one; any other change in that number means bifurcations. A piece of path with a large defect is also looked
     at in its middle.
 
-    As a contact slides over contact points the load rate wavers about that of the smooth path, while
+    As a contact slides over contact points the load rate wavers about the smooth path's, while
     the load itself hardly does. With contact a limit point is therefore a step in which the load
     turns, and is searched there and in the step before it, which starts at `earlier`.
 
@@ -183,7 +183,7 @@ def _turned_before(segment: Segment, earlier: State | None) -> list[Limit]:
 
 
 def _bifurcations(segment: Segment, limits: list[float], returns: list[float]) -> list[Crossing]:
-    """Where eigenvalues other than those of limit points pass zero, along the path.
+    """Where eigenvalues pass zero along the path, limit points aside.
 
     At limit points, and where a path returns, an eigenvalue is zero, and rounding decides about its sign.
     With contact, where eigenvalues waver, the ends of the step are compared, and the states in between that are known
@@ -258,7 +258,7 @@ def _clusters(crossings: list[Crossing], near: float, same: float) -> list[list[
 
 
 def _agree(segment: Segment, *loads: float) -> bool:
-    """Whether loads of a bifurcation agree: that of its state, and where eigenvalues and where tangents have it.
+    """Whether loads of a bifurcation agree: its state's, and where eigenvalues and where tangents have it.
 
     Where a path turns onto another one nearby, states that look like neighbours are not: their tangents lead away, and
     what lies between them is no equilibrium.
@@ -270,7 +270,7 @@ def _agree(segment: Segment, *loads: float) -> bool:
 def _bifurcation(segment: Segment, crossings: list[Crossing], named: Naming) -> tuple[CriticalPoint, State | None]:
     """A simple or multiple bifurcation, classified, and its state.
 
-    Where points have yielded the tangent is that of a linear comparison solid, which goes on loading (Hill 1958). Its
+    Where points have yielded the tangent belongs to a linear comparison solid, which goes on loading (Hill 1958). Its
     bifurcation is the first one of the structure, such as Shanley's (1947) of a column, but it has no energy that would
     say what follows, when points unload.
     """

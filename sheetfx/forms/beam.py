@@ -100,9 +100,9 @@ def simo_reissner(u, rotation, frame):
 
 
 def off_the_line(strains, offset, length):
-    """Strains of a line that the sections carry beside the curve, from those of the curve itself.
+    """Strains of a line that the sections carry beside the curve, from the curve's own.
 
-    A point at e in the section stands at x + u + R e, whose derivative adds R' e to that of the curve: Gamma + K x e
+    A point at e in the section stands at x + u + R e, whose derivative adds R' e to the curve's: Gamma + K x e
     on the axes of the reference frame (Simo 1985, eq. 3.7, of the line beside the curve). All strains are then
     taken per length of that line.
 

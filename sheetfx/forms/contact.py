@@ -39,14 +39,14 @@ def on_moving_partner(first, second, arm, slopes, curvatures, axes, start):
 
     The partner is where the plane through the first point that is normal to the second axis (which lies along the
     curve) cuts it. Near the point of the curve at which the traces are taken the curve is y + y' s + y'' s^2 / 2, so
-    that s is the root of a quadratic equation; at s = 0 values and both derivatives are those of the true partner, and
+    that s is the root of a quadratic equation; at s = 0 values and both derivatives are the true partner's, and
     the tangent is the exact Hessian though the point moves.
 
     Parameters
     ----------
     first : as of `on_fixed_partner`
     second : list of UFL vectors: displacement of the curve, and its first and second derivative by arc length
-    arm, slopes, curvatures : UFL vectors, from the first point to that of the curve in the reference configuration, and
+    arm, slopes, curvatures : UFL vectors, from the first point to the curve's in the reference configuration, and
         derivatives of the curve's place by arc length
     axes : as of `on_fixed_partner`
     start : UFL vector: initial gap, initial place along each axis, then how far the partner has moved along the curve
@@ -126,7 +126,7 @@ def strains_of(kinematics, history, slips: bool):
     Parameters
     ----------
     kinematics : list of UFL scalars, as `on_fixed_partner` gives it
-    history : UFL vector: multiplier of the pressure, then those of the tractions, then the slips that they belong to
+    history : UFL vector: multipliers of the pressure and of the tractions, then the slips that they belong to
     slips : whether the law knows of slips
     """
     count = len(kinematics) - 1
@@ -137,7 +137,7 @@ def strains_of(kinematics, history, slips: bool):
 
 
 def resultants_of(law, strains, parameters, slips: int):
-    """Forces conjugate to `strains_of`: a pressure works against the gap; what is remembered does no work."""
+    """Forces conjugate to `strains_of`: a pressure works against the gap; remembered values do no work."""
     pressure, tractions = law(strains[0], [strains[1 + i] for i in range(slips)], strains[1 + slips],
                               [strains[2 + slips + i] for i in range(slips)], parameters)
     return ufl.as_vector([-pressure, *tractions, *[0.0] * (1 + slips)])

@@ -141,7 +141,7 @@ def gap_in_space(first, second, arm):
     """The gap u_2 - u_1 + arm - R arm on the axes of space, and the turn as of `gap_of_arm`.
 
     Where all of its components are held this is the same constraint. Along lines they are held in the mean only, and
-    on axes that turn a force times a turn would work on what is left of the gap: parts would seem to buckle, in
+    on axes that turn a force times a turn would work on the rest of the gap: parts would seem to buckle, in
     tension too, at a strain of about thickness over size of a cell.
     """
     apart = second[0] - first[0]

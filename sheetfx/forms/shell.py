@@ -59,7 +59,7 @@ def surface_frame(domain, director=None, middle=None) -> SurfaceFrame:
         Unit normals interpolated in each cell; None: the normal of flat cells.
     middle : pair of UFL vectors, shape (3,)
         Tangent and normal of each cell's middle: the axes are turned from there by the smallest rotation, so that
-        those of another tangent are the same but for a constant angle. None: the tangent of flat cells.
+        another tangent's are the same but for a constant angle. None: the tangent of flat cells.
     """
     normal = unit_normal(domain)
     first = unit_tangent(domain)
@@ -97,7 +97,7 @@ class ShellStrains:
     membrane : UFL vector (e11, e22, 2 e12)
     bending : UFL vector (k11, k22, 2 k12), 1 / length
     shear : UFL vector (g1, g2), transverse
-    drilling : UFL scalar, in-plane rotation of the surface minus that of the rotation field
+    drilling : UFL scalar, in-plane rotation of the surface minus the rotation field's
     """
 
     membrane: object
@@ -170,7 +170,7 @@ def biot(u, rotation, frame, offset=0.0) -> ShellStrains:
     bending strain has the stretch as a factor, so that a moment M at a curvature k brings a membrane force -M k: by
     that a plastic hinge as short as the shell is thick shortens and softens.
 
-    Parameters as those of `naghdi`.
+    Parameters as of `naghdi`.
     """
     if not isinstance(offset, (int, float)) or offset:
         u, frame, _ = off_the_surface(u, rotation, frame, offset)

@@ -50,6 +50,6 @@ class Cells:
         return np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2)
 
     def of(self, names: Iterable[str]) -> Cells:
-        """Those of some groups alone."""
+        """The cells of some groups alone."""
         groups = {name: self.groups[name] for name in names}
         return Cells(groups, {e: self.nodes[e] for entities in groups.values() for e in entities}, self.kind)

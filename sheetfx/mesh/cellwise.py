@@ -16,7 +16,7 @@ def cellwise(domain, expression, degree: int | None = None) -> fem.Function:
 
     Parameters
     ----------
-    degree : of the polynomials; None: that of the geometry, whose nodes they are interpolated at; 0: the middle's value
+    degree : of the polynomials; None: the geometry's, whose nodes they are interpolated at; 0: the middle's value
     """
     family = "DG" if domain.basix_cell() in SIMPLICES else "DQ"
     degree = geometry_degree(domain) if degree is None else degree

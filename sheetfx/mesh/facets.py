@@ -7,7 +7,7 @@ are panels whatever turns at their other borders. Where a fold so found ends at 
 straightest belongs to it as well if its angle is no less than half as large: at corners of panels all edges are next to
 other folds.
 
-The normal at a vertex is that of a quadratic surface through it, nearest in least squares to the vertices around it, by
+The normal at a vertex belongs to a quadratic surface through it, nearest in least squares to the vertices around it, by
 weights 1 / distance^2 (Meek and Walton 2000, On surface normal and Gaussian curvature approximations given data sampled
 from a smooth surface). A vertex on a fold has one for each patch.
 """
@@ -30,7 +30,7 @@ CHUNK = 20000  # vertices at a time: those around each take memory
 
 
 class Facets:
-    """Cells by their sides, each of which goes from a vertex to that of the next side.
+    """Cells by their sides, each of which goes from a vertex to the next side's.
 
     Parameters
     ----------

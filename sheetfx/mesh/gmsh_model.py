@@ -50,13 +50,13 @@ class Model:
 
     Attributes
     ----------
-    what : what is read, for messages
+    what : name of the model, for messages
     x : places of its nodes in space; those without cells are not numbers
     curves : Cells
-    kinds : those of surfaces, of each kind; triangles first
+    kinds : of surfaces, of each kind; triangles first
     points : name -> nodes
     said : what was done to its cells, for a warning; empty where nothing was
-    identity : what tells meshes of this model from those of others, on one process
+    identity : tells meshes of this model from other models', on one process
     """
 
     what: str
@@ -318,7 +318,7 @@ def _bends(model, used: Sequence[Cells], place: Callable) -> bool:
 
 
 def _is_curved(model, cells: Cells) -> bool:
-    """Whether middles of edges of cells of second order lie beside those of the chords."""
+    """Whether middles of edges of cells of second order lie beside the chords'."""
     x, corners = _table(model), KINDS[cells.kind][1]
     return _off(x[cells.table()[:, corners:2 * corners].ravel()], *np.moveaxis(x[cells.sides()], 1, 0))
 

@@ -35,7 +35,7 @@ def imperfect(mesh: NamedMesh | MixedMesh, displacement: Shape | Sequence[Shape]
 
     Parameters
     ----------
-    mesh : a MixedMesh is moved whole: nodes of bars on surfaces move with these, others by what is given for them, a
+    mesh : a MixedMesh is moved whole: nodes of bars on surfaces move with these, others as is given for them, a
         function of place or a Function on the curves
     displacement : Function on the mesh (such as `mode_displacement` gives), or a function from
         coordinates, shape (n, 3), to displacements, shape (n, 3) or (n, 2) in the plane, or to deviations along the
@@ -95,7 +95,7 @@ def moved_together(meshes: Sequence[NamedMesh], given: Sequence[tuple[Shape, flo
     Parameters
     ----------
     given : functions of place move all meshes, a Function the one that it is on
-    common : numbers of two meshes, and pairs of nodes of which that of the first goes where that of the second does
+    common : numbers of two meshes, and pairs of nodes of which the first mesh's goes where the second's does
 
     Returns
     -------

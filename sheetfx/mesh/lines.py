@@ -164,7 +164,7 @@ SAME = 1e-6  # distance of places that count as one, over the size of the mesh
 
 
 def place_of(mesh: NamedMesh, at: str | Sequence[float]) -> np.ndarray:
-    """A place, or that of a named point.
+    """A place, or a named point's.
 
     Raises
     ------

@@ -200,7 +200,7 @@ def _beside(part: Cells, near: np.ndarray, points: np.ndarray, tolerance: float)
 
 
 def _passed(part: Cells, segments: Sequence[Segment], number: int) -> float:
-    """Mean length of a part's cells along the segments in them; `number` is that of the part."""
+    """Mean length of a part's cells along the segments in them; `number` is the part's."""
     middles = [np.array([(s.begin + s.end) / 2]) for s in segments]
     ways = np.array([s.piece.slopes(t)[0] for s, t in zip(segments, middles, strict=True)])
     places = np.array([s.piece.places(t)[0] for s, t in zip(segments, middles, strict=True)])

@@ -37,7 +37,7 @@ def nodal_shapes(meshes: Sequence[NamedMesh]) -> list[NodalShape]:
 
     Parameters
     ----------
-    meshes : those of one scene; nodes at one place are one
+    meshes : of one scene; nodes at one place are one
     """
     found = [meshes[0].comm.allgather(mesh.domain.geometry.x) for mesh in meshes]
     places = np.concatenate([x for parts in found for x in parts])

@@ -6,9 +6,9 @@ which follows from how it was drawn.
 Two cells that meet at an edge run alike where they pass it in opposite directions, two cells of curves at a node where
 one ends and the other begins. Which pairs are compared:
 
-- those of one group where it has no third cell there, as at the flanges of an I-section; of curves those that have the
+- cells of one group where it has no third cell there, as at the flanges of an I-section; of curves cells that have the
   same smallest group, so that bars with names of their own keep their direction;
-- of surfaces also those of two groups where no third cell is;
+- of surfaces also cells of two groups where no third cell is;
 - of three and more surfaces that meet at an edge those two that go on straightest.
 
 Cells then run like the first of all that are connected so. A Möbius strip has no two sides: its cells stay as they are.

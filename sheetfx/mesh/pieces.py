@@ -1,4 +1,4 @@
-"""Connected pieces of meshes, by the names of what is on them."""
+"""Connected pieces of meshes, by the names of the things on them."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def separate_pieces(meshes: Sequence[NamedMesh], joined: Sequence[Sequence[Place
 
 
 class _Pieces:
-    """Connected pieces of meshes by numbers, those of their vertices on all processes.
+    """Connected pieces of meshes by numbers of their vertices on all processes.
 
     Attributes
     ----------

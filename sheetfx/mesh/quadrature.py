@@ -46,7 +46,7 @@ def simplex(degree: int) -> Rule:
 def extrapolation(cell: basix.CellType, low: Rule, full: Rule) -> np.ndarray:
     """Matrix from values at the points of one rule to those, at another's, of the polynomial through them.
 
-    Polynomials are those of a degree on simplices, and of a degree along each direction on quadrilaterals.
+    Polynomials have a degree on simplices, and a degree along each direction on quadrilaterals.
 
     Raises
     ------

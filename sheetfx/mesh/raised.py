@@ -1,15 +1,15 @@
 """First-order cells of curved surfaces raised to second or third order.
 
 Flat facets of a thin shell are too stiff in waves of their size, whatever the form. Of each edge there is made a cubic
-curve that leaves its ends along tangents t_i and t_j; its middle is (t_i - t_j) / 8 off that of the chord. Where the
+curve that leaves its ends along tangents t_i and t_j; its middle is (t_i - t_j) / 8 off the chord's. Where the
 tangents come from:
 
 - inside a smooth patch (`facets`) the chord is turned into the tangent plane of each end;
-- at the border of patches, and at free edges, they are those of the circle through a vertex and the two beside it along
+- at the border of patches, and at free edges, tangents of the circle through a vertex and the two beside it along
   the border, so that all cells there have one curve. Corners and junctions of borders stop it; the last edge before one
   is a circle's arc.
 
-Tangents have the length by which the middle is that of a circle's arc. Inner nodes follow from those on edges (Coons;
+Tangents have the length by which the middle is a circle's arc's. Inner nodes follow from nodes on edges (Coons;
 of cubic triangles by precision for quadratic surfaces).
 """
 
@@ -38,7 +38,7 @@ class Raised:
     Attributes
     ----------
     x : places of all nodes, those that there were first
-    curves, surfaces : their cells; those of surfaces of each kind
+    curves, surfaces : their cells; of surfaces of each kind
     said : what was done, for a warning; empty where all are straight
     """
 
@@ -110,7 +110,7 @@ class _Curves:
 
     @property
     def rises(self) -> np.ndarray:
-        """Distance of the middle of each edge from that of its chord."""
+        """Distance of the middle of each edge from its chord's."""
         return np.linalg.norm(self.tangents[:, 0] - self.tangents[:, 1], axis=1) / 8
 
     def straighten(self, chosen: np.ndarray) -> None:

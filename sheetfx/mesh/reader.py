@@ -120,7 +120,7 @@ class NamedMesh:
 
     @property
     def mean_cell(self) -> float:
-        """Mean length of cells of curves; root of the mean area of those of surfaces."""
+        """Mean length of cells of curves; root of the mean area of cells of surfaces."""
         dimension = self.domain.topology.dim
         return (self.measure / self.domain.topology.index_map(dimension).size_global) ** (1 / dimension)
 
@@ -198,7 +198,7 @@ class NamedMesh:
             (self.name_points if kind == "vertex" else self.name_edges)(name, where)
 
     def _coordinates(self, name: str) -> np.ndarray:
-        """Of all vertices of this process, for what is to have a name."""
+        """Of all vertices of this process, for things that are to have a name."""
         if name in {*self.points, *self.edges, *self.cells}:
             raise ValueError(f"{name!r} is a name in the mesh already; give another one")
         self.domain.topology.create_connectivity(0, self.domain.topology.dim)
@@ -287,7 +287,7 @@ class NamedMesh:
     def facet_measure(self, name: str):
         """Integral over a named edge of surfaces; on curves the value at a named point.
 
-        Each facet is integrated from one side, that of a single cell on a single process.
+        Each facet is integrated from one side, a single cell's on a single process.
         """
         facets = self.points if self.domain.topology.dim == 1 else self.edges
         if name not in facets:
@@ -334,7 +334,7 @@ def read(source: Source, dimension: Annotated[int, Choice((2, 3))],
     dimension : 2 or 3, of the space that the structure lies in
     order : of the geometry: 1 (flat cells), 2 or 3 (curved ones), best the degree of the form; None: 2 where the model
         or `place` bends surfaces, or where flat cells of a file seem to be a curved surface, which are raised with
-        normals fitted to their neighbours; elsewhere 1, or that of the file
+        normals fitted to their neighbours; elsewhere 1, or the file's
     place : function from coordinates in the gmsh model, shape (n, 3), to those in space, shape (n, 3), for
         structures that are meshed in the plane of their parameters
     size : largest of the cells that gmsh makes
@@ -371,7 +371,7 @@ def named_mesh(model: Model, cells: Cells, edges: Cells, dimension: int, comm: M
 
     Parameters
     ----------
-    edges : curves on the edges of surfaces; what is not there is left out
+    edges : curves on the edges of surfaces; absent ones are left out
     partitioner : where there are several processes
     alike : of cells of several kinds, which have been turned together; these have the given number there
     """

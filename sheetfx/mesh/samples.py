@@ -39,7 +39,7 @@ class Samples:
 
 
 def samples_at(mesh: NamedMesh, places: Sequence[str | Stretch | None], points: int, title: str) -> Samples:
-    """Those of several places, which are all points, all lines or all surfaces; see `samples_of`.
+    """Samples at several places, which are all points, all lines or all surfaces; see `samples_of`.
 
     Raises
     ------

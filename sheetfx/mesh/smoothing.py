@@ -65,8 +65,8 @@ class Blends:
 class SmoothSurface:
     """Where a surface bends between its cells though it should not, and how that is shared out to these.
 
-    At each vertex there is one plane of slopes, the mean of those of the edges; along each border cells have half of
-    the jump of the slope across it that then is left. What is shared out is linear in the values at nodes. Values at
+    At each vertex there is one plane of slopes, the mean of the edges'; along each border cells have half of
+    the jump of the slope across it that then is left. The shares are linear in the values at nodes. Values at
     vertices, and whatever has no jump, stay as they are: a plane stays one. Where a surface is folded by more than
     10 degrees, or more than two cells have a border in common, it stays as it is.
 
@@ -122,7 +122,7 @@ class SmoothSurface:
 
     def _in_one_plane(self, edges: Sequence[Sequence[End]], slopes: np.ndarray,
                       normal: np.ndarray) -> list[tuple[int, int, float]]:
-        """Entries of the matrix of changes, by which slopes along edges at a vertex become those of one plane."""
+        """Entries of the matrix of changes, by which slopes along edges at a vertex become slopes of one plane."""
         flat = np.array([slopes[ends[0]] - (slopes[ends[0]] @ normal) * normal for ends in edges])
         lengths = np.linalg.norm(flat, axis=1)[:, None]
         metric = (flat / lengths).T @ (flat / lengths) + np.outer(normal, normal)
@@ -195,7 +195,7 @@ class SmoothShapes:
 
     Attributes
     ----------
-    nodes : shape (cells, m), numbers of the nodes; those of the cell come first, and again where there are fewer
+    nodes : shape (cells, m), numbers of the nodes; the cell's come first, and again where there are fewer
     """
 
     def __init__(self, element, own: np.ndarray, weights: Sequence[csr_matrix]):
@@ -214,7 +214,7 @@ class SmoothShapes:
         self._weights[cells, rows, place[order[np.searchsorted(every, pairs, sorter=order)]]] = values
 
     def table(self, which: np.ndarray, reference: np.ndarray, blends: np.ndarray, order: int) -> np.ndarray:
-        """Values and derivatives at reference points in cells, shape (rows, n, m), from those of the blends there."""
+        """Values and derivatives at reference points in cells, shape (rows, n, m), from the blends' there."""
         found = np.einsum("onf,nfm->onm", blends, self._weights[which], optimize=True)
         if len(which):
             found[:, :, :self._element.dim] += self._element.tabulate(order, np.ascontiguousarray(reference))[..., 0]

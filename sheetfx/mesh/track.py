@@ -66,7 +66,7 @@ class Track:
         return np.einsum("nk,nkd->nd", table, self.cells.nodes[which])
 
     def tangents(self, which: np.ndarray, reference: np.ndarray) -> np.ndarray:
-        """Unit tangents, at nodes where the curve has no corner midway between those of both cells."""
+        """Unit tangents, at nodes where the curve has no corner midway between both cells' tangents."""
         found = self.cells.tangents(which, reference)
         for end in (0, 1):
             at = np.flatnonzero((np.abs(reference[:, 0] - end) <= OUTSIDE) & self.smooth[which, end])
@@ -129,7 +129,7 @@ class SmoothRows:
         return np.concatenate([values, *beyond], axis=1)
 
     def table(self, which: np.ndarray, reference: np.ndarray) -> np.ndarray:
-        """Weights of what is gathered, and their first and second derivative by the reference coordinate, (3, n, m)."""
+        """Weights of gathered values, and their first and second derivative by the reference coordinate, (3, n, m)."""
         return at_places(self._coefficients[which], reference)
 
     def polynomials(self, values: np.ndarray) -> np.ndarray:

@@ -1,1 +1,1 @@
-"""What is modelled: parts, joints, supports, loads and contacts as plain data that own their weak forms."""
+"""The model: parts, joints, supports, loads and contacts as plain data that own their weak forms."""

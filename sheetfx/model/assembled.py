@@ -37,7 +37,7 @@ class Cells:
     Attributes
     ----------
     divisions : cells along each bar; even for quadrilaterals
-    grading : length of cells in the middle of each bar over that of those at its ends
+    grading : ratio of the lengths of cells in the middle of each bar and at its ends
     form : of the shells
     """
 

@@ -51,7 +51,7 @@ class Beam:
     offset : of the section's centroid from the meshed line, so that a stiffener stands beside the mid-surface whose
         nodes it shares: along the depth (in the plane to the left of the line's direction), in space also along the
         width, which is tangent x depth; it turns with the cross-section. Loads, supports, contacts and displacements
-        are those of the meshed line, forces and moments those of the centroid
+        belong to the meshed line, forces and moments to the centroid
     """
 
     mesh: NamedMesh
@@ -99,7 +99,7 @@ class Beam:
 
     @cached_property
     def section_law(self):
-        """The law, or that of the section's fibres where the material is plastic."""
+        """The law, or the section's fibres' where the material is plastic."""
         return section_law(self.law, self.section, self.material, self._stiffness)
 
     def _check_up(self) -> None:
@@ -236,7 +236,7 @@ class Bar:
 
     @cached_property
     def section_law(self):
-        """The law, or that of one fibre where the material is plastic."""
+        """The law, or one fibre's where the material is plastic."""
         if isinstance(self.material, Plastic) and self.law is forms.section.linear_elastic:
             return Fibres([(0.0, 0.0)], [self.section.area], self.material, self._stiffness)
         return self.law

@@ -129,7 +129,7 @@ class KinematicCoupling(_Coupling):
 class DistributingCoupling(_Coupling):
     """A reference point follows the mean motion of nodes, which it does not stiffen (known as RBE3).
 
-    Its force and moment are distributed over them: the reference is where the nodes' own rigid body, that of least
+    Its force and moment are distributed over them: the reference is where the nodes' own rigid body, by least
     squares, has it.
     """
 

@@ -99,7 +99,7 @@ class Pressure(Load):
 class LinePressure(Load):
     """Pressure on one side of a beam in the plane: force per current length along its current normal.
 
-    As that of a `Pressure`, its tangent shows whether it has a potential: it has on closed rings and between ends that
+    As a `Pressure`'s, its tangent shows whether it has a potential: it has on closed rings and between ends that
     are held. A `LineForce(follower=True)` differs: its size is per reference length, it turns with the cross-section,
     and no supports give it a potential.
 

@@ -25,7 +25,7 @@ class GivenSection(Section):
     shear_areas : along the depth and across it; None: 5/6 of the area
     shear_centre : its distances from the centroid along the depth and across it
     warping : constant about the shear centre, of which beams warn where it matters; 0: none, or not known
-    depth : between the outermost fibres, for contact; None: that of a rectangle of this area and second moment
+    depth : between the outermost fibres, for contact; None: as of a rectangle of this area and second moment
     """
 
     area: Positive

@@ -33,7 +33,7 @@ def require_gradient(name: str, law: Callable, stiffness, sizes, domain) -> None
 
     Strains of equal energy are of one size: moduli k_ij are compared with sqrt(k_i k_j), the section's own. They are
     looked at at rest and at strains about it on all sides, where resultants are finite. At rest no eigenvalue of the
-    moduli is negative; no strain is without stiffness in all places, though those of a kink may be at rest.
+    moduli is negative; no strain is without stiffness in all places, though a kink's may be at rest.
 
     Parameters
     ----------

@@ -38,7 +38,7 @@ class LawWithHistory:
         Returns
         -------
         resultants, shape (points, n); their derivatives by the strains, symmetric, shape (points, n, n), where a point
-        that is about to yield takes those of loading; the history at these strains, shape (points, remembered)
+        that is about to yield takes the loading ones; the history at these strains, shape (points, remembered)
         """
         raise NotImplementedError
 

@@ -25,7 +25,7 @@ class Ilyushin(PlasticLaw):
 
     an approximation of Ilyushin (1948) to the exact surface, a being the equivalent plastic strain whose work is that
     of the resultants. The two signs of Q_NM are two surfaces (Simo and Kennedy 1992); where both flow, in pure bending
-    or stretching, they share an edge. The return is implicit, and its moduli are those of the resultants that it gives.
+    or stretching, they share an edge. The return is implicit, and its moduli belong to the resultants that it gives.
 
     It is exact for membranes and the fully plastic moment; a bent section stays elastic until all of it flows, 1.5
     times too long for a rectangle.

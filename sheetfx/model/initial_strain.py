@@ -133,7 +133,7 @@ class Temperature(StressFree):
     ----------
     part : Bar, Beam or Shell
     change : at the centroid or the mid-surface: a number, or a function from the place (UFL vector) to one
-    expansion : coefficient of linear expansion in all directions, per degree; None: of a Laminate those of its plies
+    expansion : coefficient of linear expansion in all directions, per degree; None: of a Laminate its plies' own
     gradient : change of temperature per length: of shells along their normal; of beams along the depth, as heights are
         counted by `Record.stresses`, in space also along the width
     """

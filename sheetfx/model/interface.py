@@ -44,7 +44,7 @@ class Interface(Joint):
         held in the mean, or several of one of these
     to : mesh of the second part, and the name of a point, an edge or a group of cells of it; None: anywhere on it
     law : components that are held, any of x y z rx ry rz separated by spaces; or a function from the vector of all
-        components of the gap to that of forces and moments (per length of a line), both in UFL, see
+        components of the gap to forces and moments (per length of a line), both in UFL, see
         `forms.interface.stiff`
     gap : function from traces of both parts, lists of displacement and rotation, and the arm to a list of components;
         None: `forms.interface.gap_of_arm`, or `gap_in_space` where all displacements are held
@@ -52,7 +52,7 @@ class Interface(Joint):
     enforcement : of components that are held: "multiplier", exact, or "penalty", of a thousand times the stiffness of
         the softer part
     axes : directions, one in each row, that x y z and rx ry rz stand for, or "normal": z is the normal of the surface
-        there; None: those of space
+        there; None: the axes of space
     name : what messages call it
     """
 

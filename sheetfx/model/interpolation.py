@@ -64,7 +64,7 @@ class Interpolation:
         return [membrane, shear, self._bulging(axes, shear, rule, measure), self._drilling(rule, measure)]
 
     def _bulging(self, axes: np.ndarray, shear: Map, rule: Rule, measure: np.ndarray) -> Map:
-        """Strains less those of bubbles, whose forces then vanish: e - B K^-1 B^T D e with K = B^T D B."""
+        """Strains less the bubbles' own, whose forces then vanish: e - B K^-1 B^T D e with K = B^T D B."""
         values, slopes = _bubbles(self._degree, rule.points)
         slopes = np.einsum("cqij,qin->cqjn", axes, slopes)
         strains = np.zeros((*measure.shape, 5, 2, values.shape[1]))

@@ -38,7 +38,7 @@ class Joint(Acting):
         return ()
 
     def shared(self, fields) -> Sequence:
-        """Nodes that have no unknowns of their own, but those of other nodes (`discrete.sharing.Sharing`)."""
+        """Nodes that have no unknowns of their own, but share other nodes' (`discrete.sharing.Sharing`)."""
         return ()
 
 

@@ -28,7 +28,7 @@ class Ply:
     poisson : nu12, contraction across the fibres for stretching along them
     shear : modulus G12
     transverse : moduli G13 and G23; None: both G12
-    density : mass per volume, for vibrations; None: that of the shell's material
+    density : mass per volume, for vibrations; None: the shell's material's
     expansion : coefficients of linear expansion along and across the fibres, per degree, see `Temperature`; None: not
         known
     """
@@ -196,7 +196,7 @@ def _bending(membrane, coupling, bending) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _principal_angle(bending: np.ndarray) -> float:
-    """Angle from the axes to those of the largest and smallest stiffness (radians), of its second harmonic.
+    """Angle from the axes to the directions of the largest and smallest stiffness (radians), of its second harmonic.
 
     Where that is none it is the angle of the fourth one, such as of plies across each other; 0 if both are none.
     """

@@ -40,7 +40,7 @@ class Load(Acting):
         """Put forces and moments at points into `forces` (`discrete.fields.NodalForces`), for a load factor of 1."""
 
     def total(self, fields) -> float | Callable[[], float]:
-        """What is reported as the load: its size for a load factor of 1, or a function that gives it now (a reaction).
+        """The reported load: its size for a load factor of 1, or a function that gives it now (a reaction).
 
         A load that does not define it reports the load factor.
         """

@@ -22,7 +22,7 @@ class Mass(Joint):
     ----------
     mesh, at : the point or edge
     mass : at each vertex of the point; per length of the edge
-    inertia : against turning about any axis, likewise; it is that of a ball, the same about all
+    inertia : against turning about any axis, likewise; as of a ball, the same about all
     """
 
     mesh: NamedMesh

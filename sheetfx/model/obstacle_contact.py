@@ -23,7 +23,7 @@ from .sampled_contact import SampledContact, faces, parts_on, touch_stiffness
 class ObstacleContact(SampledContact):
     """Unilateral contact, with or without friction, of an edge, a face or a point of a part with a rigid obstacle.
 
-    The obstacle is a part without unknowns, or with its travel as the only one. Gap and slip are those of the
+    The obstacle is a part without unknowns, or with its travel as the only one. Gap and slip belong to the
     mid-surface or axis; what friction turns about is half the thickness away, which is left out.
 
     Attributes
@@ -41,7 +41,7 @@ class ObstacleContact(SampledContact):
     enforcement : "uzawa": pressures are augmented until nothing penetrates by more than a millionth of a cell, nor
         slips where it sticks by more than that times `stiffness` over `tangential`; or "penalty", which needs a higher
         stiffness
-    adjust : overlap at the start up to which points touch where they are, such as that of imperfect parts; 0: none
+    adjust : overlap at the start up to which points touch where they are, as of imperfect parts; 0: none
     law : function like `forms.contact.mohr_coulomb`, see `SurfaceContact`; it has a slip for each direction of space
     name : what messages call it
     """

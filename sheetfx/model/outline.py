@@ -17,10 +17,10 @@ Ring = tuple[tuple[float, float], ...]
 
 
 class Outlined(Section):
-    """A section whose `rings` are known: its outer polygon, and those of holes.
+    """A section whose `rings` are known: its outer polygon, and its holes'.
 
     Area, second moments and product are exact (Steger 1996). Torsion constant, shear areas, shear centre and warping
-    constant are those of Saint-Venant's problem by finite elements (`model.saint_venant`), to half a percent.
+    constant come from Saint-Venant's problem by finite elements (`model.saint_venant`), to half a percent.
     """
 
     @property
@@ -128,7 +128,7 @@ class PolygonSection(Outlined):
     Attributes
     ----------
     corners : pairs of distances along the direction of the depth and across it, from any origin, in turn around the
-        outline; the beam's axis is that of the centroid, whose place `centroid` tells
+        outline; the beam's axis goes through the centroid, whose place `centroid` tells
     holes : corners of each hole, in the same coordinates
     """
 

@@ -131,7 +131,7 @@ class _Points:
 
     @cached_property
     def directions(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """First tangent and normal of a shell at the points, with their gradients, which are those of the surface."""
+        """First tangent and normal of a shell at the points, with their gradients, which are the surface's."""
         first, second = np.moveaxis(self.jacobian, -1, 0)
         turned = [np.cross(self.bent[..., 0, k], second) + np.cross(first, self.bent[..., 1, k]) for k in range(2)]
         found = []
@@ -144,7 +144,7 @@ class _Points:
 
     @cached_property
     def frame(self):
-        """Reference frame; that of a shell is written in fields, since interpolated normals need a compiler."""
+        """Reference frame; a shell's is written in fields, since interpolated normals need a compiler."""
         if self.along == 1:
             return self.part.frame()
         self.frame_fields = [ufl.Coefficient(self.fields[0].ufl_function_space()) for _ in range(2)]
@@ -166,7 +166,7 @@ class _Points:
         return self.dimension, self.dimension * self.along, self.spins, self.spins * self.along
 
     def rotations(self, point: int) -> list[np.ndarray]:
-        """Jets of infinitesimal rotations about axes through a point; those of shells end with the normal."""
+        """Jets of infinitesimal rotations about axes through a point; a shell's end with the normal."""
         axes = self.axes[point]
         if self.dimension == 2:
             spins, turns = [np.ones(1)], [np.array([[0.0, -1.0], [1.0, 0.0]])]

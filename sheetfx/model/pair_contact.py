@@ -64,7 +64,7 @@ class PairContact(Joint):
         as long as this is slow
     law : function like `forms.contact.mohr_coulomb`
     reach : distance between the lines of both parts that may be filled
-    adjust : overlap at the start (a negative `gap`) up to which pairs touch where they are, such as that of imperfect
+    adjust : overlap at the start (a negative `gap`) up to which pairs touch where they are, as of imperfect
         parts; 0: none
     name : what messages call it
     """

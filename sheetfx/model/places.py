@@ -12,7 +12,7 @@ from ..mesh.reader import NamedMesh
 from ..mesh.whole import whole
 
 Place = str | Stretch | Disc | Sequence[str | Stretch | Disc]  # on a part: a point, edge, group of curves, line, disc
-Ends = tuple[NamedMesh, str | None]  # a mesh and what is named on it; None: all
+Ends = tuple[NamedMesh, str | None]  # a mesh and a name on it; None: all
 AlongLines = Callable[[Cells, Cells, Sequence[Sequence[Piece]], str], Meeting]  # parts, lines and title
 
 

@@ -1,6 +1,6 @@
 """Energy that plastic points store and have dissipated, by their strains and history: closed forms, whatever the steps.
 
-Plastic work is that of the back stress b and of the yield stress s_y + H a. With linear hardening b dp is the change of
+Plastic work is done by the back stress b and the yield stress s_y + H a. With linear hardening b dp is the change of
 b^2 / 2 K, and (s_y + H a) da that of s_y a + H a^2 / 2: what the yield stress of the virgin material takes is
 dissipated, what hardening adds is stored (Simo and Hughes 1998, sections 1.4 and 2.7). What softens dissipates all.
 """

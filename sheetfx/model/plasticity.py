@@ -69,7 +69,7 @@ class PlasticLaw(LawWithHistory):
 
     Attributes
     ----------
-    pieces, unchecked : what flows, and what is elastic beside it, in a warning
+    pieces, unchecked : names of the part that flows and of its elastic rest, in a warning
     """
 
     pieces, unchecked = "layers", "transverse shear"
@@ -99,7 +99,7 @@ class PlasticLaw(LawWithHistory):
         raise NotImplementedError
 
     def unchecked_squares(self, strains: np.ndarray) -> np.ndarray:
-        """Square of what is elastic over the plastic value that it could reach alone, at strains (points, n)."""
+        """Square of the elastic value over the plastic one that it could reach alone, at strains (points, n)."""
         raise NotImplementedError
 
     def accepted(self, strains, history):
@@ -123,7 +123,7 @@ class PlasticLaw(LawWithHistory):
 class Layers(PlasticLaw):
     """Shell section law of a plastic material, integrated through the thickness; transverse shear is elastic.
 
-    Strains are those of `forms.section.linear_shell`. A point of which both faces are inside the yield surface, and
+    Strains come from `forms.section.linear_shell`. A point of which both faces are inside the yield surface, and
     that has never yielded, is not divided into layers.
 
     Parameters
@@ -174,7 +174,7 @@ class Fibres(PlasticLaw):
 
     Where all fibres flow perfectly the section keeps a millionth of its elastic moduli, and its resultants are exact.
 
-    Strains are those of `forms.beam.simo_reissner`, of a fibre e - y k_b in the plane, e - y k_b + z k_n in space, y
+    Strains come from `forms.beam.simo_reissner`, of a fibre e - y k_b in the plane, e - y k_b + z k_n in space, y
     being its distance along the normal (the direction of the depth) and z along the binormal.
 
     Parameters
@@ -239,7 +239,7 @@ class Fibres(PlasticLaw):
 
         No torque is above k times the area's integral of the distance from an axis, nor above k sqrt(J A): the elastic
         stress has the least energy of all that balance a torque (Prager and Hodge 1951, section 12), T^2 / 2 G J, and
-        the plastic one has k^2 A / 2 G. It is the plastic torque of a thin tube, and 15 % above that of a thin strip.
+        the plastic one has k^2 A / 2 G. It is the plastic torque of a thin tube, and 15 % above a thin strip's.
         """
         area, strength = self.areas.sum(), self._constants[1] / sqrt(3)
         if strains.shape[1] < 3:
@@ -318,7 +318,7 @@ def _layers(strains, history, places, weights, elastic, modulus, poisson, streng
         inside = True
         for layer in range(len(places)):
             inside = inside and history[q, REMEMBERED * layer + REMEMBERED - 1] == 0.0
-        for z in (places[0], places[-1]):  # von Mises's stress is convex: faces bound what is between them
+        for z in (places[0], places[-1]):  # von Mises's stress is convex: faces bound the stresses between them
             for i in range(3):
                 strain[i] = strains[q, i] + z * strains[q, 3 + i]
             one, two = plane * (strain[0] + poisson * strain[1]), plane * (poisson * strain[0] + strain[1])

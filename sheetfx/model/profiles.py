@@ -1,4 +1,4 @@
-"""Sections of rolled and welded profiles by their dimensions; constants are those of their outlines."""
+"""Sections of rolled and welded profiles by their dimensions; constants come from their outlines."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class ISection(Profile):
     Attributes
     ----------
     depth : between the outer faces of the flanges
-    width, flange : width and thickness of the flanges; of the upper one alone where those of the lower one are given
+    width, flange : width and thickness of the flanges; of the upper one alone where the lower one's are given
     web : thickness of the web
     root : radius of the fillets between web and flanges
     lower_width, lower_flange : width and thickness of the lower flange; None: as above
@@ -228,7 +228,7 @@ class Box(Profile):
 
 
 def rounded(corners) -> np.ndarray:
-    """Corners of a polygon; those of a right angle that have a third value are rounded by that radius."""
+    """Corners of a polygon; right angles that have a third value are rounded by that radius."""
     places, found = np.array([corner[:2] for corner in corners], float), []
     for i, (place, (_, _, *radius)) in enumerate(zip(places, corners, strict=True)):
         if not radius or not radius[0]:

@@ -1,4 +1,4 @@
-"""What is reported as the load of a stage: the sum of its forces, or what is no force as it is."""
+"""The reported load of a stage: the sum of its forces, or another load as it is."""
 
 from __future__ import annotations
 

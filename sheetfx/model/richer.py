@@ -62,7 +62,7 @@ def _richer_meshes(parts: Sequence[Beam | Bar | Shell]) -> dict[NamedMesh, Named
 
 
 def _read_together(parts: Sequence[Beam | Bar | Shell]) -> list[list[tuple[NamedMesh, Reading]]]:
-    """Meshes that can be read again, those of one gmsh model together."""
+    """Meshes that can be read again, one gmsh model's together."""
     together: dict[int, list[tuple[NamedMesh, Reading]]] = {}
     for mesh in dict.fromkeys(part.mesh for part in parts):
         if mesh.reading is not None:
@@ -82,7 +82,7 @@ def _again(meshes: list[tuple[NamedMesh, Reading]], order: int, halvings: int) -
 
 
 def finer(parts: Sequence[Beam | Bar | Shell], halvings: int = 1) -> dict[NamedMesh, NamedMesh]:
-    """Meshes -> the same with all cells divided in two along each side, but for those of bars, which are exact.
+    """Meshes -> the same with all cells divided in two along each side, but for bars, which are exact.
 
     Raises
     ------

@@ -13,7 +13,7 @@ from scipy.sparse.linalg import splu
 from ..mesh.plane_region import refined, triangulate
 from ..mesh.quadrature import simplex
 
-ACCURACY = 2e-3  # change of torsion constant and shear areas by the last refinement: what is left is about half of it
+ACCURACY = 2e-3  # change of torsion constant and shear areas by the last refinement: about half of it is left
 MOST = 200_000  # triangles
 GMSH = [0, 1, 2, 5, 3, 4]  # basix's middles of edges are opposite to corners 0, 1 and 2
 
@@ -27,7 +27,7 @@ class SaintVenant:
     torsion : Saint-Venant's torsion constant
     shear : matrix of shear areas, shape (2, 2): forces per shear modulus and mean shear strain of equal energy, of a
         material that does not contract across (Poisson's ratio 0), by which it depends on the shape alone
-    shear_centre : shape (2,), Trefftz's, which is that of the same material
+    shear_centre : shape (2,), Trefftz's, which belongs to the same material
     warping : integral of the squared warping function about the shear centre
     places, areas : of fibres that integrate second moments exactly
     """

@@ -30,7 +30,7 @@ class SampledContact(Joint):
     samples : Gauss points on each piece of a line, and along each side of a cell
     stiffness, tangential : pressure over penetration, and against slip; None: chosen
     enforcement : "uzawa": pressures are augmented; or "penalty"
-    adjust : overlap at the start up to which points touch where they are, such as that of imperfect parts; 0: none
+    adjust : overlap at the start up to which points touch where they are, as of imperfect parts; 0: none
     name : what messages call it
     """
 

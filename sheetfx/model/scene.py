@@ -1,4 +1,4 @@
-"""What is modelled: a structure with its supports, joints, contacts and loads, as plain data checked when made."""
+"""The scene: a structure with its supports, joints, contacts and loads, as plain data checked when made."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ class Scene:
     Attributes
     ----------
     parts : beams, bars and shells
-    supports : what is held; none, and no joint to the ground: a free body, whose loads have to be in equilibrium
+    supports : held degrees of freedom; none, and no joint to the ground: a free body, whose loads have to be in equilibrium
     loads : those that vary along the path
     monitor : what paths are drawn against
     contacts : with rigid obstacles
@@ -142,7 +142,7 @@ class Scene:
 
     @property
     def all_stages(self) -> list[Stage]:
-        """Those of the loads applied first, and that of the varying loads."""
+        """The stages of loads applied first, and the varying loads' stage."""
         return [*self.stages, Stage(self.loads, "load")]
 
     @property
@@ -155,7 +155,7 @@ class Scene:
         return list(dict.fromkeys(part.mesh for part in self.parts))
 
     def _check_meshes(self) -> None:
-        """Refuse what is on a mesh that no part has: it would act on nothing."""
+        """Refuse objects on a mesh that no part has: they would act on nothing."""
         known = self.meshes
         placed: list[Any] = [*self.supports, *self.all_loads, *self.joints, *self.contacts, self.monitor]
         for one in placed:
@@ -167,7 +167,7 @@ class Scene:
                                      "meshes), or a part on this one")
 
     def _check_initial_strains(self) -> None:
-        """Refuse initial strains of what is no part: they would act on nothing."""
+        """Refuse initial strains of anything but a part: they would act on nothing."""
         for _, load in self.stress_free:
             if not any(load.part is part for part in self.parts):
                 raise ValueError(f"{type(load).__name__}: its {part_named(load.part)} is no part of the scene; give "

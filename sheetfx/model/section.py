@@ -177,7 +177,7 @@ def _alike_on_both_sides(places: np.ndarray, areas: np.ndarray) -> bool:
 class Flanged(Section):
     """A bar and a flat flange that act as one section, such as the part of a panel that works with its bar.
 
-    The bar may be a Flanged again, as for an I section. Its axis is that of its centroid.
+    The bar may be a Flanged again, as for an I section. Its axis goes through its centroid.
 
     Attributes
     ----------
@@ -244,7 +244,7 @@ class Flanged(Section):
     @property
     def shear_centre(self):
         """Mean of both parts' own by their second moments about the depth, which is their share of a force across it
-        (Timoshenko and Gere 1961, section 5.1); not known where that of the bar is beside the depth.
+        (Timoshenko and Gere 1961, section 5.1); not known where the bar's is beside the depth.
         """
         own = self.bar.shear_centre
         if own is None or own[1] or self.bar.product:
@@ -267,7 +267,7 @@ class Flanged(Section):
 
     @property
     def shear_factor(self):
-        """Mean of the bar's and that of a rectangle, by area."""
+        """Mean of the bar's and a rectangle's, by area."""
         return (self.bar.shear_factor * self.bar.area + 5 / 6 * self._flange) / self.area
 
 

@@ -90,7 +90,7 @@ def _quadrilateral(degree: int) -> ShellForm:
 
 
 def _triangle(degree: int, exact: int) -> TriangleForm:
-    """Equal degree of displacement and rotation on triangles; `exact` is that of polynomials integrated exactly."""
+    """Equal degree of displacement and rotation on triangles; `exact` integrates polynomials exactly."""
     rule = simplex(exact)
     return TriangleForm(TRIANGLE, ("P", degree), ("P", degree), rule, rule)
 
@@ -134,14 +134,14 @@ class Shell:
     ----------
     mesh : NamedMesh
     section, material : constants of the section law; a Plastic one is integrated through the section's layers
-    form : name of a form in FORMS, or a ShellForm; None: that of degree 2 for the cells of the mesh
+    form : name of a form in FORMS, or a ShellForm; None: the one of degree 2 for the cells of the mesh
     strains : function (u, rotation, frame) -> ShellStrains, of the mid-surface; None: `forms.shell.naghdi`
     law : function (strains, stiffness) -> stress resultants, gradient of an energy, see forms.section.linear_shell;
         it may couple stretching, bending, shear and drilling; or a LawWithHistory
     group : physical group of the surfaces; None: all
     offset : distance of the mid-surface from the meshed surface, along its normal, with which it turns. Strains,
         resultants and mass are per length and area of the mid-surface; loads, supports, contacts and displacements
-        are those of the meshed surface
+        belong to the meshed surface
     axis : direction of the first axis of strains, resultants and the section's stiffness: a vector (3,), or a function
         of the place, a UFL vector, that gives one, in UFL or as three numbers; each cell takes what it is along the
         cell's middle. The second axis is 90 degrees further about the normal. None: the first edge of each cell, for
@@ -192,7 +192,7 @@ class Shell:
 
     @cached_property
     def section_law(self):
-        """The law, or that of the section's layers where the material is plastic."""
+        """The law, or the section's layers' where the material is plastic."""
         return section_law(self.law, self.section, self.material, self.sections.typical.stiffness(self.material))
 
     @property
@@ -265,7 +265,7 @@ class Shell:
 def surface_frame(domain, axis=None) -> forms.shell.SurfaceFrame:
     """Frame of a surface with its normals interpolated at the nodes of each cell.
 
-    Its axes follow those of each cell's middle, so that constant strains have constant components wherever a cell is
+    Its axes follow the axes of each cell's middle, so that constant strains have constant components wherever a cell is
     flat.
 
     Parameters

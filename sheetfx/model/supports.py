@@ -38,7 +38,7 @@ class Support:
     Attributes
     ----------
     axes : three orthonormal directions that x, y, z and rx, ry, rz stand for, or a function from places, shape
-        (n, 3), to directions, shape (n, 3 directions, 3 components); None: those of space
+        (n, 3), to directions, shape (n, 3 directions, 3 components); None: the axes of space
     """
 
     mesh: NamedMesh

@@ -46,7 +46,7 @@ class SurfaceContact(SampledContact):
     enforcement : "uzawa": pressures are augmented until nothing penetrates by more than a millionth of a cell, nor
         slips where it sticks by more than that times `stiffness` over `tangential`; or "penalty", which needs a higher
         stiffness
-    adjust : overlap at the start up to which points touch where they are, such as that of imperfect parts; 0: none
+    adjust : overlap at the start up to which points touch where they are, as of imperfect parts; 0: none
     law : function like `forms.contact.mohr_coulomb`, whose pressures are forces per area, per length along lines, and
         forces at points
     name : what messages call it

@@ -1,4 +1,4 @@
-"""Strains that a section law is given in the place of those of the fields, see `discrete.assumed`."""
+"""Strains that a section law is given in the place of the fields' strains, see `discrete.assumed`."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Tying(Protocol):
     exact: bool
 
     def sampled(self, strains):
-        """UFL vector of what is sampled at the low rule's points."""
+        """UFL vector of the values sampled at the low rule's points."""
 
     def maps(self, domain: Mesh, cells: np.ndarray, rule: Rule, area, measure: np.ndarray) -> Sequence[Map]:
         """Maps that act one after the other.
@@ -63,7 +63,7 @@ class Tying(Protocol):
         Parameters
         ----------
         rule : of integration
-        area : UFL scalar, of the surface over that of the reference cell
+        area : UFL scalar, of the surface over the reference cell's
         measure : weights of the points of integration, (cells, points)
         """
 
@@ -78,7 +78,7 @@ class LowerRule:
 
     Polynomial and rest are orthogonal: constant moduli do no work between them, and constant forces the work that r^2
     of the full rule and 1 - r^2 of the lower one give. Where e is of the full rule's degree in an affine cell, P e is
-    Q e (what is left is Legendre's polynomial, whose zeros are Gauss's points), so that an elastic law stores its
+    Q e (the rest is Legendre's polynomial, whose zeros are Gauss's points), so that an elastic law stores its
     energy by these shares of both rules: selective reduced integration (Malkus and Hughes 1978; Arnold and Brezzi
     1997), but one that coupled laws and laws with history can bear.
 
@@ -98,7 +98,7 @@ class LowerRule:
         return ufl.as_vector([strains[i] for i in (0, 1, 2, 6, 7, 8)])
 
     def maps(self, domain: Mesh, cells: np.ndarray, rule: Rule, area, measure: np.ndarray) -> list[Map]:
-        """The polynomial is that of strains times area: constant forces then do the work that the low rule gives."""
+        """The polynomial is of strains times area: constant forces then do the work that the low rule gives."""
         at_low = at_points(area, self.low.points).eval(domain, cells).reshape(len(cells), -1)
         spread = self._extrapolation * at_low[:, None, :] / (measure / rule.weights)[:, :, None]
         weighted = spread.transpose(0, 2, 1) * measure[:, None, :]

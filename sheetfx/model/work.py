@@ -24,7 +24,7 @@ class Term:
     law : function from strains to stress resultants, the gradient of an energy density, or a LawWithHistory
     rule : quadrature
     tying : strains that the law is given instead; None: those at the points
-    stretch : length or area that resultants belong to, over that of the mesh
+    stretch : length or area that resultants belong to, over the mesh's
     """
 
     strains: Any
@@ -40,8 +40,8 @@ class Internal:
 
     Attributes
     ----------
-    terms : what is summed
-    mesh, cells : what is integrated over (cells of this process)
+    terms : of the sum
+    mesh, cells : of the integral (cells of this process)
     """
 
     terms: Sequence[Term]

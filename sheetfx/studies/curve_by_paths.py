@@ -110,7 +110,7 @@ class CurveByPaths:
         if points and points[0].mode.shape != last.mode.shape:
             raise ValueError("curve: the number changes the unknowns of the structure; give one that changes values "
                              "and places only")
-        cosines = [abs(self._product(one.mode, last.mode)) for one in points]
+        cosines = [abs(_product(self._comm, one.mode, last.mode)) for one in points]
         alike = [one for one, cosine in zip(points, cosines, strict=True) if cosine >= ALIKE]
         return min(alike, key=lambda one: abs(one.point.deflection - last.point.deflection), default=None)
 
@@ -120,12 +120,16 @@ class CurveByPaths:
         except PathFailure as failure:
             raise CurveEnds(f"curve: the path at {number:g} fails ({failure}); what is before it is right") from failure
         self.factorisations += sum(state.factorisations for state in record.states)
-        system = record.path.discretisation.system
-        self._product = lambda one, other: float(system.comm.allreduce(one @ other))
-        return [_Found(point, self._scaled(record, point)) for point in record.critical_points if point.kind in kinds]
+        self._comm = record.path.discretisation.system.comm
+        return [_Found(point, _scaled(record, point)) for point in record.critical_points if point.kind in kinds]
 
-    def _scaled(self, record: Record, point: CriticalPoint) -> np.ndarray:
-        """The first null vector of a point, of length 1."""
-        system = record.path.discretisation.system
-        mode = record.critical_modes(point)[0] * np.sqrt(system.weights.array)
-        return mode / self._product(mode, mode) ** 0.5
+
+def _scaled(record: Record, point: CriticalPoint) -> np.ndarray:
+    """The first null vector of a point, of length 1."""
+    system = record.path.discretisation.system
+    mode = record.critical_modes(point)[0] * np.sqrt(system.weights.array)
+    return mode / _product(system.comm, mode, mode) ** 0.5
+
+
+def _product(comm, one: np.ndarray, other: np.ndarray) -> float:
+    return float(comm.allreduce(one @ other))
