@@ -85,7 +85,7 @@ class Scene:
     Attributes
     ----------
     parts : beams, bars and shells
-    supports : held degrees of freedom; none, and no joint to the ground: a free body, whose loads have to be in equilibrium
+    supports : none, and no joint to the ground: a free body, whose loads have to be in equilibrium
     loads : those that vary along the path
     monitor : what paths are drawn against
     contacts : with rigid obstacles
