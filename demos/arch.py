@@ -9,7 +9,7 @@
 # carries a punch of radius $r$ at its crown. Once the curvature of the crown has turned to $1/r$,
 # one contact point becomes two that slide outwards, and the load they can carry grows. The thesis
 # that sheetfx starts from (2006, section 4.5.2) gives the ratio of the limit load to that without
-# contact for five radii; it leaves half angle and supports open, for which those of the classical
+# contact for five radii; it leaves half angle and supports open, for which the classical
 # clamped arch with the same numbers are taken (half angle 7.338 degrees).
 
 # %%
@@ -31,7 +31,7 @@ QUICK = bool(os.environ.get("SHEETFX_QUICK"))
 # %% [markdown]
 # ## The weak form
 #
-# The virtual work of the arch is $\int N \cdot \delta\Gamma + M\, \delta K\, ds$. Its strains are those of Reissner:
+# The virtual work of the arch is $\int N \cdot \delta\Gamma + M\, \delta K\, ds$. Its strains are Reissner's:
 # with the tangent $t$ of the reference curve and the rotation $R$ of the section, $\Gamma = R^T \varphi' - t$ and
 # $K = \theta'$. In sheetfx that is one function of fields, and the section law another; any others may be passed
 # instead. Change them and run the cells below again.

@@ -2,7 +2,7 @@
 # # Eight bolts with a radius
 #
 # The engineer's panel with bolts that hold over the area of their washers: the forces of all bolts along the path, the
-# stress at the hole, and the reaction curve as a table. The geometry is that of `panel.py`.
+# stress at the hole, and the reaction curve as a table. The geometry is taken from `panel.py`.
 
 # %%
 import csv

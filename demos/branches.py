@@ -69,7 +69,7 @@ assert all(state.unstable_modes == 0 for _, states in halves for state in states
 # ## The star dome
 #
 # The dome has the symmetries of a hexagon, which has two kinds of mirror planes. Its first bifurcation is double: six
-# half-branches keep one plane of the first kind, six one of the second. Those of one kind are the same but for a turn
+# half-branches keep one plane of the first kind, six one of the second. They are the same but for a turn
 # of the dome and have the same loads. The second bifurcation is simple: the dome keeps every second mirror plane, and
 # both halves are the same but for a turn of 60 degrees.
 

@@ -26,7 +26,7 @@ QUICK = bool(os.environ.get("SHEETFX_QUICK"))
 # ## Plates
 #
 # A plate of width $b$, length $a$ and bending stiffness $D$ buckles at $N = k\, \pi^2 D / b^2$ per length. Theory is
-# that of Kirchhoff's plate; the five edge conditions are those that `sheetfx run plate-buckling --edges` knows. The
+# Kirchhoff's plate; the five edge conditions are the ones that `sheetfx run plate-buckling --edges` knows. The
 # loaded edges are simply supported unless the name says that they are clamped.
 
 # %%
@@ -50,7 +50,7 @@ for edges, values in plates.items():
 # ## About states of a nonlinear path
 #
 # A shallow arch on hinges sways at a bifurcation before its crown snaps through. About the unloaded arch the problem
-# is far off. About a loaded state the tangent and its rate are those of that state, and the error falls with the square
+# is far off. About a loaded state the tangent and its rate belong to that state, and the error falls with the square
 # of the distance to the bifurcation. The rate with the stress alone (the initial-stress matrix) neglects that the
 # response also turns the arch; here it is the better one all the same.
 

@@ -48,7 +48,7 @@ for name, scene in (("bars", under_its_force(bars)), ("coupled", coupled)):
     stiffness[name] = 1 / first.reference[1] / 1e3
     print(f"{name}: {stiffness[name]:.2f} kN/mm")
 assert 15 < stiffness["coupled"] / stiffness["bars"] < 25
-assert abs(stiffness["coupled"] / 59.5 - 1) < 0.03, "59.5 kN/mm is that of converged meshes"
+assert abs(stiffness["coupled"] / 59.5 - 1) < 0.03, "converged meshes have 59.5 kN/mm"
 
 # %% [markdown]
 # ## The first critical point

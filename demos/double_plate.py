@@ -11,7 +11,7 @@
 #
 # The gap of 20 mm and the overlap of 40 mm are a choice that shows all of these. Which model shows which stage is the
 # question of this notebook. `sheetfx run double-plate` is the same with options; [double_plate.md](double_plate.md) has
-# what is converged.
+# which figures are converged.
 
 # %%
 import os
@@ -37,7 +37,7 @@ CELLS = 4 if QUICK else 16
 # $f_a = t_a + u_{,a}$ and $d = R n$, strains on the turned axes are
 # $e_{ab} = \mathrm{sym}(f_a \cdot R t_b) - \delta_{ab}$, $k_{ab} = \mathrm{sym}(d_{,a} \cdot R t_b)$ and
 # $\gamma_a = f_a \cdot d$; the virtual work is $\int N \cdot \delta e + M \cdot \delta k + Q \cdot \delta\gamma\, dA$,
-# and a term that ties the rotation about the normal to that of the surface. Naghdi's strains, which are the default of
+# and a term that ties the rotation about the normal to the surface's. Naghdi's strains, which are the default of
 # `fx.Shell`, are the same as long as strains are small. In a plastic hinge as short as the plate is thick they are
 # not: there $k_{ab} = f_a \cdot d_{,b}$ has the stretch as a factor, the moment brings a force along the plate, and the
 # hinge grows weaker the finer the mesh is. Change the function and run the notebook again.

@@ -10,7 +10,7 @@
 # # What it costs to find partners
 # Points on the edges of panels slide along the bars of a dome. In each configuration every point needs its partner:
 # the closest point of the bars. The thesis (section 3.5.3) searches nodes in two ways, *exhaustively* by the matrix of
-# all distances, and by a *sieve*, which stores no matrix and passes over what is further away along one coordinate
+# all distances, and by a *sieve*, which stores no matrix and passes over points farther away along one coordinate
 # than the least distance so far. (As printed, the sieve compares the difference of two candidates' coordinates with
 # the root of a distance, so that its answer hangs on the unit of length; here that of candidate and point, with the
 # distance itself. Candidates here are cells, on whose inside partners lie.) The package looks the first partners up in

@@ -139,7 +139,7 @@ def hat(size, gap, bolts, triangles=False):
 
 @cache
 def meshes(size, gap, bolts, hole=HOLE, ribs=RIBS, triangles=False):
-    """The mesh of the stiffened plate, and that of the hat unless there are no bolts."""
+    """The meshes of the stiffened plate and, where there are bolts, of the hat."""
     models = [stiffened_plate(size, hole, ribs, triangles)] + ([hat(size, gap, bolts, triangles)] if bolts else [])
     return tuple(fx.read(model, dimension=3) for model in models)
 

@@ -147,7 +147,7 @@ for n, (left, places, stresses) in unloaded.items():
 # ## Newton's method in plastic flow
 # Moduli are the derivatives of the stresses that the return mapping gives, so that each iteration with a new tangent
 # doubles the digits: a cantilever whose fibres have begun to flow, the residuals of its last load step over the load.
-# The last correction keeps the tangent before, which is good enough for what is left.
+# The last correction keeps the tangent before, which is good enough for the rest.
 
 # %%
 mesh = fx.read(lambda: meshes.frame({"base": (0, 0), "tip": (1, 0)}, {"beam": ("base", "tip", 8)}), 2)
@@ -165,7 +165,7 @@ assert last < max(100 * second**2, 1e-9) and second < 0.1
 # `fx.Shell(mesh, plate, steel, law=fx.Ilyushin(plate, steel))` lets the section flow as a whole, by Ilyushin's
 # condition for stress resultants. Force and moment of a fully plastic strip obey $m = 1 - n^2$; his surface is within
 # 4 % of that. The price is the way there: a bent section stays elastic until all of it flows. Strains grow in
-# proportion here, to a hundred times those of first yield.
+# proportion here, to a hundred times the first yield's.
 
 # %%
 PLATE = fx.Plate(1.0)
@@ -174,7 +174,7 @@ SIZES = 2 / sqrt(3) * YIELD * np.array([1, 1 / 4])
 
 
 def interaction(law):
-    """Force and moment over those of the fully plastic section, in proportions from pure bending to stretching."""
+    """Force and moment over the fully plastic section's, in proportions from pure bending to stretching."""
     strains, ways = np.zeros((81, 9)), np.linspace(0, pi / 2, 81)
     strains[:, 0], strains[:, 3] = 0.1 * np.sin(ways) ** 3, 0.4 * np.cos(ways)
     return law.update(strains, np.zeros((81, law.remembered)))[0][:, [0, 3]] / SIZES

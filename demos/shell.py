@@ -5,7 +5,7 @@
 # $f_a = t_a + u_{,a}$ Naghdi's strains are $e_{ab} = (f_a \cdot f_b - t_a \cdot t_b) / 2$,
 # $k_{ab} = f_{(a} \cdot d_{,b)} - t_{(a} \cdot n_{,b)}$ and $g_a = f_a \cdot d - t_a \cdot n$, and the virtual work is
 # $\int N \cdot \delta e + M \cdot \delta k + Q \cdot \delta g\; dA$, plus a term that ties the rotation about the
-# normal to that of the surface.
+# normal to the surface's.
 
 # %%
 import os

@@ -48,7 +48,7 @@ for fall in (by_load, by_displacement):
 
 # %%
 def area(fall):
-    """Work that the held load does beyond that of the loads along the path, by small steps from end to end."""
+    """Work that the held load does beyond the work of the loads along the path, by small steps from end to end."""
     states, fine = [replace(fall.before, next_length=0.01)], fx.ArcLength(step=0.01, largest=1.0)
     for state in fx.Path(case.scene, fine, fx.Until(steps=1000), start=states):
         if state.load > fall.after.load:

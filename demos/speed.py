@@ -69,7 +69,7 @@ if not QUICK:
 # %% [markdown]
 # ## Against plain Newton
 #
-# Plain Newton's tangent takes the stress of the current strains, and its radius is that of the shell's thickness. Here
+# Plain Newton's tangent takes the stress of the current strains, and its radius is the shell's thickness. Here
 # it takes the smallest number of equal load steps with which it arrives.
 
 

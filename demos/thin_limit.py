@@ -112,7 +112,7 @@ axes[1, -1].legend(fontsize=8, loc="lower left", ncols=2)
 figure.savefig("thin_limit.png", dpi=150)
 
 # %% [markdown]
-# No plate locks. On the hemisphere the error of quadrilaterals at 1e-5 is that of thicker shells, apart from the layers
+# No plate locks. On the hemisphere the error of quadrilaterals at 1e-5 is as of thicker shells, apart from the layers
 # at its edges, which these meshes do not resolve; triangles are too soft there, by up to 15 % and of the first order.
 
 # %%

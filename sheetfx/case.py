@@ -1,4 +1,4 @@
-"""A case: a scene, how its path is followed, and what is reported of it."""
+"""A case: a scene, the control of its path, and its reports."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ def trace(case: Case | Path, listeners: Sequence[Callable[[State], None]] = (), 
 
     Parameters
     ----------
-    case : Case, or a path, such as that of `fx.continuation`
+    case : Case, or a path, as `fx.continuation` gives
     listeners : called with every new state
     start : states of an interrupted run of the same case
     archive : keeps every new state

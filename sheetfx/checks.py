@@ -61,7 +61,7 @@ class Choice:
 
 @dataclass(frozen=True)
 class Also:
-    """What is asked beside the type, by a test of its own."""
+    """A rule beside the type, by a test of its own."""
 
     words: str
     holds: Callable[[Any], bool]
@@ -69,7 +69,7 @@ class Also:
 
 @dataclass(frozen=True)
 class Like:
-    """What is asked instead of the type, by a test of its own."""
+    """A rule instead of the type, by a test of its own."""
 
     words: str
     holds: Callable[[Any], bool]

@@ -131,7 +131,7 @@ def chart(
 
 
 def main() -> None:
-    """Entry point: errors and warnings are one line; those of input name object, value and remedy."""
+    """Entry point: errors and warnings are one line; on input they name object, value and remedy."""
     warnings.showwarning = _warn
     atexit.register(gc.freeze)  # at the end, too, nothing needs to be looked through that goes with the process
     try:
@@ -175,7 +175,7 @@ def _said(error: Exception) -> str:
 
 
 def _end_other_processes() -> None:
-    """Those of an MPI run, which wait for one that the system has stopped."""
+    """Processes of an MPI run, which wait for one that the system has stopped."""
     from mpi4py import MPI
 
     if MPI.COMM_WORLD.size > 1:

@@ -89,7 +89,7 @@ def gmsh_mesh(comm, kind, cells, x, partitioner):
 
     Parameters
     ----------
-    cells, x : nodes of each cell, and places of nodes; those of process 0 are distributed
+    cells, x : nodes of each cell, and places of nodes; process 0's are distributed
     partitioner : None: DOLFINx's own
     """
     domain, cells = _gmshio.ufl_mesh(kind, x.shape[1], x.dtype), gmsh_cells(kind, cells)[1]
@@ -97,7 +97,7 @@ def gmsh_mesh(comm, kind, cells, x, partitioner):
 
 
 def serial_mesh(mesh, cells, x):
-    """A mesh of cells like those of another one, with their order of nodes, on this process alone."""
+    """A mesh of cells like another one's, with their order of nodes, on this process alone."""
     return dolfinx.mesh.create_mesh(MPI.COMM_SELF, cells=cells, x=np.ascontiguousarray(x),
                                     e=ufl.Mesh(mesh.ufl_domain().ufl_coordinate_element()), **_JUNCTIONS)
 

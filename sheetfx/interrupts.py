@@ -1,4 +1,4 @@
-"""Ctrl-C on the command line: one line that says what is kept and how to go on, and status 130.
+"""Ctrl-C on the command line: one line that says what stays and how to go on, and status 130.
 
 What a command keeps is whole on disk at every moment, so that an interrupt may end the process where it stands. Nothing
 is raised: no callback, library or thread can lose the interrupt on its way. Python calls the handler between two
@@ -57,7 +57,7 @@ def release() -> None:
 
 
 def tell(account: Callable[[], str]) -> None:
-    """Have an interrupt say what is kept, such as "4 states are kept in results/roof"."""
+    """Have an interrupt say what stays, such as "4 states are kept in results/roof"."""
     global _account
     _account = account
 
@@ -75,7 +75,7 @@ def finally_(action: Callable[[], object]) -> Iterator[None]:
 
 def call(command: Sequence[str], environment: Mapping[str, str],
          timeout: float | None = None) -> subprocess.CompletedProcess[str]:
-    """Run a command, and those that it starts, to its end or that of this process; its output is captured.
+    """Run a command, and those that it starts, to its end or this process's; its output is captured.
 
     Raises
     ------

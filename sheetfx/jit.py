@@ -117,7 +117,7 @@ def _announced() -> Iterator[None]:
 
 
 def _locked_file(folder: Path) -> tuple[int, Path]:
-    """A new file whose lock this process holds: until it does, another one may take it away as that of a dead one."""
+    """A new file whose lock this process holds: until it does, another one may take it away as a dead one's."""
     while True:
         lock, name = mkstemp(dir=folder)
         fcntl.flock(lock, fcntl.LOCK_EX)
@@ -177,7 +177,7 @@ def _source_of(function: Callable | None) -> str:
 
 
 def _recipe(file: Path, comm) -> Recipe | None:
-    """The recipe in a file, that of process 0 on all."""
+    """The recipe in a file, process 0's on all."""
     if file not in _recipes:
         found = comm.bcast(Recipe.read(file) if comm.rank == 0 else None)
         if found is None:

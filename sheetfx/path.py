@@ -66,7 +66,7 @@ class Path:
 
     Parameters
     ----------
-    scene : Scene, or a Problem such as that of `fx.continuation`
+    scene : Scene, or a Problem, as `fx.continuation` makes
     control : LoadControl, DisplacementControl or ArcLength
     until : end of the path
     start : states of an interrupted path to resume, of any number of processes; none: begin with the unloaded state
@@ -82,7 +82,7 @@ class Path:
     message : why the path ended
     start : states that it resumes from, as this process has them
     controls : of the load stages in turn
-    critical_states : those of critical points that the search has had, and of others that have been asked for
+    critical_states : states of critical points that the search has had, and that have been asked for
     """
 
     def __init__(self, scene: Scene | Problem, control: StepRule | None = None, until: Until | None = None, *,

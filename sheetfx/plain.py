@@ -36,7 +36,7 @@ def continuation(F: ufl.Form, u: fem.Function, load_factor: fem.Constant | fem.F
                  events: Sequence[Event] = (), prefix: str = "sheetfx_") -> Path:
     """The path of solutions of F(u, load_factor; v) = 0 from the present values of u and load_factor on.
 
-    The path is an iterator over states, and has limit points and bifurcations, as that of a scene. While it is iterated
+    The path is an iterator over states, and has limit points and bifurcations, as a scene's. While it is iterated
     over, `u` and `load_factor` have the values of the present state. Of states `load` is the load factor, and
     `deflection` the monitored value. `fx.trace(path)` goes to its end and gives a `Record`.
 
@@ -57,7 +57,7 @@ def continuation(F: ufl.Form, u: fem.Function, load_factor: fem.Constant | fem.F
     Raises
     ------
     ValueError
-        For what is no such problem, and where no solution lies near the first state.
+        If it is no such problem, or no solution lies near the first state.
     """
     require("continuation", scale=(scale, Positive), load_scale=(load_scale, Positive | None))
     _check_form(F, u)

@@ -1,6 +1,6 @@
 """What weak forms are made of, by which their kernels are found again.
 
-DOLFINx looks for the kernel of an expression by a signature of its derivatives, carried out: to find what is on disk it
+DOLFINx looks for the kernel of an expression by a signature of its derivatives, carried out: to find a kernel it
 does the work of a form compiler but for the code. Here an expression is described as it is written: operators, numbers
 and elements, with its coefficients and constants by their places. The hash of the description names a recipe beside the
 kernels, which says in which library the kernel is, and which coefficients and constants it takes in which order.
@@ -107,7 +107,7 @@ class Description:
         return place
 
     def _place(self, kind: str, thing) -> int:
-        """Number of a thing among those of its kind that occur."""
+        """Number of a thing among the things of its kind that occur."""
         numbers = self._places.setdefault(kind, {})
         return numbers.setdefault(thing, len(numbers))
 
@@ -133,7 +133,7 @@ class Recipe:
 
     @classmethod
     def of(cls, description: Description, compiled, library: str, name: str) -> Recipe | None:
-        """That of an expression which has been compiled as another one; None where it has come by something else."""
+        """The recipe of an expression that was compiled as another one; None where it has come by something else."""
         coefficients, constants = extract_coefficients(compiled), extract_constants(compiled)
         known = [c for c in constants if c in description.constants]
         new = [c for c in constants if c not in description.constants]

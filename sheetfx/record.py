@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 class Record:
     """A traced path: its case (`case.Case`), its states and the discrete problem they belong to.
 
-    What is asked about stability leaves the path where it is. Modules that need SLEPc are imported when first asked.
+    Questions about stability leave the path where it is. Modules that need SLEPc are imported when first asked.
 
     Attributes
     ----------
@@ -138,7 +138,7 @@ class Record:
     def buckling(self, state: State | None = None, **options) -> list[BucklingLoad]:
         """Linear buckling loads about a state, see `critical.buckling.buckling`.
 
-        Without a state those of the case about the last one, found when first asked for.
+        Without a state the case's about the last one, found when first asked for.
         """
         if state is None and not options:
             return self._last_buckling
@@ -218,7 +218,7 @@ class Record:
         return view_record(self, along, file)
 
     def show(self, state: State) -> None:
-        """Put all fields to those of a state, for evaluation and pictures."""
+        """Put all fields to a state's, for evaluation and pictures."""
         self.path.discretisation.system.restore(state.fields)
 
     def displacement(self, at: str, mesh: NamedMesh | None = None) -> np.ndarray:
@@ -272,7 +272,7 @@ class Record:
     def stresses(self, part, at: float | Sequence[float] = 0.0) -> np.ndarray:
         """Stresses of a part in the shown state at a height or fibre, see `model.stresses.stresses`.
 
-        Of a plastic part those of the nearest layer or fibre, on this process at its points of integration.
+        Of a plastic part at the nearest layer or fibre, on this process at its points of integration.
         """
         if is_plastic(part):
             return plastic_stresses(self._structure, part, at)
@@ -301,7 +301,7 @@ class Record:
 
         Parameters
         ----------
-        on : mesh of another part that it joins; None: that of its second part
+        on : mesh of another part that it joins; None: its second part's
         about : fixed place that moments are about; None: the middle of the nodes that it acts on
         """
         return joint_path(self._structure, [state.fields for state in self.states], joint, on, about)

@@ -162,7 +162,7 @@ class Piece:
         return self._told - before
 
     def cosine(self, point: CriticalPoint, modes: Sequence[np.ndarray]) -> float:
-        """Smallest cosine between the space of a point's modes and that of modes of the poorer path."""
+        """Smallest cosine between the spaces of a point's modes and of modes of the poorer path."""
         modes = between(self._start, self._poorer, self._target, modes)[1]
         found = modes_of(self._path, self._states, point)
         weights, system = self._path.tracer.system.weights, self._path.tracer.system

@@ -72,7 +72,7 @@ def failure_map(traps: Sequence[str], methods: Sequence[str], folder: Folder, li
     ----------
     folder : gets a folder for each path with its states and path.csv
     limit : seconds that a path may take
-    say : called with each cell, and with those of the reference paths
+    say : called with each cell, and with the cells of the reference paths
     begin : called with trap and method of each path that begins
     done : cells of an interrupted map, which are not traced again
     """

@@ -20,7 +20,7 @@ def choices() -> str:
 
 
 def draw(traps: str | None, methods: str | None, output: Path, limit: float, resume: bool) -> None:
-    """Trace what is missing, and write map.csv and map.png; see `sheetfx map --help`."""
+    """Trace missing cells, and write map.csv and map.png; see `sheetfx map --help`."""
     rows, columns = choose("trap", traps, TRAPS), choose("method", methods, METHODS)
     layout = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
     earlier = read_map(output / "map.csv") if resume else []
@@ -46,6 +46,6 @@ def draw(traps: str | None, methods: str | None, output: Path, limit: float, res
 
         cells = failure_map(rows, columns, output, limit, say, begin, earlier)
         if not cells:
-            raise ValueError("map: no method applies; those of contact need traps with contact")
+            raise ValueError("map: no method applies; methods of contact need traps with contact")
     write_map(cells, output / "map.csv")
     draw_map(cells).savefig(output / "map.png", dpi=200)

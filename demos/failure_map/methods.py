@@ -1,7 +1,7 @@
-"""Methods of path following by their names: each changes how a case is traced, not what is traced.
+"""Methods of path following by their names: each changes how a case is traced, not the case.
 
 Classical methods run as in textbooks, without the bound on the turn of a step that keeps sheetfx on its path; their
-first step loads the unloaded structure as much as that of the case.
+first step loads the unloaded structure as much as the case's.
 """
 
 from __future__ import annotations

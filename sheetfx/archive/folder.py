@@ -1,4 +1,4 @@
-"""A run's folder: every converged state on disk at once, and what is read back from it.
+"""A run's folder: every converged state on disk at once, and its reading back.
 
 The folder belongs to one run at a time. Its manifest lists what the program wrote there: a new run deletes that and
 nothing else, and refuses a folder with other files. Hidden files are neither deleted nor refused.
@@ -76,11 +76,11 @@ def write_whole(file: Path, text: str) -> None:
 
 
 class Stopped(RuntimeError):
-    """A run that the system has stopped, as a full disk does: says what is kept and how to go on."""
+    """A run that the system has stopped, as a full disk does: says what stays and how to go on."""
 
 
 class Interrupted(KeyboardInterrupt):
-    """A run that its user has stopped: says what is kept and how to go on."""
+    """A run that its user has stopped: says what stays and how to go on."""
 
 
 class Archive:
@@ -90,7 +90,7 @@ class Archive:
 
     Parameters
     ----------
-    patterns : of names that the program writes beside those of a run, so that a new run deletes them
+    patterns : of names that the program writes beside a run's own, so that a new run deletes them
     count : says how much is kept, such as "2 of 4 runs"; None: it counts states
     """
 
@@ -208,7 +208,7 @@ class Archive:
         return mine[:min(self.comm.allgather(len(mine)))]
 
     def resume(self) -> list[State]:
-        """States to go on from; the table is cut back to them, and what is not whole, or comes later, put aside."""
+        """States to go on from; the table is cut back to them, and files that are not whole, or later, put aside."""
         self._on_process_0(lambda: self._list({*self._patterns, *self._listed()}))
         states = self.states()
         self._states.put_aside(len(states), self._run)

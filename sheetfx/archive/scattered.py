@@ -50,7 +50,7 @@ class ScatteredState(State):
         return replace(State(**{f.name: getattr(self, f.name) for f in fields(State)}), fields=values, **vectors)
 
     def _collected(self, name: str, values: Sequence[np.ndarray], wanted: Mapping[str, np.ndarray]) -> np.ndarray:
-        """An array of this process from those of the others; flat where those are."""
+        """An array of this process from the others'; flat where theirs are."""
         parts = [(origins[name], array) for origins, array in zip(self.origins, values, strict=True)]
         found = _collected(parts, wanted[name])
         return found if values[0].ndim > 1 else found.ravel()

@@ -77,7 +77,7 @@ class StateFiles:
                           f", and what came later is put aside in {self._folder / ASIDE}")
 
     def _load(self, step: int, run: str) -> State | str:
-        """The state of a step, or what is wrong with its files."""
+        """The state of a step, or the fault of its files."""
         own = self._read(step, self._comm.rank, run) if self._file(step, self._comm.rank).exists() else None
         first = own or self._read(step, 0, run)
         if isinstance(first, str):
@@ -97,7 +97,7 @@ class StateFiles:
         return ScatteredState.of(states, origins)
 
     def _read(self, step: int, rank: int, run: str) -> tuple[State, int] | str:
-        """A process's part of a state and how many have one (0: an older version's), or what is wrong with it."""
+        """A process's part of a state and how many have one (0: an older version's), or its fault."""
         file, name = self._file(step, rank), self._name(step, rank)
         try:
             state, processes = State.load_part(file, run)

@@ -1,7 +1,7 @@
 """Work of a term whose law is called with assumed strains, once at each point of integration.
 
 The law is given linear maps of the strains of the fields, fixed in each cell, see `model.tying`: e* = T e, of strains e
-at the points of integration and at those of a lower rule. The tangent,
+at the points of integration and at a lower rule's. The tangent,
 
     B*^T C B* + sum of s^ d2e,    s^ = T^T (weight s),
 

@@ -1,7 +1,7 @@
 """Gap and slip against the closest point of a surface, and their first and second derivatives.
 
 The coordinates of the closest point are eliminated from (x - y) . y,a = 0 (Laursen and Simo 1993, section 2; Wriggers
-2006, section 4.1): derivatives of the gap need two derivatives of the surface by its coordinates, those of the slip
+2006, section 4.1): derivatives of the gap need two derivatives of the surface by its coordinates, the slip's
 three.
 """
 

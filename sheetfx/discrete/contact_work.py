@@ -38,7 +38,7 @@ class ContactWork(FormWork):
         self._keep()
 
     def _keep(self) -> None:
-        """Take the multipliers as they are for those of the last accepted state."""
+        """Take the multipliers as they are for the last accepted state's."""
         self._committed = None if self._kept is None else self._kept.x.array.copy()
 
     def commit(self) -> None:

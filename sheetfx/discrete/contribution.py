@@ -59,7 +59,7 @@ class Contribution:
 
     Attributes
     ----------
-    smooth : whether its tangent changes continuously with the state; that of contact and of yielding does not
+    smooth : whether its tangent changes continuously with the state; of contact and of yielding it does not
     conservative : whether its forces have a potential, so that its tangent is symmetric
     sticks : whether it can `stick`, and has a potential then, though it is not conservative: contact with friction
     called : what messages call it; "": by its class
@@ -77,7 +77,7 @@ class Contribution:
     approaches : multiples of its regularisation through which eliminated forces are approached
     detours : those through which a first step's is that fails otherwise, however short
     retreats : whether a step that does not converge begins again with less stiffness
-    steep : whether its forces change with motions that are far smaller than those of a step, but act on few unknowns at
+    steep : whether its forces change with motions that are far smaller than a step's, but act on few unknowns at
         a time: each Newton iteration then finds them exactly, see `continuation.elimination`
     condenses : whether it says how its forces follow from a few gaps and slips, on which each Newton iteration then
         finds them, see `continuation.condensation`
@@ -110,7 +110,7 @@ class Contribution:
         """Take the stresses of the tangent on by the change of the fields in the last Newton step."""
 
     def forget_stress(self) -> None:
-        """Let the next tangent have no stresses, where those of an interpolated state mean nothing."""
+        """Let the next tangent have no stresses, where an interpolated state's mean nothing."""
 
     def tangent(self, held: Forces) -> Sequence[np.ndarray]:
         """Values of the tangent in the order of `pattern`, in arrays one behind the other.
@@ -123,7 +123,7 @@ class Contribution:
         return ()
 
     def update_history(self) -> bool:
-        """Let laws with history move on to the present state, so that its tangent is that of loading on from it.
+        """Let laws with history move on to the present state, so that its tangent belongs to loading on from it.
 
         `commit` confirms it, `rewind` takes it back. Return whether the tangent has changed.
         """
@@ -163,7 +163,7 @@ class Contribution:
 
         Returns
         -------
-        sizes of the power of what is forgotten, and of all, on this process, at places of the way; (places, 2)
+        sizes of the power of forgotten resultants, and of all, on this process, at places of the way; (places, 2)
         """
         return np.zeros((1, 2))
 

@@ -170,7 +170,7 @@ class ElementWork(Contribution):
 
     @property
     def resultants_inside(self) -> bool:
-        """Whether resultants are those of assumed strains, or of history, known at the points of integration."""
+        """Whether resultants come from assumed strains, or from history, known at the points of integration."""
         return self.remembers or any(t.tying and not t.tying.exact for t in self.internal.terms)
 
     def resultants(self) -> np.ndarray:

@@ -236,7 +236,7 @@ class Fields:
         return found
 
     def sharings(self, mesh: NamedMesh, to: NamedMesh, at: str | None, quantities: Sequence[str]) -> list[Sharing]:
-        """Nodes of a mesh, or of a named place of it, that are to have the unknowns of those of another at their place.
+        """Nodes of a mesh, or of a named place of it, that are to have the unknowns of another's nodes at their place.
 
         Raises
         ------

@@ -53,7 +53,7 @@ def _places(discretisation) -> list[tuple]:
 
 
 def unbalanced(discretisation, load: PETSc.Vec) -> str:
-    """What is wrong with a load vector that is not in equilibrium; "": nothing, or something holds the structure."""
+    """The fault of a load vector that is not in equilibrium; "": nothing, or something holds the structure."""
     if not discretisation.scene.free:
         return ""
     motions, told = rigid_motions(discretisation), []

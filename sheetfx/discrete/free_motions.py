@@ -44,7 +44,7 @@ def why_singular(discretisation) -> str:
 def usual_stiffness(discretisation) -> PETSc.Vec:
     """For each unknown the median of the assembled tangent's diagonal over the unknowns of its field.
 
-    A penalty at a few nodes, as of contact, does not change a median. It is 0 for what is fixed, and for fields with
+    A penalty at a few nodes, as of contact, does not change a median. It is 0 for fixed unknowns, and for fields with
     negative entries, such as multipliers, of which a diagonal says nothing.
     """
     system, layout = discretisation.system, discretisation.layout

@@ -47,7 +47,7 @@ class Turn(Functional):
     ----------
     layout : of the increments
     field : of the rotations
-    dofs : that of the component in the field's block, on the process that owns the node
+    dofs : the component's in the field's block, on the process that owns the node
     sign : of the component
     """
 

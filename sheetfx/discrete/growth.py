@@ -11,7 +11,7 @@ SLOW = 0.01  # part of the penetration that an augmentation leaves, above which 
 class Growth:
     """How often a stiffness has grown, which does so as long as augmentations take little of the penetration away.
 
-    Each step begins with the one that the last step ended with. What is given is then only where a path begins: with
+    Each step begins with the one that the last step ended with. The given stiffness then only begins a path: with
     pairs far softer than the structure all steps would lead through states in which nothing seems to touch, and which
     may not be there.
 
@@ -53,7 +53,7 @@ class Growth:
         return bool(self._least and self.begun)
 
     def retreat(self) -> None:
-        """Begin with the stiffness that is given, or where that has failed as well, with that of before."""
+        """Begin with the stiffness that is given, or where that has failed as well, with the one before."""
         if self._least:
             self.begun, self._failed = self._failed, self.begun
 

@@ -41,8 +41,8 @@ class History:
     def update_history(self) -> bool:
         """Let laws move on to the present state; return whether tangents have changed.
 
-        Within a step their moduli are those of a return from its start, which is shorter than the way that strains have
-        gone, and like those of deformation theory softer across it. Those of the comparison solid (Hill 1958) are the
+        Within a step their moduli belong to a return from its start, which is shorter than the way that strains have
+        gone, and like deformation theory's softer across it. Moduli of the comparison solid (Hill 1958) are the
         ones about the state itself.
         """
         changed = [contribution.update_history() for contribution in self._contributions]

@@ -50,7 +50,7 @@ def as_function_of_jet(expression, fields) -> tuple[object, object, list[FieldJe
 
     Returns
     -------
-    the expression, the variable, and what is used of each field (fields that do not occur are left out)
+    the expression, the variable, and the used part of each field (fields that do not occur are left out)
     """
     expression = expand_derivatives(expression)
     values, gradients = _occurrences(expression)

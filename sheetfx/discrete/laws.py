@@ -104,7 +104,7 @@ class RememberingLaw:
         Returns
         -------
         resultants that are forgotten at the end, shape of the strains; at the ends of all pieces of the way, sums of
-        the sizes of their power and of that of all resultants, (pieces, 2)
+        the sizes of their power and of all resultants' power, (pieces, 2)
         """
         end, powers = strains.reshape(-1, strains.shape[2]), []
         start = self._strains[chunk].reshape(end.shape)

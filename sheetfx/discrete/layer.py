@@ -82,7 +82,7 @@ class LayerFields(ContactFields):
         return zones.weights * zones.interpolate(self._lengths)
 
     def evaluate(self) -> ContactState:
-        """State of the points in zones that touch, behind that of open samples elsewhere."""
+        """States of open samples elsewhere, then of the points in zones that touch."""
         table, d = self._table(self._expression), self.contact.beam.mesh.dimension
         zones = Zones.where_negative(table[..., 0])
         touching, apart = zones.interpolate(table), table[table[..., 0] >= 0]

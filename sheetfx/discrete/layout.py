@@ -36,7 +36,7 @@ class Layout:
     ----------
     comm : of all processes
     size, start : number of rows of this process, and global number of the first
-    fixed : rows of this process whose increment is zero or that of another row, counted from its first
+    fixed : rows of this process whose increment is zero or another row's, counted from its first
     """
 
     def __init__(self, comm: MPI.Comm, blocks: Sequence[Block], fixed: Sequence[np.ndarray] | None = None,

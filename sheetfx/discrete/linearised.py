@@ -44,7 +44,7 @@ class LinearSolution:
     def of(self, ask: Callable[[], Any]) -> Any:
         """Linear part of a number or array that is asked of the structure in its present configuration.
 
-        By differences of fourth order (Richardson), since what is thin is nonlinear after a small way.
+        By differences of fourth order (Richardson), since thin parts are nonlinear after a small way.
         """
         structure = self._record.path.discretisation
         system, found = structure.system, []

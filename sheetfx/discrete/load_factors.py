@@ -7,7 +7,7 @@ from dolfinx import fem
 
 
 class LoadFactors:
-    """One load factor for each stage: those of earlier stages are 1, those of later ones 0.
+    """One load factor for each stage: 1 of earlier stages, 0 of later ones.
 
     Attributes
     ----------

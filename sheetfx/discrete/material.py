@@ -61,7 +61,7 @@ def _add_product(target, matrix, rows):
 
 @_within
 def _map(rows, low, values, root, from_low, gather, spread):
-    """Replace strains by root times these, what the low ones give, and what is gathered of them and spread."""
+    """Replace strains by root times these, the low ones' share, and their gathered and spread part."""
     gathered = values[: len(gather)]
     gathered[:] = 0
     _add_product(gathered, gather, rows)
@@ -84,7 +84,7 @@ def _whole(strains, maps):
 
 @_within
 def _multiply(moduli, nodal, first, last, forces):
-    """Derivatives of the forces from those of the strains; many moduli are zero."""
+    """Derivatives of the forces from the strains'; many moduli are zero."""
     points, strains, _ = moduli.shape
     forces[:] = 0
     for i in range(strains):
@@ -99,7 +99,7 @@ def _multiply(moduli, nodal, first, last, forces):
 
 @_within
 def _add_component_pairs(matrices, found, rows, columns, same):
-    """Add a matrix to those of pairs of components, in the order of `densities.component_pairs`."""
+    """Add a matrix to the matrices of pairs of components, in the order of `densities.component_pairs`."""
     n, m = matrices.shape[1:]
     pair = 0
     for a in range(rows):
@@ -120,7 +120,7 @@ def add_material(fields, slopes, low_slopes, maps, moduli, matrices):
     fields : for each its number of components, its place in the jet and its shape functions, (orders, points, nodes),
         at the points of integration, and the same two at the low points; a place of -1: the strains there do without it
     slopes, low_slopes : derivatives of the strains by the jet, (cells, points, strains, jet)
-    maps : for each the range of its strains, and of what is sampled at the low points, the number of parts, and its
+    maps : for each the range of its strains, and of the samples at the low points, the number of parts, and its
         matrices, see `model.tying.Map`
     moduli : times the weights of the points, (cells, points, strains, strains)
     matrices : for each pair of fields (cells, pairs of components, n, m)

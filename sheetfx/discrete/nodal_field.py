@@ -35,7 +35,7 @@ class AdditiveField:
     Attributes
     ----------
     axes : array, shape (nodes, width, width), or None
-        Columns are the directions that the components of nodal increments belong to; None: those of space.
+        Columns are the directions that the components of nodal increments belong to; None: the axes of space.
     """
 
     axes: np.ndarray | None = None
@@ -80,7 +80,7 @@ class AdditiveField:
         return self.space.dofmap.index_map
 
     def seen(self, rows: np.ndarray) -> np.ndarray:
-        """Rows for the nodes that traces may have: those of this process and its ghosts."""
+        """Rows for the nodes that traces may have: of this process and its ghosts."""
         return rows
 
     def add(self, total: np.ndarray, nodes: np.ndarray, values: np.ndarray) -> None:
@@ -232,7 +232,7 @@ class QuaternionField(AdditiveField):
         return self.rodrigues(self._components)
 
     def rodrigues(self, components: np.ndarray) -> np.ndarray:
-        """Rodrigues vectors, on an edge that of a turn about it before one across both; shape (nodes, 3)."""
+        """Rodrigues vectors, on an edge of a turn about it before one across both; shape (nodes, 3)."""
         increment = self.outward(components.ravel()).reshape(-1, 3)
         if self.partly_fixed is not None:
             nodes, twist, normals = self._edge()
@@ -331,7 +331,7 @@ class QuaternionField(AdditiveField):
         return blocks
 
     def holding(self, values, held):
-        """The nearest rotations; where one component is fixed, those of the surface in `PartlyFixed`."""
+        """The nearest rotations; where one component is fixed, on the surface in `PartlyFixed`."""
         found = values.copy()
         found[:, 1:] = self._put_back(values[:, 1:], held)
         if self.partly_fixed is not None:

@@ -202,7 +202,7 @@ class PairWork(PointWork):
         return self._law.strains(z), self._law.resultants(z)
 
     def _updated(self, pressures: bool, slips: bool) -> np.ndarray:
-        """What is remembered of now: pressures that are augmented, tractions, and slips that these belong to."""
+        """The memory of now: pressures that are augmented, tractions, and slips that these belong to."""
         strains, resultants = self._now()
         history, n = self._history.copy(), self._slips
         if pressures:
@@ -276,7 +276,7 @@ class PairWork(PointWork):
         self._return_partners()
 
     def _begun(self) -> np.ndarray:
-        """History that a step begins with: that of the last accepted state at present stiffnesses."""
+        """History that a step begins with: the last accepted state's at present stiffnesses."""
         history, normal_and_along = self._committed.copy(), np.arange(1 + self._slips).clip(max=1)
         history[:, :1 + self._slips] += self._table[:, normal_and_along] * self._elastic
         return history

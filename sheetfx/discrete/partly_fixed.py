@@ -1,4 +1,4 @@
-"""Nodes of which one component of the rotation is fixed: what is left to them is a surface of rotations.
+"""Nodes of which one component of the rotation is fixed: a surface of rotations is left to them.
 
 With the rotation R since the reference configuration, its quaternion (q0, v) and the fixed axis a, that surface is
 

@@ -1,4 +1,4 @@
-"""A problem that is a residual form in DOLFINx, without a scene: its unknowns, its load factor and what is monitored.
+"""A problem that is a residual form in DOLFINx, without a scene: its unknowns, its load factor and its monitored value.
 
 Where the load factor leaves the solution as it is (a trivial branch, such as a straight column), steps must be measured
 in it: the factor over its scale then stands beside the unknowns as one more of them, so that lengths are those of

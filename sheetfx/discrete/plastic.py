@@ -49,7 +49,7 @@ def plastic_state(discretisation: Discretisation, part) -> PlasticState:
 def plastic_stresses(discretisation: Discretisation, part, at) -> np.ndarray:
     """Stresses of a plastic part in the layer or fibre nearest to a place of its section, (cells, points, 3 or 1).
 
-    They are those of the last accepted state at the points of integration.
+    They belong to the last accepted state at the points of integration.
     """
     known = discretisation.work_of(part).strains_and_history()
     strains, history = (values.reshape(-1, values.shape[2]) for values in known)

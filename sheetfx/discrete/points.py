@@ -32,9 +32,9 @@ class Trace:
     Attributes
     ----------
     field : number in `Unknowns.fields`
-    nodes : shape (points, k), local numbers of nodes, or of those of the whole field
+    nodes : shape (points, k), local numbers of nodes, or numbers in the whole field
     weights : shape (points, k)
-    of : the field; a whole one: each process has all points; None: that of `Unknowns.fields`
+    of : the field; a whole one: each process has all points; None: the one in `Unknowns.fields`
     """
 
     field: int

@@ -1,7 +1,7 @@
 """Lagrange multipliers that constrain what others, or supports, constrain already.
 
 A constraint is redundant where others, supports or shared unknowns hold all of it but what rounding of its place makes.
-What is left would be held exactly, however small it is: ties on one line but for rounding would hold slopes of a shell
+A rest would be held exactly, however small it is: ties on one line but for rounding would hold slopes of a shell
 besides, and be stiffer than one mesh with all its nodes in common. Places count as one within `SAME` of the mesh's
 size, and shape functions change by up to `STEEPEST` over a cell: that is the sine of the angle between a constraint and
 all that is held, up to which it is redundant.

@@ -28,7 +28,7 @@ class SectionPoints:
     Attributes
     ----------
     reference : places in the reference configuration on the meshed line or surface, shape (cells, points, dimension)
-    places : where these points are now, of beams and shells with an offset those of the centroid or mid-surface
+    places : where these points are now, of beams and shells with an offset on the centroid or mid-surface
     axes : directions in which the axes of the resultants point now, shape (cells, points, axes, dimension): of beams
         the normal of the cross-section, its depth and in space its width; of shells the two in the surface and the
         director; of bars their direction
@@ -58,7 +58,7 @@ def section_points(discretisation: Discretisation, part, points: np.ndarray | No
 
     Parameters
     ----------
-    points : reference points of a cell; None: those of `section_forces`
+    points : reference points of a cell; None: as of `section_forces`
     """
     mesh, kinematics = part.mesh, discretisation.kinematics(part.mesh)
     d, rotation, frame = mesh.dimension, kinematics.total_rotation, part.frame()
@@ -93,7 +93,7 @@ def _evaluated(part, values, points: np.ndarray) -> np.ndarray:
 def value_at(discretisation: Discretisation, part, values: np.ndarray, at: str | Sequence[float]) -> np.ndarray:
     """Values of a part at a named point or a place of the reference configuration, the same on all processes.
 
-    They are those of the polynomial through the points of the cell there, at its corners the mean of all cells of the
+    They belong to the polynomial through the points of the cell there, at its corners the mean of all cells of the
     part that have it.
 
     Parameters

@@ -1,4 +1,4 @@
-"""Nodes of one field whose unknowns are those of another field's nodes: full compatibility, by elimination."""
+"""Nodes of one field whose unknowns belong to another field's nodes: full compatibility, by elimination."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .unknowns import Block
 
 @dataclass(frozen=True)
 class Sharing:
-    """Nodes of a field that have no unknowns of their own, but those of another field's nodes.
+    """Nodes of a field that have no unknowns of their own, but share another field's.
 
     Attributes
     ----------

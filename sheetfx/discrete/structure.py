@@ -1,4 +1,4 @@
-"""What a structure answers to the path follower: its monitored displacement, its size, and what is wrong with it."""
+"""What a structure answers to the path follower: its monitored displacement, its size, and its faults."""
 
 from __future__ import annotations
 

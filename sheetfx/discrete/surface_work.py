@@ -85,7 +85,7 @@ class SurfaceLaw(PointLaw):
 class SurfaceWork(PairWork):
     """Virtual work of pressures and tractions between points and the surfaces that they slide along.
 
-    `Pairs.gap` are the distances at which they touch; arms and axes of pairs do not count. Slips are those of the
+    `Pairs.gap` are the distances at which they touch; arms and axes of pairs do not count. Slips belong to the
     partners along the undeformed surface, on axes of their own.
 
     Where pressures are augmented each step ends with a high stiffness, so that the tangent has no flexibility of its

@@ -29,7 +29,7 @@ class System:
     Parameters
     ----------
     unknowns : Unknowns
-    contributions : what is summed
+    contributions : of the sum
     layout : rows of the unknowns, and which of them are fixed
     factors : load factors of the stages
 
@@ -186,7 +186,7 @@ class System:
         return out
 
     def arrays(self, vector: PETSc.Vec) -> list[np.ndarray]:
-        """An array for each block with the entries of a vector; nodes that share unknowns have those of others."""
+        """An array for each block with the entries of a vector; nodes that share unknowns have the others' values."""
         return self._layout.arrays(vector)
 
     def load(self, out: PETSc.Vec, stage: int | None = None) -> np.ndarray:
@@ -270,7 +270,7 @@ class System:
 
         Parameters
         ----------
-        given : for each block those of its local dofs; None: zero
+        given : for each block the values of its local dofs; None: zero
         """
         arrays, vector = self._layout.zeros(), self.create_vector()
         for array, own in zip(arrays, given, strict=True):
@@ -296,7 +296,7 @@ class System:
 
     @contextmanager
     def additive_increments(self, frozen: bool = True) -> Iterator[None]:
-        """Let increments since the last converged state add at all nodes, those of rotations too.
+        """Let increments since the last converged state add at all nodes, rotations too.
 
         Residual and tangent are then gradient and Hessian of the energy as a function of them, wherever they are, where
         history is frozen.
@@ -313,7 +313,7 @@ class System:
                 f.charted = charted
 
     def extrapolate_stress(self, step: PETSc.Vec | None = None) -> None:
-        """Stresses of the tangent: those of the current state plus their linear change by `step`."""
+        """Stresses of the tangent: the current state's plus their linear change by `step`."""
         held = self.unknowns.changes
         if held is None:
             return
@@ -361,7 +361,7 @@ class System:
         return self.history.snapshot() | {"load": np.array([self.factors.stage, self.factors.now])}
 
     def origins(self) -> dict[str, np.ndarray]:
-        """What tells rows of a snapshot's arrays on any number of processes, and those of a vector (`increment`)."""
+        """What tells rows of a snapshot's arrays, and of a vector (`increment`), on any number of processes."""
         return self.history.origins() | {"load": np.arange(2), "increment": self._layout.origins()}
 
     def restore(self, snapshot: dict[str, np.ndarray]) -> None:

@@ -23,7 +23,7 @@ ALIGNED = 0.99  # cosine of the angle between axes of points, of which one remem
 
 
 class Transfer:
-    """States and increments of one scene's discretisation on that of another.
+    """States and increments of one scene's discretisation on another's.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ class Transfer:
                     self._pairs.append((own, field, self._places(own, field, mesh, other)))
 
     def _places(self, own: AdditiveField, field: AdditiveField, mesh: NamedMesh, other: NamedMesh) -> Places | None:
-        """Of the nodes of a field that this process owns; None: they are those of the other field."""
+        """Of the nodes of a field that this process owns; None: they are the other field's."""
         space = field.value.function_space
         if mesh is other and own.value.function_space.ufl_element() == space.ufl_element():
             return None
@@ -123,7 +123,7 @@ class Transfer:
         return found
 
     def _nearest(self, mine, part, kept: np.ndarray) -> np.ndarray:
-        """History at points of a part of the target, from that of a part of the source, (cells, points, values)."""
+        """History at points of a part of the target, from a part of the source, (cells, points, values)."""
         source, target = section_points(self._source, mine), section_points(self._target, part)
         cells = part.mesh.group(part.group)
         count, width = target.reference.shape[1], target.axes.shape[2:]

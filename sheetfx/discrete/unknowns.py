@@ -101,7 +101,7 @@ class Unknowns:
         return ufl.replace(expression, mapping)
 
     def part(self, work, number: NumberField | None = None):
-        """Of virtual work the share of one number's variation, or that of all fields (None)."""
+        """Of virtual work the share of one number's variation, or of all fields (None)."""
         mapping = {n.variation: ufl.as_ufl(1.0 if n is number else 0.0) for n in self.numbers}
         if number is not None:
             mapping |= {argument: ufl.classes.Zero(argument.ufl_shape) for argument in self._arguments}

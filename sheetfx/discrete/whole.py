@@ -40,14 +40,14 @@ class WholeField:
         self._local = self._order[self._mine] - start
 
     def _gathered(self, rows: np.ndarray) -> np.ndarray:
-        """Rows of all processes, one behind the other, from those of this process and its ghosts, which come last."""
+        """Rows of all processes, one behind the other, from this process's and its ghosts', which come last."""
         own, width = np.ascontiguousarray(rows[:self._own]), int(np.prod(rows.shape[1:]))
         found = np.empty((self._counts.sum(), *rows.shape[1:]), rows.dtype)
         self._comm.Allgatherv(own, [found, self._counts * width])
         return found
 
     def seen(self, rows: np.ndarray) -> np.ndarray:
-        """Rows for all nodes, from those of this process and its ghosts."""
+        """Rows for all nodes, from the rows of this process and its ghosts."""
         return self._gathered(rows)[self._order]
 
     @property

@@ -2,7 +2,7 @@
 
 The pressure of a contact layer has a kink at the edge of the zone that touches. On fixed points the tangent jumps
 whenever one of them comes to touch; on points that lie between the edges of the zone, wherever these are, forces and
-tangent are those of exact integration, which change continuously as the zone slides and grows.
+tangent belong to exact integration, which change continuously as the zone slides and grows.
 """
 
 from __future__ import annotations

@@ -129,7 +129,7 @@ class Climb:
         return None
 
     def _not_small(self, level: int, left: LeftOut) -> str:
-        """What is left out that on the level below is worth more than on a coarser one, where it was measured."""
+        """Things left out that on the level below are worth more than on a coarser one, where they were measured."""
         level -= 1
         for name, measured in list(self._measured_at.items()):
             if measured >= level:
@@ -203,7 +203,7 @@ class Climb:
         """Error by the change from the level before: of second order, and doubted whole.
 
         Where the change before that was larger by a factor r, the error is the change over r - 1, and its doubt a
-        quarter more (Roache 1998, grid convergence index); r counts as 4 at most, that of second order.
+        quarter more (Roache 1998, grid convergence index); r counts as 4 at most, as of second order.
         """
         earlier = [self._models.at(n, left) for n in range(max(level - 2, self._lowest), level)]
         if any(one.failure or bool(one.point) != bool(found.point) for one in earlier):

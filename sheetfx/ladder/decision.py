@@ -35,7 +35,7 @@ class Estimate:
 
     Attributes
     ----------
-    error : the load less that of an ever finer one
+    error : the load less an ever finer mesh's
     doubt : of that difference, on both sides
     because : the figures, in words
     """
@@ -56,10 +56,10 @@ class Advice:
     ----------
     load : of the first critical point, or the largest one up to the end of the path where it has none, less its
         estimated error; None: the path stops before
-    interval : in which that of the whole model on an ever finer mesh should lie; None likewise
+    interval : in which the load of the whole model on an ever finer mesh should lie; None likewise
     kind : of the point, in words
     reached : whether the interval is as narrow as asked for
-    left : what is left out
+    left : names of the things left out
     level : of the meshes
     mesh : in words
     doubled : how often layers or fibres of plastic parts, and steps, are doubled in number

@@ -31,9 +31,9 @@ class FirstPoint:
     ----------
     record : of the path, or of the point alone where it was found directly
     point : where it ends; None: it has none, or the model has been found wrong before
-    refuted : name of what is left out -> the state that needs it
+    refuted : name of a thing left out -> the state that needs it
     failure : why the path stopped; "": it did not
-    seen : name of what is left out -> what has watched the path for it
+    seen : name of a thing left out -> what has watched the path for it
     given : null vectors of a point that was found directly
     """
 
@@ -80,9 +80,9 @@ def up_to_first(case: Case, whole: Scene, left: LeftOut, watched: LeftOut, until
 
     Parameters
     ----------
-    case : without what is left out; where it is to take no step, it goes on to a point
+    case : without the things left out; where it is to take no step, it goes on to a point
     whole : its scene with that
-    watched : of what is left out, what the path is watched for
+    watched : of the things left out, what the path is watched for
     until : names of events of the case that are critical too
     """
     found = _begun(case, whole, left, watched)

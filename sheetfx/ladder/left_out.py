@@ -1,4 +1,4 @@
-"""What is left out of a scene, and the rungs that put it back."""
+"""Things left out of a scene, and the rungs that put it back."""
 
 from __future__ import annotations
 
@@ -56,11 +56,11 @@ class LeftOut:
         return "without " + " and ".join(names) if names else "all that the scene has"
 
     def but(self, name: str) -> LeftOut:
-        """Leave out all but one of what is left out."""
+        """Leave out all but one of the things left out."""
         return replace(self, **{name: False})
 
     def of(self, case: Case) -> Case:
-        """A case without what is left out, and without its events: their tests may ask for that."""
+        """A case without the things left out, and without its events: their tests may ask for that."""
         if (scene := self.scene(case.scene)) is case.scene:
             return case
         return replace(case, scene=scene, events=(), until=replace(case.until, event=None),

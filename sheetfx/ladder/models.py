@@ -34,7 +34,7 @@ class Models:
     Attributes
     ----------
     meshes : Meshes
-    small : name of what is left out -> what it is worth, where that was measured and the path is not watched for it
+    small : name of a thing left out -> its worth, where that was measured and the path is not watched for it
     across : planes of symmetry whose modes count as critical
     doubled : how often layers, fibres and steps are doubled in number
     """
@@ -67,7 +67,7 @@ class Models:
         Raises
         ------
         ValueError
-            If there is no structure without what is left out.
+            If there is no structure without the things left out.
         """
         doubled = self.doubled + more
         if (level, left, doubled) not in self._found:

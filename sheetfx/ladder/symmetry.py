@@ -1,6 +1,6 @@
 """Whether a structure cut by planes of symmetry buckles across them before its first critical point.
 
-The tangent of the part at a symmetric state, with the supports of the other symmetry on a plane, is that of the modes
+The tangent of the part at a symmetric state, with the supports of the other symmetry on a plane, belongs to the modes
 of the whole which the plane turns into their negatives (Healey 1988, A group-theoretic approach to computational
 bifurcation problems with symmetry).
 """
@@ -45,7 +45,7 @@ class Across:
 def planes(scene: Scene) -> list[list[Support]]:
     """Supports on each plane of symmetry that cuts the structure.
 
-    Those of `fx.symmetry`; where the symmetry factor needs more, also others that hold the displacement along the
+    Supports of `fx.symmetry`; where the symmetry factor needs more, also others that hold the displacement along the
     normal of a plane and both rotations in it, and nothing else.
     """
     declared = _by_plane(scene, [one for one in scene.supports if isinstance(one, Symmetry)])

@@ -33,7 +33,7 @@ class Gaps:
 
     Attributes
     ----------
-    smallest, first, load : the smallest so far, that of the unloaded structure, and the load of its state
+    smallest, first, load : the smallest so far, the unloaded structure's, and the load of its state
     """
 
     def __init__(self, scene: Scene, record: Record):

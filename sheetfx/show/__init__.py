@@ -1,6 +1,6 @@
 """Pictures and files of traced paths, for `Case.pictures` and for scripts.
 
-Each picture is a function of a record and the folder that it writes into. Those of `STANDARD` are what a run draws
+Each picture is a function of a record and the folder that it writes into. A run draws by the functions in `STANDARD`
 where its case does not say otherwise. Importing them is deferred to their first use.
 """
 

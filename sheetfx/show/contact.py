@@ -193,7 +193,7 @@ def _brackets(unit: str) -> str:
 
 
 def _units(record: Shown) -> tuple[str, str, str]:
-    """Of lengths, of the load, and of forces, which is that of the load where the load is one."""
+    """Of lengths, of the load, and of forces, which is the load's where the load is one."""
     length, load = map(unit_of, record.case.axes)
     return length, load, load if counted(record.case.scene.loads)[0] == FORCE else ""
 

@@ -27,7 +27,7 @@ def _deflection_rate(record: Shown, state: State) -> float:
 
 
 def _load_rate(record: Shown, state: State) -> float:
-    """Rate of the load that is reported: of a prescribed motion that of its reaction."""
+    """Rate of the reported load: of a prescribed motion its reaction's."""
     discretisation, system = record.path.discretisation, record.path.discretisation.system
     unit = discretisation.load_of_unit()
     if unit is not None:
@@ -48,7 +48,7 @@ def curve_of(record: Shown, states: Sequence[State], values: np.ndarray, rates: 
              stationary: int | None = None) -> tuple[np.ndarray, np.ndarray]:
     """Points of the curve of some values along a path.
 
-    It is Hermite's cubic in the length of each step, with the tangents of its ends, or with those of them that lead
+    It is Hermite's cubic in the length of each step, with the tangents of its ends, or with the ones that lead
     along it; critical points are on it.
 
     Parameters

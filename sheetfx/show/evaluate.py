@@ -52,7 +52,7 @@ def stays(states: Sequence[State]) -> bool:
 
 @contextmanager
 def last_state_kept(record: Shown) -> Iterator[None]:
-    """Other states may be shown inside; afterwards the fields are those of the last one again."""
+    """Other states may be shown inside; afterwards the fields are the last one's again."""
     try:
         yield
     finally:

@@ -1,4 +1,4 @@
-"""Figures without pyplot, which notebooks show as they show those of pyplot."""
+"""Figures without pyplot, which notebooks show as they show pyplot's."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ LEFT, RIGHT, TOP, BOTTOM = 85, 25, 20, 62
 
 
 class Sheet:
-    """Collects what is drawn, then draws it to scale.
+    """Collects the things to draw, then draws them to scale.
 
     Parameters
     ----------

@@ -24,7 +24,7 @@ MEANING = "share of the thickness or section that has flowed"
 def plastic_zones(record: Shown, folder: Folder, name: str = "plastic.png") -> None:
     """Draw where critical points and the last state have flowed, by the share of the thickness (process 0 writes).
 
-    Structures with surfaces are drawn in space, those of curves alone in the plane of x and y, or in space.
+    Structures with surfaces are drawn in space, structures of curves alone in the plane of x and y, or in space.
     """
     beams = any(part.mesh.domain.topology.dim == 1 for part in record.case.scene.parts)
     shells, found = has_surfaces(record), []

@@ -119,7 +119,7 @@ class Progress:
 
 
 def _error(point: dict) -> str:
-    """What is said of the error of a critical load that was asked for; "": nothing."""
+    """The text on the error of a critical load that was asked for; "": nothing."""
     load, error, reason = f"{point['kind']} point at load {point['load']:.6g}", point["error"], point["error_reason"]
     if error is None:
         return "" if reason == NOT_ASKED or point["kind"] == "event" else f"{load}: no error estimate ({reason})"
@@ -129,7 +129,7 @@ def _error(point: dict) -> str:
 
 
 def _balance(energy: dict) -> str:
-    """What is said of the balance of energy."""
+    """The text on the balance of energy."""
     if energy["off"] is None:
         return f"not known: {', '.join(energy['not_balanced'])}"
     return f"holds to {energy['off']:.1e}; steps as long as these show it to {energy['accuracy']:.1e}"

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class ShownCase(Protocol):
-    """What is asked of a case: its scene, where its path ends, and the names of deflection and load."""
+    """What a picture needs of a case: its scene, where its path ends, and the names of deflection and load."""
 
     @property
     def scene(self) -> Scene: ...
@@ -36,7 +36,7 @@ class ShownCase(Protocol):
 
 
 class Shown(Protocol):
-    """A traced path with its states, whose fields can be put to those of any state."""
+    """A traced path with its states, whose fields can be put to any state's."""
 
     case: Any
     path: Path

@@ -48,7 +48,7 @@ def view_folder(folder: File, along: Along = None, file: File | None = None, axe
     folder : of a run, with its files for ParaView
     along : direction "x", "y" or "z", or a vector, along which displacements colour all parts; None: their size
     file : .png that a picture of the last state is written to; nothing opens then
-    axes : names of deflection and load, whose units are told; None: those of the run
+    axes : names of deflection and load, whose units are told; None: the run's
 
     Raises
     ------

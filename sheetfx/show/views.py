@@ -87,7 +87,7 @@ class Manner:
 
 
 def view(record: Shown, title: str, measure: Measure) -> View | None:
-    """What is shown of the current fields, all parts coloured by one measure, on process 0; None elsewhere."""
+    """The view of the current fields, all parts coloured by one measure, on process 0; None elsewhere."""
     beams = any(part.mesh.domain.topology.dim == 1 for part in record.case.scene.parts)
     found, curves = surfaces(record), Curves(record).evaluate() if beams else None
     if found is None:

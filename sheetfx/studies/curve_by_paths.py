@@ -1,7 +1,7 @@
 """Curves of critical points by whole paths, where the equations of a critical point do not hold.
 
 What plasticity and friction remember depends on the way to the point, and contact and forces without a potential have
-no third variations. Each point is then one of the path of its own structure: that of the same kind whose null vector is
+no third variations. Each point then lies on the path of its own structure: it has the same kind, and the null vector
 most like the last one's.
 """
 

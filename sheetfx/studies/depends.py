@@ -33,7 +33,7 @@ class Dependence:
     Attributes
     ----------
     value : of the number
-    derivative : of the load; of a point of several modes that of the lowest load as the number grows
+    derivative : of the load; of a point of several modes the lowest load's as the number grows
     percent_per_percent : change of the load in per cent by one per cent more; None: the load is zero
     """
 

@@ -111,7 +111,7 @@ def trace_diagram(plan: Plan, folder: Folder, resume: bool = False,
     Parameters
     ----------
     folder : gets a folder for each branch; to resume, finished ones are not traced again
-    say : called with each branch that has ended and the number of those of its generation still to come
+    say : called with each branch that has ended and the number of branches of its generation still to come
 
     Returns
     -------

@@ -61,7 +61,7 @@ def branch_key(branches: Sequence[Traced], load: str) -> list[str]:
 
 
 def _named(branches: Sequence[Traced]) -> list[Traced]:
-    """Branches with names on the picture; where they are many, those of the first level."""
+    """Branches with names on the picture; where they are many, the first level's."""
     named = [branch for branch in branches if branch.origin]
     return named if len(named) <= MOST_NAMES else [branch for branch in named if "." not in branch.name]
 

@@ -51,13 +51,13 @@ class Perfect:
 
 
 def path_of(case: Case, scene: Scene) -> Path:
-    """The path of a scene as that of a case, but by arc length in the place of load control, which ends at limits."""
+    """The path of a scene as of a case, but by arc length in the place of load control, which ends at limits."""
     control = ArcLength() if isinstance(case.control, LoadControl) else case.control
     return Path(scene, control, case.until, mixed_points=case.mixed_points)
 
 
 def perfect(name: str, case: Case, count: int) -> tuple[Record, Perfect]:
-    """The path of the perfect structure up to its first critical point, and what is there.
+    """The path of the perfect structure up to its first critical point, and load and modes there.
 
     Raises
     ------
@@ -79,7 +79,7 @@ def perfect(name: str, case: Case, count: int) -> tuple[Record, Perfect]:
 
 @dataclass(frozen=True)
 class Search:
-    """What is looked for, as the command's options have it."""
+    """The search, as the command's options have it."""
 
     amplitude: float
     shapes: int

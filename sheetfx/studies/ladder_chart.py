@@ -1,6 +1,6 @@
 """Charts of scenes without a reference of their own: first critical loads of all their models on all meshes.
 
-The reference is that of the whole model with twice as many layers, fibres and steps, extrapolated from its two finest
+The reference is the whole model's load with twice as many layers, fibres and steps, extrapolated from its two finest
 meshes as if of second order.
 """
 
@@ -40,7 +40,7 @@ class Model:
 
     Attributes
     ----------
-    method : what is left out, in words
+    method : the things left out, in words
     label : its mesh, in words
     doubled : how often layers or fibres of plastic parts, and steps, are doubled in number
     """

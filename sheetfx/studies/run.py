@@ -54,7 +54,7 @@ class Scenes(TyperGroup):
 
     @staticmethod
     def runner(name: str, function):
-        """A command with the options of a scene's function and those of every run."""
+        """A command with the options of a scene's function and of every run."""
         return with_options(run_scene, name, function,
                             [OUTPUT, RESUME, TABLES, BALANCE, ERROR, WITHIN, ANIMATE, NO_PICTURES, SNAPS])
 
@@ -121,7 +121,7 @@ def scenes_app(own: Sequence[inspect.Parameter], do: Callable[..., None], summar
 
     Parameters
     ----------
-    own : options, whose names are those of parameters of `do`
+    own : options, named as parameters of `do`
     do : function (name, function of the scene, its parameters, **own)
     summary, what : help of the group in the list of commands, and of itself
     """

@@ -29,7 +29,7 @@ FINISHED, STOPPED, FAILED = "finished", "stopped", "failed"
 
 @dataclass(frozen=True)
 class Study:
-    """What is varied of what.
+    """The varied options and their scene.
 
     Attributes
     ----------
@@ -83,7 +83,7 @@ class Run:
 
     @cached_property
     def states(self) -> list[State]:
-        """Those of the last load stage that were kept, also by a run that failed."""
+        """States of the last load stage that were kept, also by a run that failed."""
         states = Archive(self.home, MPI.COMM_SELF).states()
         return [state for state in states if state.stage == states[-1].stage]
 
@@ -125,7 +125,7 @@ def trace_study(study: Study, folder: Folder, jobs: int = 1, resume: bool = Fals
     folder : gets a folder `runs` with one for each run; to resume, finished runs are not traced again, interrupted ones
         go on where they were, and those that are new or failed begin
     jobs : runs at a time, each on one thread; under mpirun one on each further process
-    pictures : whether each run draws those of its scene
+    pictures : whether each run draws the pictures of its scene
     say : called with each run that has ended
 
     Returns

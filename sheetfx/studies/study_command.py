@@ -78,7 +78,7 @@ def varied_option(said: str, name: str, function, parameters: dict[str, Any], fl
 
 
 def value_of(said: str, parameter, text: str, form: str) -> Any:
-    """A value of an option of a scene, as its command would read it; `form` is that of all its values, for errors."""
+    """A value of an option of a scene, as its command would read it; `form` is of all its values, for errors."""
     if not text:
         raise ValueError(f"{said} {parameter.name}: a value is missing; say {parameter.name}={form}")
     try:

@@ -1,4 +1,4 @@
-"""A study as tables and as a picture: the paths of all runs, and their first critical loads against what is varied."""
+"""A study as tables and as a picture: the paths of all runs, and their first critical loads against the option."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ NUMBERS = (("limit_load", ".5g"), ("initial_stiffness", ".5g"), ("steps", "d"), 
 
 
 def results(run: Run) -> dict[str, Any]:
-    """What is listed of a run, by the names of RESULTS; what it has not is missing."""
+    """The figures listed of a run, by the names of RESULTS; absent ones are missing."""
     row = {"status": run.status, "message": run.message, "critical_points": len(run.points)}
     row |= {name: run.summary[name] for name in ("unknowns", "steps", "factorisations") if run.summary}
     row |= {name: value for name, value in run.summary.get("quantities", {}).items() if name == "initial_stiffness"}

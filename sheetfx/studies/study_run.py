@@ -28,7 +28,7 @@ def initial_stiffness(record: Record) -> dict[str, float]:
     """Slope of the load over the deflection where the last load stage begins, by the tangent there.
 
     Nothing where the monitored displacement does not answer to the load. The slope of a reaction, which is no multiple
-    of the load factor, is that of the stage's first step.
+    of the load factor, belongs to the stage's first step.
     """
     first, *others = [state for state in record.states if state.stage == record.states[-1].stage]
     tracer = record.path.tracer

@@ -56,7 +56,7 @@ class Suggesting(TyperGroup):
 
 
 def scripts(incomplete: str) -> list[str]:
-    """Python files and folders that begin with what is typed, for completion."""
+    """Python files and folders that begin with the typed text, for completion."""
     typed = Path(incomplete)
     folder = typed if incomplete.endswith("/") else typed.parent
     lead = "" if folder == Path() else f"{incomplete[:incomplete.rfind('/') + 1]}"

@@ -1,6 +1,6 @@
 """Structures whose parts touch: shallow trusses that meet springs or a wall, and a strip that is peeled off.
 
-The load of a truss at a deflection is a closed form, and so are those of springs and friction that are added to it, so
+The load of a truss at a deflection is a closed form, and so are springs' and friction's that are added to it, so
 that all extrema of the path are known, also those at which the rate of the load jumps past zero.
 """
 

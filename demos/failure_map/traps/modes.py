@@ -107,7 +107,7 @@ def off_centre(shift: float) -> Case:
 def _pyramid(name: str, half_span: float, first: tuple[Expected, ...], limit: float) -> Trap:
     points = and_mirrored(*first, *limits(limit, tolerance=1e-6))
     return Trap(name, "Two ways to sway, along x and along y, at loads that a step does not tell apart: the "
-                "determinant keeps its sign, and eigenvectors of one may be taken for those of the other.",
+                "determinant keeps its sign, and eigenvectors of one may be taken for eigenvectors of the other.",
                 partial(pyramid, half_span), points,
                 "closed form: stiffness of four bars along x, y and z for each height of the apex")
 
