@@ -27,7 +27,6 @@ import cffi
 import dolfinx.jit
 import numpy as np
 from dolfinx import fem
-from ffcx.codegeneration import jit as ffcx_jit
 from llvmlite.binding import get_host_cpu_features
 
 from .communicators import lasting
@@ -64,13 +63,13 @@ def _options() -> dict:
 
 def compiled_form(form) -> fem.Form:
     """A UFL form, or an array of them, as kernels and data for assembly."""
-    usual = ffcx_jit.get_cached_module
-    ffcx_jit.get_cached_module = partial(_on_disk, usual)
+    compiler = dolfinx.jit.ffcx.codegeneration.jit
+    usual, compiler.get_cached_module = compiler.get_cached_module, partial(_on_disk, compiler.get_cached_module)
     try:
         with _announced():
             return fem.form(form, jit_options=_options())
     finally:
-        ffcx_jit.get_cached_module = usual
+        compiler.get_cached_module = usual
 
 
 def compiled_expression(expression, points: np.ndarray, prepare: Callable | None = None) -> fem.Expression:

@@ -143,6 +143,6 @@ def test_forms_on_disk_are_found_without_a_list_of_all_files(cache, monkeypatch)
         raise AssertionError("FFCx looks for the form itself")
 
     first = fem.assemble_scalar(jit.compiled_form(length))
-    monkeypatch.setattr(jit.ffcx_jit, "get_cached_module", refused)
+    monkeypatch.setattr(dolfinx.jit.ffcx.codegeneration.jit, "get_cached_module", refused)
     jit._libraries.clear()
     assert fem.assemble_scalar(jit.compiled_form(length)) == first == 1.0
