@@ -70,6 +70,8 @@ class CurveByPaths:
 
     def __iter__(self) -> Iterator[CurvePoint]:
         known, longest = self._known, (self._to - self._at) / self._steps
+        if known and known[-1].number == self._to:
+            return
         here, found = (known[-1].number, self._again(known[-1])) if known else (self._at, self._first())
         if not known:
             yield self._point(here, found.point)
