@@ -145,6 +145,11 @@ def test_values_are_read_as_options_are():
     no_punch = {"no_punch": False, "friction": 0.0}
     found = variations("arch", lambda no_punch=False, friction=0.0: None, no_punch, ["no-punch=true,false"])
     assert found == {"no_punch": [True, False]}
+    function = load_case("arch")
+    defaults = {name: parameter.default for name, parameter in signature(function).parameters.items()}
+    assert variations("arch", function, defaults, ["yield=30,40"]) == {"yield_stress": [30.0, 40.0]}
+    with pytest.raises(ValueError, match="yield_stress is given twice"):
+        variations("arch", function, defaults, ["yield=30,40", "yield-stress=50"])
 
 
 def test_a_value_that_the_scene_refuses_stops_the_study_before_any_run(traced, tmp_path):

@@ -67,14 +67,16 @@ def varied_option(said: str, name: str, function, parameters: dict[str, Any], fl
     key = key.strip().lstrip("-").replace("-", "_")
     signature = inspect.signature(function).parameters
     command = typer.main.get_command(run_app).get_command(None, name)
-    known = {p.name: p for p in command.params if p.name in signature and fit(p)}
+    fitting = [p for p in command.params if p.name in signature and fit(p)]
+    known = {name: p for p in fitting for name in (p.name, p.opts[0].lstrip("-").replace("-", "_"))}
     if key not in known:
-        names = [p.opts[0].lstrip("-") for p in known.values()]
+        names = [p.opts[0].lstrip("-") for p in fitting]
         raise ValueError(f"{said}: {flag} {text}: no option {key!r}{which}; {meant(key, names)}choose from "
                          f"{', '.join(names)}")
-    if parameters[key] != signature[key].default:
-        raise ValueError(f"{said}: {key} is both {parameters[key]} and varied; leave one out")
-    return known[key], values
+    parameter = known[key]
+    if parameters[parameter.name] != signature[parameter.name].default:
+        raise ValueError(f"{said}: {key} is both {parameters[parameter.name]} and varied; leave one out")
+    return parameter, values
 
 
 def value_of(said: str, parameter, text: str, form: str) -> Any:
