@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import cache
 from math import cos, sin
 
+import numpy as np
 import pytest
 from helpers import on_two_processes
 from typer.testing import CliRunner
@@ -189,6 +190,20 @@ def test_with_friction_each_point_is_that_of_its_own_path(tmp_path):
     (tmp_path / "curve.csv").write_text(text.rpartition("0.4,")[0])
     again = CliRunner().invoke(app, [*words, "--resume"])
     assert again.exit_code == 0 and (tmp_path / "curve.csv").read_text() == text
+
+
+@pytest.mark.parametrize("words", [
+    ["von-mises-truss", "--against", "rise=3.0:2.9", "--parts", "1"],
+    ["arch", "--elements", "6", "--to", "17", "--against", "friction=0:0.2", "--parts", "1"]],
+    ids=["equations", "paths"])
+def test_the_command_on_two_processes(words, tmp_path):
+    one, two = (["curve", *words, "-o", str(tmp_path / folder)] for folder in ("one", "two"))
+    assert CliRunner().invoke(app, one).exit_code == 0
+    on_two_processes(f"from sheetfx.cli import app\napp({two!r}, standalone_mode=False)")
+    tables = [csv.DictReader((tmp_path / folder / "curve.csv").open()) for folder in ("one", "two")]
+    found = [[(float(row["parameter"]), float(row["load"])) for row in table] for table in tables]
+    assert len(found[0]) > 1 and np.array(found[1]) == pytest.approx(np.array(found[0]), rel=1e-6)
+    assert (tmp_path / "two" / "curve.png").exists()
 
 
 def test_a_point_that_paths_lose_is_told():
