@@ -1,6 +1,6 @@
 """What weak forms are made of, by which their kernels are found again.
 
-DOLFINx looks for the kernel of an expression by a signature of its derivatives, carried out: to find a kernel it
+DOLFINx looks for the kernel of an expression by a signature of its derivatives, carried out: to find one it
 does the work of a form compiler but for the code. Here an expression is described as it is written: operators, numbers
 and elements, with its coefficients and constants by their places. The hash of the description names a recipe beside the
 kernels, which says in which library the kernel is, and which coefficients and constants it takes in which order.

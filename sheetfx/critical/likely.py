@@ -72,12 +72,13 @@ def load_quantile(at: Callable[[Sequence[float]], ImperfectLoad], count: int, pr
     found = [at(deviation * places[n]) for n in which]
     while len(which) < samples:
         process = Kriging(places[which], _finite(found))
-        doubt = _doubt(process, places, probability)
+        doubt = _doubt(process, places, process.mean(places), probability)
         doubt[which] = np.inf
         which.append(int(np.argmin(doubt)))
         found.append(at(deviation * places[which[-1]]))
     process = Kriging(places[which], loads := _finite(found))
-    mean, doubt = process.mean(places), _doubt(process, places, probability)
+    mean = process.mean(places)
+    doubt = _doubt(process, places, mean, probability)
     finer = np.concatenate([process.mean(norm.ppf(part)) for part in
                             np.array_split(sequence.random((FINER - 1) * len(places)), FINER)])
     shift = np.quantile([*mean, *finer], probability) - np.quantile(mean, probability)
@@ -89,9 +90,8 @@ def load_quantile(at: Callable[[Sequence[float]], ImperfectLoad], count: int, pr
     return LoadQuantile(probability, load, (low, high), tuple(found))
 
 
-def _doubt(process: Kriging, places: np.ndarray, probability: float) -> np.ndarray:
-    """Distances of loads from their quantile, over their standard deviations."""
-    mean = process.mean(places)
+def _doubt(process: Kriging, places: np.ndarray, mean: np.ndarray, probability: float) -> np.ndarray:
+    """Distances of expected loads from their quantile, over their standard deviations."""
     return np.abs(mean - np.quantile(mean, probability)) / process.deviation(places)
 
 

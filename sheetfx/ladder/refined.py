@@ -39,7 +39,7 @@ class Refined:
     load : of the point on `mesh`
     error : of the load; None: not known
     mesh : the one where its search ends, in words
-    reason : why the mesh is not fine enough, or doubtful; "" otherwise
+    reason : why the mesh is not fine enough, or the load doubtful; "" otherwise
     seconds : CPU time
     """
 

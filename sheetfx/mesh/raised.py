@@ -5,7 +5,7 @@ curve that leaves its ends along tangents t_i and t_j; its middle is (t_i - t_j)
 tangents come from:
 
 - inside a smooth patch (`facets`) the chord is turned into the tangent plane of each end;
-- at the border of patches, and at free edges, tangents of the circle through a vertex and the two beside it along
+- at the border of patches, and at free edges, tangents touch the circle through a vertex and the two beside it along
   the border, so that all cells there have one curve. Corners and junctions of borders stop it; the last edge before one
   is a circle's arc.
 

@@ -85,7 +85,8 @@ class Scene:
     Attributes
     ----------
     parts : beams, bars and shells
-    supports : none, and no joint to the ground: a free body, whose loads have to be in equilibrium
+    supports : where the structure is held; without any, and without a joint to the ground, it is a free body, whose
+        loads have to be in equilibrium
     loads : those that vary along the path
     monitor : what paths are drawn against
     contacts : with rigid obstacles

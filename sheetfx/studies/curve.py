@@ -20,16 +20,15 @@ FILES = "curve.csv", "points.json", "curve.png", "kept/*.npz"
 COLUMNS = "parameter", "load", "deflection", "kind"
 
 
-def curve_of(name: str, case: Callable[[float], Case], number: int, key: str, ends: tuple[float, float], parts: int,
-             kept: Kept | None, known: Sequence[CurvePoint]) -> CriticalCurve | CurveByPaths:
-    """The curve of a critical point of a case, or what goes on from where another run of it was.
+def curve_of(name: str, first: Case, case: Callable[[float], Case], number: int, key: str, ends: tuple[float, float],
+             parts: int, kept: Kept | None, known: Sequence[CurvePoint]) -> CriticalCurve | CurveByPaths:
+    """The curve of a critical point of the first case, or what goes on from where another run of it was.
 
     Raises
     ------
     ValueError
         If the path has not so many critical points.
     """
-    first = case(ends[0])
     if not has_third_variations(Discretisation(first.scene).system):
         return CurveByPaths(case, *ends, number=number, steps=parts, known=known)
     record = trace(first)

@@ -68,8 +68,8 @@ def follow_scene(name: str, function: Callable, parameters: dict[str, Any], agai
         if resume and (folder / "curve.csv").exists():
             points += begun(folder)
         kept = Kept.load(mine) if points and comm.allreduce(int(mine.exists())) == comm.size else None
-        axis = case(at).axes[1]
-        curve = curve_of(name, case, point, key, (at, to), parts, kept and kept[0], points)
+        first = case(at)
+        curve = curve_of(name, first, case, point, key, (at, to), parts, kept and kept[0], points)
         if isinstance(curve, CriticalCurve):
             points = points[:kept[1] if kept else 0]
         elif comm.rank == 0:
@@ -86,7 +86,7 @@ def follow_scene(name: str, function: Callable, parameters: dict[str, Any], agai
         except CurveEnds as ends:
             failure = str(ends)
         if comm.rank == 0 and points:
-            draw(points, key, axis, Path(name).stem, folder / "curve.png")
+            draw(points, key, first.axes[1], Path(name).stem, folder / "curve.png")
             typer.echo(f"{len(points)} points, {curve.factorisations} factorisations; results in {folder}")
     if failure:
         typer.echo(failure, err=True)
