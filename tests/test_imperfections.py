@@ -286,7 +286,8 @@ def test_command_on_two_processes(tmp_path):
 @pytest.mark.parametrize(("more", "said"), [
     ([], "add --amplitude"), (["--amplitude", "1", "--quantile", "0.6"], "below 0.5"),
     (["--amplitude", "-1"], "amplitude"),
-    (["--amplitude", "1", "--nodes", "--correlation", "2"], "both given")])
+    (["--amplitude", "1", "--nodes", "--correlation", "2"], "both given"),
+    (["--amplitude", "1", "--samples", "1"], "--samples is 1; it must be 0 or at least 2")])
 def test_wrong_options_are_named(tmp_path, more, said):
     done = CliRunner().invoke(app, ["imperfections", "roorda-frame", "-o", str(tmp_path / "a"), *more])
     assert said in str(done.exception) + done.output

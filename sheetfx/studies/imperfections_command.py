@@ -58,6 +58,8 @@ def search_scene(name: str, function: Callable, parameters: dict[str, Any], ampl
         raise ValueError(f"imperfections of {name}: --quantile is {wrong[0]:g}; it must be above 0 and below 0.5")
     if options["nodes"] and options["correlation"] is not None:
         raise ValueError(f"imperfections of {name}: --nodes and --correlation are both given; leave one out")
+    if alone := [flag for flag in ("samples", "reduced") if options[flag] == 1]:
+        raise ValueError(f"imperfections of {name}: --{alone[0]} is 1; it must be 0 or at least 2")
     search = study.Search(amplitude=amplitude, deviation=deviation or amplitude, **options)
     folder, comm = folder_of(name, output, "-imperfections"), MPI.COMM_WORLD
     mine, loads = folder / f"kept/{comm.rank}.npz", list[ImperfectLoad]()
