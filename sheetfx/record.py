@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from .critical.buckling import BucklingLoad
     from .critical.error_bar import ErrorBar
     from .critical.fall import FallStep
+    from .critical.gradient import LoadGradient
     from .critical.snap import Snap
     from .critical.vibration import Vibration
     from .discrete.discretisation import Discretisation
@@ -120,10 +121,13 @@ class Record:
         record.gradient(point, lambda t: fx.remade(scene, {plate: fx.Plate(t)}), at=plate.thickness)
         ```
         """
+        return self.load_gradient(point).derivative(scene, at, step)
+
+    def load_gradient(self, point: CriticalPoint) -> LoadGradient:
+        """Derivatives of the load of a critical point by many numbers of the scene."""
         from .critical.gradient import LoadGradient
 
-        known = LoadGradient(self.path, point, self.state_at(point), self.critical_modes(point))
-        return known.derivative(scene, at, step)
+        return LoadGradient(self.path, point, self.state_at(point), self.critical_modes(point), self.states)
 
     def energy_shares(self, modes: Sequence[np.ndarray]) -> list[float]:
         """Shares of the parts, in the scene's order, in the strain energy of modes, see `critical.shares`."""

@@ -9,11 +9,13 @@ from math import pi
 
 import numpy as np
 import pytest
+from helpers import on_two_processes
 from typer.testing import CliRunner
 
 import sheetfx as fx
 from sheetfx import meshes
 from sheetfx.cli import app
+from sheetfx.critical.changed import Change
 from sheetfx.scenes import arch, cylinder_panel, lee_frame, roof, sinusoidal_arch
 
 SLOW = pytest.mark.slow
@@ -66,6 +68,87 @@ def test_contact_at_a_limit_point():
     (point,) = record.critical_points
     found = record.gradient(point, lambda v: thicker(v).scene, at)
     assert found == pytest.approx(differences(thicker, at, point, 1e-2), rel=2e-3)
+
+
+def yielding(no_punch, to):
+    def make(**options):
+        case = arch.case(**{"elements": 20, "no_punch": no_punch, "yield_stress": 60.0, "hardening": 500.0} | options)
+        return fx.Case(case.scene, case.control, fx.Until(deflection=to))
+
+    return make
+
+
+def yielding_roof(**options):
+    return roof.case(**{"cells": 4, "yield_stress": 8.0, "to": 16.0} | options)
+
+
+def under_a_follower(**options):
+    """Half of a shallow arch under a force that turns with it."""
+    given = {"depth": 4.0, "angle": 10.0} | options
+    mesh = fx.read(lambda: meshes.arc(1000.0, 0.0, np.radians(given["angle"]), 16, {"crown": 0.0}), 2, order=2)
+    beam = fx.Beam(mesh, fx.Rectangle(10.0, given["depth"]), fx.Elastic(7e4))
+    load = fx.LineForce(beam, (0.0, -0.01), follower=True)
+    return fx.Case(fx.Scene([beam], [fx.pin(mesh, "end"), fx.symmetry(mesh, "crown")], [load],
+                            fx.Monitor(mesh, "crown", "y", -1.0)), until=fx.Until(deflection=40.0))
+
+
+def rubbing(**options):
+    """In steps short enough that friction, which is counted by the step, does not change the load by more than 1e-4."""
+    case = arch.case(**{"elements": 20, "friction": 0.3} | options)
+    return fx.Case(case.scene, fx.ArcLength(step=4e-4, largest=2.0), fx.Until(deflection=16.5))
+
+
+@pytest.mark.parametrize(("make", "numbers", "step", "rel"), [
+    (yielding(True, 20.0), {"yield_stress": 60.0, "thickness": 4.7625}, 1e-3, 1e-3),
+    (yielding(False, 14.0), {"yield_stress": 60.0, "thickness": 4.7625}, 1e-3, 1e-3),
+    (under_a_follower, {"depth": 4.0, "angle": 10.0}, 1e-3, 1e-4),
+    pytest.param(yielding_roof, {"yield_stress": 8.0, "thickness": 12.7}, 1e-3, 1e-3, marks=SLOW),
+    pytest.param(rubbing, {"thickness": 4.7625}, 3e-3, 1e-3, marks=SLOW),
+], ids=["yielding arch", "yielding under a punch", "follower", "yielding roof", "friction"])
+def test_limits_that_depend_on_the_way(make, numbers, step, rel):
+    record = fx.trace(make())
+    for point in [point for point in record.critical_points if point.kind == "limit"]:
+        found = record.load_gradient(point).derivatives(
+            Change(lambda value, name=name: make(**{name: value}).scene, at) for name, at in numbers.items())
+        for (name, at), known in zip(numbers.items(), found, strict=True):
+            other = differences(lambda value, name=name: make(**{name: value}), at, point, step)
+            assert known == pytest.approx(other, rel=rel), name
+
+
+@SLOW
+def test_minimum_after_unloading():
+    """Its load depends on the steps by 5e-4, and so do differences of whole paths by some 3e-3."""
+    make = yielding(True, 30.0)
+    record = fx.trace(make())
+    point = record.critical_points[-1]
+    assert point.name == "minimum"
+    found = record.gradient(point, lambda value: make(thickness=value).scene, 4.7625)
+    assert found == pytest.approx(differences(lambda value: make(thickness=value), 4.7625, point), rel=5e-3)
+
+
+def test_a_yielding_structure_in_other_units(tmp_path):
+    """Modulus, yield stress and hardening together scale the load, on two processes too; the width alone does."""
+    words = ["depends", "arch", "--elements", "20", "--no-punch", "--yield", "60", "--hardening", "500", "--to", "8"]
+    result = CliRunner().invoke(app, [*words, "-o", str(tmp_path / "one")])
+    assert result.exit_code == 0, result.output
+    found = json.loads((tmp_path / "one" / "depends.json").read_text())
+    shares = {name: one["percent_per_percent"] for name, one in found.items()}
+    assert shares["Rectangle.width"] == pytest.approx(1.0, rel=1e-6)
+    assert shares["Plastic.modulus"] + shares["yield_stress"] + shares["hardening"] == pytest.approx(1.0, rel=1e-6)
+    two = [*words, "-o", str(tmp_path / "two")]
+    on_two_processes(f"from sheetfx.cli import app\napp({two!r}, standalone_mode=False)")
+    others = json.loads((tmp_path / "two" / "depends.json").read_text())
+    assert {name: one["derivative"] for name, one in others.items()} == pytest.approx(
+        {name: one["derivative"] for name, one in found.items()}, rel=1e-5)
+
+
+def test_what_changes_the_way_needs_its_states():
+    """A part of the record does not tell what laws remember; a resumed path's first state is no unloaded one."""
+    make = yielding(True, 20.0)
+    record = fx.trace(make())
+    point = next(p for p in record.critical_points if p.kind == "limit")
+    with pytest.raises(ValueError, match="depends on states before it, and some are missing"):
+        fx.LoadGradient(record.path, point, record.state_at(point), record.critical_modes(point), record.states[1:])
 
 
 def masts(depth):

@@ -36,8 +36,9 @@ from ..events.determinant import orthonormal
 from ..model.scene import Scene
 from ..rounding import DIFFERENCE, TINIEST
 from .augmented import ITERATIONS, KINDS
+from .bifurcation_gradient import IMPERFECT
+from .changed import changed_structure
 from .defining import DefiningSystem, Influence, Linearised, combined
-from .gradient import IMPERFECT, changed_structure
 
 SHORTEST = 1e-3  # step over the longest, below which the curve is given up
 

@@ -11,6 +11,7 @@ from ..continuation.state import CriticalPoint, State
 from ..events.search import state_at
 from ..model.scene import Scene
 from .augmented import KINDS
+from .changed import Change
 from .gradient import LoadGradient
 from .imperfect import imperfect, shapes_on
 from .shares import critical_modes
@@ -79,13 +80,17 @@ class Imperfections(LoadsByShape):
             raise ValueError(f"Imperfections: the path with {', '.join(f'{c:.4g}' for c in key)} has no critical point "
                              f"up to load {states[-1].load:.6g}; let it go further, or take another imperfection")
         state = path.critical_states.get(point) or state_at(path.tracer, states[-2], states[-1], point)
-        gradient = LoadGradient(path, point, state, critical_modes(path, states, point, state))
-        step, rates = STEP * (np.linalg.norm(key) or 1.0), np.empty(len(key))
-        for n, at in enumerate(key):
-            def changed(value: float, n: int = n) -> Scene:
-                return self.scene([*key[:n], value, *key[n + 1:]])
+        gradient = LoadGradient(path, point, state, critical_modes(path, states, point, state), states)
+        step = STEP * float(np.linalg.norm(key) or 1.0)
 
-            rates[n] = np.min(gradient.derivative(changed, at, step))
+        def of(number: int) -> Change:
+            return Change(lambda value: self.scene([*key[:number], value, *key[number + 1:]]), key[number], step)
+
+        rates = np.empty(len(key))
+        for n, rate in enumerate(gradient.derivatives(map(of, range(len(key))))):
+            if isinstance(rate, ValueError):
+                raise rate
+            rates[n] = np.min(rate)
         return rates
 
     def _key(self, coefficients: Sequence[float]) -> tuple[float, ...]:

@@ -30,8 +30,9 @@ from ..discrete.free_motions import usual_stiffness
 from ..events.determinant import orthonormal
 from ..model.scene import Scene
 from .amplitude_equations import AmplitudeEquations, StableEnd
+from .bifurcation_gradient import NoDerivative
+from .changed import changed_structure
 from .defining import DefiningSystem, combined
-from .gradient import NoDerivative, changed_structure
 from .koiter import Energy, quartic
 from .worst import NONE, ImperfectLoad, LoadsByShape
 

@@ -19,7 +19,7 @@ from typing import Annotated
 import numpy as np
 
 from ..checks import NOT_NEGATIVE, Count, Positive, Range, require
-from .gradient import NoDerivative
+from .bifurcation_gradient import NoDerivative
 from .likely import LoadQuantile, load_quantile
 
 NONE = "none"  # kind where a path has no critical point

@@ -16,7 +16,8 @@ import numpy as np
 from ..archive.folder import write_whole
 from ..case import Case
 from ..continuation.state import CriticalPoint
-from ..critical.gradient import STEP, LoadGradient, NoDerivative
+from ..critical.bifurcation_gradient import NoDerivative
+from ..critical.changed import STEP, Change
 from ..critical.imperfect import imperfect
 from ..critical.numbers import Number, numbers
 from ..mesh.nodal_shapes import NodalShape
@@ -51,15 +52,14 @@ def dependences(record: Record, point: CriticalPoint, function: Callable[..., Ca
     ----------
     function, parameters : that the case was made by
     """
-    gradient = LoadGradient(record.path, point, record.state_at(point), record.critical_modes(point))
+    chosen = [*_options(function, parameters), *numbers(record.case.scene)]
+    derivatives = record.load_gradient(point).derivatives(Change(number.scene, number.value) for number in chosen)
     found: list[Dependence] = []
-    for number in [*_options(function, parameters), *numbers(record.case.scene)]:
-        try:
-            derivatives = gradient.derivative(number.scene, number.value)
-        except (ValueError, ArithmeticError) as failure:
-            yield f"{number.name}: {failure}"
+    for number, known in zip(chosen, derivatives, strict=True):
+        if isinstance(known, ValueError):
+            yield f"{number.name}: {known}"
             continue
-        derivative = float(min(derivatives)) if point.multiplicity > 1 else float(derivatives)
+        derivative = float(np.min(known))
         share = derivative * number.value / point.load if point.load else None
         one = Dependence(number.name, number.value, derivative, share)
         if any(one.value == o.value and abs(one.derivative - o.derivative) <= SAME * abs(o.derivative) for o in found):
@@ -89,14 +89,16 @@ def by_nodes(record: Record, point: CriticalPoint, shapes: Sequence[NodalShape],
     ----------
     told : called with the number of nodes that are done
     """
-    gradient = LoadGradient(record.path, point, record.state_at(point), record.critical_modes(point))
     scene, step = record.case.scene, STEP * max(mesh.size for mesh in record.case.scene.meshes)
+
+    def along(shape: NodalShape) -> Change:
+        return Change(lambda way: imperfect(scene, shape, way), 0.0, step)
+
     found = np.empty(len(shapes))
-    for n, shape in enumerate(shapes):
-        try:
-            found[n] = np.min(gradient.derivative(lambda way, shape=shape: imperfect(scene, shape, way), 0.0, step))
-        except NoDerivative:
-            found[n] = np.nan
+    for n, known in enumerate(record.load_gradient(point).derivatives(map(along, shapes))):
+        if isinstance(known, ValueError) and not isinstance(known, NoDerivative):
+            raise known
+        found[n] = np.nan if isinstance(known, NoDerivative) else np.min(known)
         told(n + 1)
     return found
 

@@ -1,0 +1,159 @@
+"""How the load of a bifurcation changes with the structure.
+
+The eigenvalue stays zero, and the load does no work along the mode phi (Reitinger and Ramm 1995). With the tangent K,
+the load f, and the changes dR and dK of the forces out of balance and of the tangent at the same displacements,
+
+    phi . (dK + K'(dx)) phi = 0,    d(phi . f) = 0,    dx = -K^-1 dR + dfactor K^-1 f + c phi.
+
+K' phi are third variations of the energy. phi . dR is zero unless the change is an imperfection. Of k modes together
+the first equation is one for a matrix, whose eigenvalues are the changes of k loads: the point splits, and its
+derivatives are one-sided. dR and dK phi are differences of forces and tangents at the state that is known; central ones
+are exact to 1e-5 for numbers that enter smoothly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import cast
+
+import numpy as np
+from petsc4py import PETSc
+
+from ..continuation.bordered import BorderedSolver, pivots
+from ..continuation.state import State
+from ..continuation.tracer import Tracer
+from ..discrete.discretisation import Discretisation
+from ..discrete.free_motions import usual_stiffness
+from ..events.determinant import orthonormal
+from .changed import Change, unit_of
+from .koiter import Energy
+
+IMPERFECT = 1e-5  # push along a mode over the root of the work across it times the mode's change of stiffness
+
+
+class NoDerivative(ValueError):
+    """A number makes a bifurcation's structure imperfect, whose load falls by a power below one."""
+
+
+@dataclass(frozen=True)
+class _Changed:
+    """What a changed structure has at the state, this process's parts.
+
+    Attributes
+    ----------
+    residual, load : forces out of balance, and loads of a load factor of 1
+    images : of modes by the tangent
+    unit : total load for a factor of 1
+    """
+
+    residual: np.ndarray
+    load: np.ndarray
+    images: list[np.ndarray]
+    unit: float
+
+
+class BifurcationGradient:
+    """Derivatives of the load of a bifurcation, at whose state the tangent is factored once.
+
+    Parameters
+    ----------
+    tracer : stays at its present state
+    title : of the point, for messages
+    state : of the point
+    modes : null vectors there
+
+    Raises
+    ------
+    ValueError
+        Where the formulas do not hold: contact, laws with history, forces without a potential.
+    """
+
+    def __init__(self, tracer: Tracer, title: str, state: State, modes: Sequence[np.ndarray]):
+        self._tracer, self._title, self._state, self._system = tracer, title, state, tracer.system
+        self._require()
+        self._modes = orthonormal(self._system.weights, [self._system.create_vector(mode) for mode in modes])
+        present = tracer.state
+        try:
+            self._prepare()
+        finally:
+            tracer.back_to(present)
+
+    def _require(self) -> None:
+        system, said = self._system, f"gradient: {self._title}"
+        if any(contribution.remembers for contribution in system.contributions):
+            raise ValueError(f"{said}: laws remember the way to a bifurcation; compare whole paths")
+        if not system.conservative:
+            raise ValueError(f"{said}: forces have no potential, so that the tangent is not symmetric; compare "
+                             "whole paths")
+        if not system.smooth:
+            raise ValueError(f"{said}: with contact there are gradients of limit points only; compare whole paths")
+
+    def _prepare(self) -> None:
+        """The tangent's border, and the third variations along modes and path."""
+        tracer, system = self._tracer, self._system
+        tracer.back_to(self._state)
+        self._load = tracer.load_vector()
+        self._unit = unit_of(cast(Discretisation, tracer.discretisation))
+        system.extrapolate_stress()
+        system.tangent()
+        weighted = [system.weights * mode for mode in self._modes]
+        self._bordered = BorderedSolver(tracer.stepper.linear, pivots(self._modes, system.weights),
+                                        usual_stiffness(tracer.discretisation))
+        self._bordered.border(weighted, weighted)
+        energy, self._along = Energy(system), self._across(self._load)
+        self._turning = energy.third(self._modes, self._along, 1.0)
+        self._bent = [energy.third(self._modes, mode) for mode in self._modes]
+        energy.leave()
+
+    def _across(self, right: PETSc.Vec) -> PETSc.Vec:
+        """Solution off the modes."""
+        (solution,), _ = self._bordered.solve([right], np.zeros((1, len(self._modes))))
+        return solution
+
+    def derivatives(self, changes: Iterable[Change]) -> Iterator[float | np.ndarray | ValueError]:
+        """Derivatives of the total load, or why there is none."""
+        for change in changes:
+            try:
+                yield self._derivative(change)
+            except ValueError as failure:
+                yield failure
+
+    def _derivative(self, change: Change) -> float | np.ndarray:
+        vector, (more, less) = self._system.create_vector, map(self._changed, change.sides(self._state.fields))
+        twice = 2 * change.step
+        images = [vector((a - b) / twice) for a, b in zip(more.images, less.images, strict=True)]
+        found = self._of_factor(vector((more.residual - less.residual) / twice), images,
+                                vector((more.load - less.load) / twice))
+        return self._unit * found + self._state.factor * (more.unit - less.unit) / twice
+
+    def _of_factor(self, forces: PETSc.Vec, images: list[PETSc.Vec], loads: PETSc.Vec) -> float | np.ndarray:
+        """Derivatives of the load factor."""
+        moved = self._across(-1.0 * forces)
+        along = np.array([[mode.dot(turning) for mode in self._modes] for turning in self._turning])
+        pushed = max(abs(mode.dot(forces)) for mode in self._modes)
+        if pushed > IMPERFECT * (abs(moved.dot(forces)) * np.abs(np.diag(along)).max()) ** 0.5:
+            raise NoDerivative(f"gradient: the number makes the structure imperfect, so that {self._title} has no "
+                               "derivative; see imperfection_sensitivity")
+        changed = np.array([[mode.dot(image) + bent.dot(moved) for mode, bent in zip(self._modes, row, strict=True)]
+                            for image, row in zip(images, self._bent, strict=True)])
+        if len(self._modes) > 1:
+            return np.sort(np.linalg.eigvals(np.linalg.solve(along, -(changed + changed.T) / 2)).real)
+        mode, turning, bent = self._modes[0], self._turning[0], self._bent[0][0]
+        matrix = [[along[0, 0], mode.dot(bent)], [-self._along.dot(turning), -self._along.dot(bent)]]
+        right = [-changed[0, 0], self._along.dot(images[0]) + turning.dot(moved) - mode.dot(loads)]
+        return float(np.linalg.solve(matrix, right)[0])
+
+    def _changed(self, discretisation: Discretisation) -> _Changed:
+        system = discretisation.system
+        residual, load = system.create_vector(), system.create_vector()
+        system.configure(system.create_vector(), self._state.factor)
+        system.residual(residual)
+        system.load(load)
+        system.extrapolate_stress()
+        matrix, images = system.tangent(), []
+        for mode in self._modes:
+            image = system.create_vector(mode.array)
+            matrix.mult(system.create_vector(mode.array), image)
+            images.append(image.array.copy())
+        return _Changed(residual.array.copy(), load.array.copy(), images, unit_of(discretisation))

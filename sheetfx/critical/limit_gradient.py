@@ -1,0 +1,167 @@
+"""How a limit load changes with the structure.
+
+The load is extremal along the path there, so that it changes as the load at any amplitude that is held. State x and
+load factor change by
+
+    K dx - dfactor f = -dR,    d . dx = 0,
+
+with the tangent K, the load f, a direction d, and the forces dR out of balance of the changed structure at the same
+displacements. With the null vector phi of K that is dfactor = phi . dR / phi . f (Wu and Arora 1988). K may have
+another null vector on its left, as where forces have no potential.
+
+Where a state depends on those before, by friction or laws with history, each step of the path changes that way, along
+its own increment d, and the changed structure remembers where it has gone (direct differentiation, Kleiber and others
+1997). That takes a factor for each step, which serves all numbers. dR are central differences of two structures.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import cast
+
+import numpy as np
+from petsc4py import PETSc
+
+from ..continuation.bordered import BorderedSolver, pivots
+from ..continuation.state import State
+from ..continuation.tracer import Tracer
+from ..discrete.discretisation import Discretisation
+from ..discrete.free_motions import usual_stiffness
+from ..discrete.system import System
+from .changed import Change, unit_of
+
+
+@dataclass
+class _Pair:
+    """Structures that a number has changed either way.
+
+    Attributes
+    ----------
+    step : of the number
+    more, less : the structures
+    ahead : load factor of the first less the path's, which is that of the path less the other one's
+    """
+
+    step: float
+    more: Discretisation
+    less: Discretisation
+    ahead: float = 0.0
+
+    @property
+    def ways(self) -> tuple[tuple[int, Discretisation], ...]:
+        return (1, self.more), (-1, self.less)
+
+
+class LimitGradient:
+    """Derivatives of the load of a limit point.
+
+    Parameters
+    ----------
+    tracer : stays at its present state
+    title : of the point, for messages
+    state : of the point
+    before : states that lead to it, from the first one on; used where states depend on those before
+
+    Raises
+    ------
+    ValueError
+        If the load is a reaction, states before it are missing, or parts rub against each other.
+    """
+
+    def __init__(self, tracer: Tracer, title: str, state: State, before: Sequence[State]):
+        self._tracer, self._system, self._states = tracer, tracer.system, [state]
+        if any(c.remembers or not (c.smooth or c.conservative) for c in self._system.contributions):
+            self._states = [*before, state]
+            if [one.step for one in before] != list(range(len(before))) or state.step - len(before) not in (0, 1):
+                raise ValueError(f"gradient: {title} depends on states before it, and some are missing, or the "
+                                 "structure has fallen; compare whole paths")
+        if any(c.rubs for c in self._system.contributions):
+            raise ValueError(f"gradient: {title}: parts that touch each other rub, and where slip began is not known "
+                             "of a changed structure; compare whole paths")
+        self._unit = unit_of(cast(Discretisation, tracer.discretisation))
+
+    def derivatives(self, changes: Iterable[Change]) -> Iterator[float | ValueError]:
+        """Derivatives of the total load, or why there is none."""
+        present, (first, *others) = self._tracer.state, self._states
+        together = [list(changes)] if others else ([change] for change in changes)
+        try:
+            solver = self._at_rest(first)
+            for some in together:
+                found = [self._pair(change) for change in some]
+                pairs = [one for one in found if isinstance(one, _Pair)]
+                self._begin(first, solver, pairs)
+                for before, after in pairwise(self._states):
+                    self._follow(before, after, pairs)
+                yield from (self._derivative(one) if isinstance(one, _Pair) else one for one in found)
+        finally:
+            self._tracer.back_to(present)
+
+    def _pair(self, change: Change) -> _Pair | ValueError:
+        try:
+            return _Pair(change.step, *change.sides(self._states[0].fields))
+        except ValueError as failure:
+            return failure
+
+    def _at_rest(self, state: State) -> BorderedSolver:
+        """Solver at a state where a load stage begins or whose past does not matter, along the response to the load."""
+        self._system.restore(state.fields)
+        return self._solver(state.factor, self._system.create_vector(), state.response)
+
+    def _solver(self, factor: float, increment: PETSc.Vec, held: np.ndarray) -> BorderedSolver:
+        """Solver for increments of the unknowns off a direction, and of the load factor."""
+        system, direction = self._system, self._system.create_vector(held)
+        system.configure(increment, factor)
+        system.extrapolate_stress()
+        system.tangent()
+        solver = BorderedSolver(self._tracer.stepper.linear, pivots([direction], system.weights),
+                                usual_stiffness(self._tracer.discretisation))
+        solver.border([-1.0 * self._tracer.load_vector()], [system.weights * direction])
+        return solver
+
+    def _begin(self, state: State, solver: BorderedSolver, pairs: Sequence[_Pair]) -> None:
+        """Let changed structures come to rest at such a state."""
+        for pair in pairs:
+            pair.ahead = 0.0
+            for _, side in pair.ways:
+                side.system.factors.enter(state.stage, state.factor)
+            self._correct(pair, state.factor, self._system.create_vector(), solver)
+
+    def _follow(self, before: State, after: State, pairs: Sequence[_Pair]) -> None:
+        """Let changed structures take a step of the path."""
+        if after.stage != before.stage:
+            self._begin(after, self._at_rest(after), pairs)
+            return
+        self._system.restore(before.fields)
+        _take_forces(self._system, after)
+        increment = self._system.create_vector(after.increment)
+        solver = self._solver(after.factor, increment, after.increment)
+        for pair in pairs:
+            for _, side in pair.ways:
+                _take_forces(side.system, after)
+            self._correct(pair, after.factor, increment, solver)
+
+    def _correct(self, pair: _Pair, factor: float, increment: PETSc.Vec, solver: BorderedSolver) -> None:
+        """Bring changed structures to equilibrium near increments of the path's, and let them remember it."""
+        forces = [self._system.create_vector() for _ in pair.ways]
+        for (way, side), residual in zip(pair.ways, forces, strict=True):
+            side.system.configure(increment, factor + way * pair.ahead)
+            side.system.residual(residual)
+        (moved,), ((ahead,),) = solver.solve([0.5 * (forces[1] - forces[0])], np.zeros((1, 1)))
+        pair.ahead += float(ahead)
+        for way, side in pair.ways:
+            side.system.configure(increment + way * moved, factor + way * pair.ahead)
+            side.system.history.commit()
+
+    def _derivative(self, pair: _Pair) -> float:
+        """That of the load factor times the load of its unit, and that of the load of the unit."""
+        changed = self._unit * pair.ahead + self._states[-1].factor * (unit_of(pair.more) - unit_of(pair.less)) / 2
+        return changed / pair.step
+
+
+def _take_forces(system: System, state: State) -> None:
+    """Take the contact forces that augmentation or condensation has found at a state of the path."""
+    for contribution in system.contributions:
+        if contribution.augments or contribution.condenses:
+            contribution.restore(state.fields)
