@@ -98,13 +98,26 @@ def rubbing(**options):
     return fx.Case(case.scene, fx.ArcLength(step=4e-4, largest=2.0), fx.Until(deflection=16.5))
 
 
+def in_stages(**options):
+    """A yielding arch under its weight, then a force; with ten fibres alone derivatives waver by 3 % as these flow."""
+    given = {"depth": 8.0, "modulus": 7e4, "yield_stress": 120.0, "hardening": 500.0, "weight": 0.01} | options
+    mesh = fx.read(lambda: meshes.arc(1000.0, 0.0, np.radians(12.0), 16, {"crown": 0.0}), 2, order=2)
+    metal = fx.Plastic(given["modulus"], 0.3, yield_stress=given["yield_stress"], hardening=given["hardening"])
+    beam = fx.Beam(mesh, fx.Rectangle(10.0, given["depth"], points=40), metal)
+    weight = fx.Stage([fx.LineForce(beam, (0.0, -given["weight"]))], "weight")
+    scene = fx.Scene([beam], [fx.pin(mesh, "end"), fx.symmetry(mesh, "crown")],
+                     [fx.PointForce(mesh, "crown", (0.0, -1.0))], fx.Monitor(mesh, "crown", "y", -1.0), stages=[weight])
+    return fx.Case(scene, until=fx.Until(deflection=4.0))
+
+
 @pytest.mark.parametrize(("make", "numbers", "step", "rel"), [
     (yielding(True, 20.0), {"yield_stress": 60.0, "thickness": 4.7625}, 1e-3, 1e-3),
     (yielding(False, 14.0), {"yield_stress": 60.0, "thickness": 4.7625}, 1e-3, 1e-3),
+    (in_stages, {"depth": 8.0, "weight": 0.01}, 1e-2, 2e-3),
     (under_a_follower, {"depth": 4.0, "angle": 10.0}, 1e-3, 1e-4),
     pytest.param(yielding_roof, {"yield_stress": 8.0, "thickness": 12.7}, 1e-3, 1e-3, marks=SLOW),
     pytest.param(rubbing, {"thickness": 4.7625}, 3e-3, 1e-3, marks=SLOW),
-], ids=["yielding arch", "yielding under a punch", "follower", "yielding roof", "friction"])
+], ids=["yielding arch", "yielding under a punch", "stages", "follower", "yielding roof", "friction"])
 def test_limits_that_depend_on_the_way(make, numbers, step, rel):
     record = fx.trace(make())
     for point in [point for point in record.critical_points if point.kind == "limit"]:
@@ -124,6 +137,17 @@ def test_minimum_after_unloading():
     assert point.name == "minimum"
     found = record.gradient(point, lambda value: make(thickness=value).scene, 4.7625)
     assert found == pytest.approx(differences(lambda value: make(thickness=value), 4.7625, point), rel=5e-3)
+
+
+def test_forces_that_scale_together():
+    """Modulus, yield stress, hardening and weight together scale the load, whatever the way."""
+    record = fx.trace(in_stages())
+    point = next(p for p in record.critical_points if p.kind == "limit")
+    numbers = {"modulus": 7e4, "yield_stress": 120.0, "hardening": 500.0, "weight": 0.01}
+    rates = record.load_gradient(point).derivatives(
+        Change(lambda value, name=name: in_stages(**{name: value}).scene, at) for name, at in numbers.items())
+    total = sum(at * rate for at, rate in zip(numbers.values(), rates, strict=True))
+    assert total == pytest.approx(point.load, rel=1e-6)
 
 
 def test_a_yielding_structure_in_other_units(tmp_path):

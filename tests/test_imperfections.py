@@ -142,8 +142,22 @@ def test_a_path_without_a_critical_point_is_told():
         few.worst(SIZE)
 
 
-def test_history_is_refused_before_paths():
-    with pytest.raises(ValueError, match="imperfections of double-plate: what plasticity or friction remembers"):
+def test_yielding_arch():
+    """Gradients against differences, and the worst of one size against all around the circle."""
+    case = load_case("arch")(full=True, no_punch=True, elements=12, yield_stress=60.0, hardening=500.0, to=8.0)
+    _, ideal = perfect("arch", case, 2)
+    loads = fx.Imperfections(case.scene, ideal.modes, lambda scene: fx.Path(
+        scene, fx.ArcLength(step=0.0025, largest=2.0), fx.Until(deflection=9.0)))
+    place, step = np.array([0.2, 0.1]), 1e-3
+    differences = [(loads.at(place + way).load - loads.at(place - way).load) / (2 * step) for way in step * np.eye(2)]
+    assert loads.gradient(place) == pytest.approx(np.array(differences), rel=1e-4)
+    around = [(0.3 * np.cos(a), 0.3 * np.sin(a)) for a in np.linspace(0, 2 * np.pi, 12, endpoint=False)]
+    worst = loads.worst(0.3, starts=1)[0].load
+    assert worst <= min(loads.at(one).load for one in around) < 0.98 * ideal.load
+
+
+def test_friction_between_parts_is_refused_before_paths():
+    with pytest.raises(ValueError, match="imperfections of double-plate: parts that rub against each other"):
         perfect("double-plate", load_case("double-plate")(), 2)
 
 

@@ -33,7 +33,7 @@ IMPERFECT = 1e-5  # push along a mode over the root of the work across it times 
 
 
 class NoDerivative(ValueError):
-    """A number makes a bifurcation's structure imperfect, whose load falls by a power below one."""
+    """A bifurcation has none: its load falls by a power below one as a number changes, or laws remember the way."""
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class BifurcationGradient:
     def _require(self) -> None:
         system, said = self._system, f"gradient: {self._title}"
         if any(contribution.remembers for contribution in system.contributions):
-            raise ValueError(f"{said}: laws remember the way to a bifurcation; compare whole paths")
+            raise NoDerivative(f"{said}: laws remember the way to a bifurcation; compare whole paths")
         if not system.conservative:
             raise ValueError(f"{said}: forces have no potential, so that the tangent is not symmetric; compare "
                              "whole paths")

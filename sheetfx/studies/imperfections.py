@@ -62,13 +62,12 @@ def perfect(name: str, case: Case, count: int) -> tuple[Record, Perfect]:
     Raises
     ------
     ValueError
-        If there is none, or laws remember the way, so that loads have no gradients.
+        If there is none, or parts rub against each other, so that loads have no gradients.
     """
     path = path_of(case, case.scene)
-    if any(contribution.remembers for contribution in path.discretisation.system.contributions):
-        raise ValueError(f"imperfections of {name}: what plasticity or friction remembers depends on the way, and "
-                         "loads have no gradients; take an elastic model without friction, or compare runs by sheetfx "
-                         "study")
+    if any(contribution.rubs for contribution in path.discretisation.system.contributions):
+        raise ValueError(f"imperfections of {name}: parts that rub against each other leave loads without gradients; "
+                         "take a model without friction, or compare runs by sheetfx study")
     states, point = up_to_critical(path)
     if point is None:
         raise ValueError(f"imperfections of {name}: the path of the perfect structure has no limit point and no "
