@@ -16,7 +16,8 @@ import sheetfx as fx
 from sheetfx import meshes
 from sheetfx.cli import app
 from sheetfx.critical.changed import Change
-from sheetfx.scenes import arch, cylinder_panel, lee_frame, roof, sinusoidal_arch
+from sheetfx.critical.numbers import numbers
+from sheetfx.scenes import arch, cylinder_panel, lee_frame, load_case, roof, sinusoidal_arch
 
 SLOW = pytest.mark.slow
 
@@ -51,6 +52,43 @@ def test_against_differences_of_paths(make, at, count):
     for point in record.critical_points[:count]:
         found = record.gradient(point, lambda v: make(v).scene, at)
         assert found == pytest.approx(differences(make, at, point), rel=1e-4)
+
+
+LENGTHS = "Plate.thickness", "Rectangle.width", "Rectangle.depth", "Tube.diameter", "Tube.thickness"
+
+
+@pytest.mark.parametrize(("name", "options"), [
+    ("lee-frame", {"elements": 10}), ("von-mises-truss", {}), ("deep-arch", {}), ("star-dome", {}), ("column", {}),
+    pytest.param("roof", {"cells": 4, "to": 20.0}, marks=SLOW), pytest.param("channel", {}, marks=SLOW),
+    pytest.param("cylinder-panel", {"cells": (4, 4)}, marks=SLOW), pytest.param("dome", {"model": "bars"}, marks=SLOW),
+], ids=lambda value: value if isinstance(value, str) else "")
+def test_structures_in_other_units(name, options):
+    """A load is proportional to the modulus, and to the square of all lengths: of sections, and between nodes."""
+    record = fx.trace(load_case(name)(**options))
+    scene = record.case.scene
+    known = {number.name: Change(number.scene, number.value) for number in numbers(scene)}
+    places = Change(lambda times: fx.imperfect(scene, lambda x: (times - 1.0) * x), 1.0)
+    lengths = [places, *(known[one] for one in LENGTHS if one in known)]
+    for point in [point for point in record.critical_points if point.kind != "event"][:3]:
+        rates = list(record.load_gradient(point).derivatives([known["Elastic.modulus"], *lengths]))
+        modulus, *others = (np.atleast_1d(rate) * change.at / point.load
+                            for rate, change in zip(rates, [known["Elastic.modulus"], *lengths], strict=True))
+        assert modulus == pytest.approx(1.0, rel=1e-5)
+        assert sum(others) == pytest.approx(2.0, rel=2e-5)
+
+
+def test_the_modulus_of_a_frame_that_symmetry_does_not_protect():
+    """Koiter's frame: what its columns' sections change makes it imperfect; shear that is not there does nothing."""
+    record = fx.trace(load_case("roorda-frame")())
+    known = {number.name: number for number in numbers(record.case.scene)}
+    gradient, one = record.load_gradient(record.critical_points[0]), known["Elastic.modulus"]
+    rate = gradient.derivative(one.scene, one.value)
+    assert rate * one.value == pytest.approx(record.critical_points[0].load, rel=1e-4)
+    one = known["Rectangle.shear_factor of column"]
+    assert abs(gradient.derivative(one.scene, one.value)) < 1e-2 * record.critical_points[0].load
+    one = known["Rectangle.depth of column"]
+    with pytest.raises(ValueError, match="makes the structure imperfect"):
+        gradient.derivative(one.scene, one.value)
 
 
 def test_contact_at_a_limit_point():
@@ -110,20 +148,20 @@ def in_stages(**options):
     return fx.Case(scene, until=fx.Until(deflection=4.0))
 
 
-@pytest.mark.parametrize(("make", "numbers", "step", "rel"), [
+@pytest.mark.parametrize(("make", "by", "step", "rel"), [
     (yielding(True, 20.0), {"yield_stress": 60.0, "thickness": 4.7625}, 1e-3, 1e-3),
-    (yielding(False, 14.0), {"yield_stress": 60.0, "thickness": 4.7625}, 1e-3, 1e-3),
+    pytest.param(yielding(False, 14.0), {"yield_stress": 60.0, "thickness": 4.7625}, 1e-3, 1e-3, marks=SLOW),
     (in_stages, {"depth": 8.0, "weight": 0.01}, 1e-2, 2e-3),
     (under_a_follower, {"depth": 4.0, "angle": 10.0}, 1e-3, 1e-4),
     pytest.param(yielding_roof, {"yield_stress": 8.0, "thickness": 12.7}, 1e-3, 1e-3, marks=SLOW),
     pytest.param(rubbing, {"thickness": 4.7625}, 3e-3, 1e-3, marks=SLOW),
 ], ids=["yielding arch", "yielding under a punch", "stages", "follower", "yielding roof", "friction"])
-def test_limits_that_depend_on_the_way(make, numbers, step, rel):
+def test_limits_that_depend_on_the_way(make, by, step, rel):
     record = fx.trace(make())
     for point in [point for point in record.critical_points if point.kind == "limit"]:
         found = record.load_gradient(point).derivatives(
-            Change(lambda value, name=name: make(**{name: value}).scene, at) for name, at in numbers.items())
-        for (name, at), known in zip(numbers.items(), found, strict=True):
+            Change(lambda value, name=name: make(**{name: value}).scene, at) for name, at in by.items())
+        for (name, at), known in zip(by.items(), found, strict=True):
             other = differences(lambda value, name=name: make(**{name: value}), at, point, step)
             assert known == pytest.approx(other, rel=rel), name
 
@@ -143,13 +181,14 @@ def test_forces_that_scale_together():
     """Modulus, yield stress, hardening and weight together scale the load, whatever the way."""
     record = fx.trace(in_stages())
     point = next(p for p in record.critical_points if p.kind == "limit")
-    numbers = {"modulus": 7e4, "yield_stress": 120.0, "hardening": 500.0, "weight": 0.01}
+    by = {"modulus": 7e4, "yield_stress": 120.0, "hardening": 500.0, "weight": 0.01}
     rates = record.load_gradient(point).derivatives(
-        Change(lambda value, name=name: in_stages(**{name: value}).scene, at) for name, at in numbers.items())
-    total = sum(at * rate for at, rate in zip(numbers.values(), rates, strict=True))
+        Change(lambda value, name=name: in_stages(**{name: value}).scene, at) for name, at in by.items())
+    total = sum(at * rate for at, rate in zip(by.values(), rates, strict=True))
     assert total == pytest.approx(point.load, rel=1e-6)
 
 
+@SLOW
 def test_a_yielding_structure_in_other_units(tmp_path):
     """Modulus, yield stress and hardening together scale the load, on two processes too; the width alone does."""
     words = ["depends", "arch", "--elements", "20", "--no-punch", "--yield", "60", "--hardening", "500", "--to", "8"]

@@ -142,6 +142,7 @@ def test_a_path_without_a_critical_point_is_told():
         few.worst(SIZE)
 
 
+@pytest.mark.slow
 def test_yielding_arch():
     """Gradients against differences, and the worst of one size against all around the circle."""
     case = load_case("arch")(full=True, no_punch=True, elements=12, yield_stress=60.0, hardening=500.0, to=8.0)

@@ -7,8 +7,7 @@ the load f, and the changes dR and dK of the forces out of balance and of the ta
 
 K' phi are third variations of the energy. phi . dR is zero unless the change is an imperfection. Of k modes together
 the first equation is one for a matrix, whose eigenvalues are the changes of k loads: the point splits, and its
-derivatives are one-sided. dR and dK phi are differences of forces and tangents at the state that is known; central ones
-are exact to 1e-5 for numbers that enter smoothly.
+derivatives are one-sided. dR and dK phi are differences of forces and tangents at the state that is known.
 """
 
 from __future__ import annotations
@@ -20,13 +19,14 @@ from typing import cast
 import numpy as np
 from petsc4py import PETSc
 
+from .. import rounding
 from ..continuation.bordered import BorderedSolver, pivots
 from ..continuation.state import State
 from ..continuation.tracer import Tracer
 from ..discrete.discretisation import Discretisation
 from ..discrete.free_motions import usual_stiffness
 from ..events.determinant import orthonormal
-from .changed import Change, unit_of
+from .changed import Change, Differences, Found, derivatives, unit_of
 from .koiter import Energy
 
 IMPERFECT = 1e-5  # push along a mode over the root of the work across it times the mode's change of stiffness
@@ -38,19 +38,22 @@ class NoDerivative(ValueError):
 
 @dataclass(frozen=True)
 class _Changed:
-    """What a changed structure has at the state, this process's parts.
+    """What a changed structure has at the state, or a difference of two.
 
     Attributes
     ----------
-    residual, load : forces out of balance, and loads of a load factor of 1
-    images : of modes by the tangent
+    vectors : forces out of balance, loads of a load factor of 1, and images of modes by the tangent, on this process
     unit : total load for a factor of 1
     """
 
-    residual: np.ndarray
-    load: np.ndarray
-    images: list[np.ndarray]
+    vectors: np.ndarray
     unit: float
+
+    def __sub__(self, other: _Changed) -> _Changed:
+        return _Changed(self.vectors - other.vectors, self.unit - other.unit)
+
+    def __truediv__(self, number: float) -> _Changed:
+        return _Changed(self.vectors / number, self.unit / number)
 
 
 class BifurcationGradient:
@@ -94,9 +97,7 @@ class BifurcationGradient:
         tracer, system = self._tracer, self._system
         tracer.back_to(self._state)
         self._load = tracer.load_vector()
-        self._unit = unit_of(cast(Discretisation, tracer.discretisation))
-        system.extrapolate_stress()
-        system.tangent()
+        self._here = self._changed(cast(Discretisation, tracer.discretisation))
         weighted = [system.weights * mode for mode in self._modes]
         self._bordered = BorderedSolver(tracer.stepper.linear, pivots(self._modes, system.weights),
                                         usual_stiffness(tracer.discretisation))
@@ -105,6 +106,7 @@ class BifurcationGradient:
         self._turning = energy.third(self._modes, self._along, 1.0)
         self._bent = [energy.third(self._modes, mode) for mode in self._modes]
         energy.leave()
+        self._rates = np.array([[mode.dot(turning) for mode in self._modes] for turning in self._turning])
 
     def _across(self, right: PETSc.Vec) -> PETSc.Vec:
         """Solution off the modes."""
@@ -114,27 +116,38 @@ class BifurcationGradient:
     def derivatives(self, changes: Iterable[Change]) -> Iterator[float | np.ndarray | ValueError]:
         """Derivatives of the total load, or why there is none."""
         for change in changes:
+            yield from derivatives([change], self._state.load, self._differences)
+
+    def _differences(self, changes: Sequence[Change]) -> list[Found]:
+        found: list[Found] = []
+        for change in changes:
             try:
-                yield self._derivative(change)
+                more, less = map(self._changed, change.sides(self._state.fields))
+                first = (more - less) / (2 * change.step)
+                self._require_perfect(first.vectors[0], change.at)
+                second = ((more - self._here) - (self._here - less)) / (2 * change.step)
+                found.append(Differences(self._of_load(first), float(np.abs(self._of_load(second)).max())))
             except ValueError as failure:
-                yield failure
+                found.append(failure)
+        return found
 
-    def _derivative(self, change: Change) -> float | np.ndarray:
-        vector, (more, less) = self._system.create_vector, map(self._changed, change.sides(self._state.fields))
-        twice = 2 * change.step
-        images = [vector((a - b) / twice) for a, b in zip(more.images, less.images, strict=True)]
-        found = self._of_factor(vector((more.residual - less.residual) / twice), images,
-                                vector((more.load - less.load) / twice))
-        return self._unit * found + self._state.factor * (more.unit - less.unit) / twice
+    def _of_load(self, change: _Changed) -> float | np.ndarray:
+        return self._here.unit * self._of_factor(change) + self._state.factor * change.unit
 
-    def _of_factor(self, forces: PETSc.Vec, images: list[PETSc.Vec], loads: PETSc.Vec) -> float | np.ndarray:
-        """Derivatives of the load factor."""
-        moved = self._across(-1.0 * forces)
-        along = np.array([[mode.dot(turning) for mode in self._modes] for turning in self._turning])
+    def _require_perfect(self, residual: np.ndarray, at: float) -> None:
+        forces = self._system.create_vector(residual)
+        if at and abs(at) * forces.norm() <= rounding.NONE * abs(self._state.factor) * self._load.norm():
+            return
         pushed = max(abs(mode.dot(forces)) for mode in self._modes)
-        if pushed > IMPERFECT * (abs(moved.dot(forces)) * np.abs(np.diag(along)).max()) ** 0.5:
+        work = abs(self._across(-1.0 * forces).dot(forces))
+        if pushed > IMPERFECT * (work * np.abs(np.diag(self._rates)).max()) ** 0.5:
             raise NoDerivative(f"gradient: the number makes the structure imperfect, so that {self._title} has no "
                                "derivative; see imperfection_sensitivity")
+
+    def _of_factor(self, change: _Changed) -> float | np.ndarray:
+        """Change of the load factor."""
+        (forces, loads, *images), along = map(self._system.create_vector, change.vectors), self._rates
+        moved = self._across(-1.0 * forces)
         changed = np.array([[mode.dot(image) + bent.dot(moved) for mode, bent in zip(self._modes, row, strict=True)]
                             for image, row in zip(images, self._bent, strict=True)])
         if len(self._modes) > 1:
@@ -146,14 +159,12 @@ class BifurcationGradient:
 
     def _changed(self, discretisation: Discretisation) -> _Changed:
         system = discretisation.system
-        residual, load = system.create_vector(), system.create_vector()
+        vectors = [system.create_vector() for _ in range(2 + len(self._modes))]
         system.configure(system.create_vector(), self._state.factor)
-        system.residual(residual)
-        system.load(load)
+        system.residual(vectors[0])
+        system.load(vectors[1])
         system.extrapolate_stress()
-        matrix, images = system.tangent(), []
-        for mode in self._modes:
-            image = system.create_vector(mode.array)
+        matrix = system.tangent()
+        for mode, image in zip(self._modes, vectors[2:], strict=True):
             matrix.mult(system.create_vector(mode.array), image)
-            images.append(image.array.copy())
-        return _Changed(residual.array.copy(), load.array.copy(), images, unit_of(discretisation))
+        return _Changed(np.array([vector.array for vector in vectors]), unit_of(discretisation))

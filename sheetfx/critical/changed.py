@@ -1,16 +1,18 @@
-"""Structures that a number has changed, beside the one of a path."""
+"""Structures that a number has changed, beside the one of a path, and derivatives by central differences of the two."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from .. import rounding
 from ..discrete.discretisation import Discretisation
 from ..model.scene import Scene
 
-STEP = 1e-6  # of a number, of its differences: slender parts are strained by a change of their places
+EXACT = 1e-6  # of a derivative, error that differences may have
+TRIES = 3  # steps of a number, each as much shorter as the error of the one before asks for
 
 
 @dataclass(frozen=True)
@@ -21,7 +23,7 @@ class Change:
     ----------
     scene : function from the number to the scene, of which only values change and nodes move
     at : the number as it is
-    given : step of differences; None: a millionth of the number
+    given : step of differences; None: a share of the number
     """
 
     scene: Callable[[float], Scene]
@@ -37,9 +39,21 @@ class Change:
         ValueError
             If the number is zero and no step is given.
         """
-        if not (step := self.given or STEP * abs(self.at)):
+        if not (step := self.given or rounding.DIFFERENCE * abs(self.at)):
             raise ValueError("gradient: at is 0, which tells no size of a step; give step")
         return step
+
+    def shorter(self, found: Differences) -> Change:
+        """The change by a step whose error is small enough, by that of the present one."""
+        return replace(self, given=self.step * (EXACT / self.error(found)) ** 0.5 / 2)
+
+    def error(self, found: Differences) -> float:
+        """Relative error of the derivative by central differences.
+
+        It is the third difference. That is to the second one as this would be to the first, were the first not small
+        beside it because the structure gives way to what strains it.
+        """
+        return found.bend * self.step / (abs(self.at) or self.step / rounding.DIFFERENCE)
 
     def sides(self, fields: Mapping[str, np.ndarray]) -> tuple[Discretisation, Discretisation]:
         """The structure with a step more of the number and with a step less, both at fields of the path's.
@@ -51,6 +65,52 @@ class Change:
         """
         more, less = (self.scene(self.at + way) for way in (self.step, -self.step))
         return changed_structure("gradient", more, fields), changed_structure("gradient", less, fields)
+
+
+@dataclass(frozen=True)
+class Differences:
+    """Differences of the load by one step of a number.
+
+    Attributes
+    ----------
+    first : derivative, of several modes in ascending order
+    half_second : size of half of the second difference, over the step
+    """
+
+    first: float | np.ndarray
+    half_second: float
+
+    @property
+    def bend(self) -> float:
+        """Half of the second difference over the first one."""
+        return self.half_second / max(float(np.abs(self.first).max()), rounding.TINIEST)
+
+
+Found = Differences | ValueError
+
+
+def derivatives(changes: Sequence[Change], load: float, differences: Callable[[Sequence[Change]], list[Found]]
+                ) -> list[float | np.ndarray | ValueError]:
+    """Derivatives of a load, or why there is none, by steps that are so short that second differences are small.
+
+    Slender parts are strained by a change of their places, and long steps would be errors; of other numbers short ones
+    are rounding.
+
+    Parameters
+    ----------
+    differences : function that tells them for numbers together
+    """
+    found: list[Found] = differences(changes)
+    for _ in range(TRIES - 1):
+        shorter = {n: change.shorter(one) for n, (change, one) in enumerate(zip(changes, found, strict=True))
+                   if isinstance(one, Differences) and change.error(one) > EXACT
+                   and one.half_second * change.step > rounding.NONE * abs(load)}
+        if not shorter:
+            break
+        changes = [shorter.get(n, change) for n, change in enumerate(changes)]
+        for n, one in zip(shorter, differences(list(shorter.values())), strict=True):
+            found[n] = one
+    return [one.first if isinstance(one, Differences) else one for one in found]
 
 
 def changed_structure(said: str, scene: Scene, fields: Mapping[str, np.ndarray]) -> Discretisation:

@@ -58,7 +58,7 @@ class LoadGradient:
         ----------
         scene : function from the number to the scene, of which only values change and nodes move
         at : the number as it is
-        step : of differences; None: a millionth of the number
+        step : of differences, which may be shorter where these are not exact; None: a share of the number
 
         Returns
         -------

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from typing import cast
 
@@ -30,7 +31,7 @@ from ..continuation.tracer import Tracer
 from ..discrete.discretisation import Discretisation
 from ..discrete.free_motions import usual_stiffness
 from ..discrete.system import System
-from .changed import Change, unit_of
+from .changed import Change, Differences, Found, derivatives, unit_of
 
 
 @dataclass
@@ -42,16 +43,26 @@ class _Pair:
     step : of the number
     more, less : the structures
     ahead : load factor of the first less the path's, which is that of the path less the other one's
+    bent : what is left of the mean of both less the path's, in the last step
     """
 
     step: float
     more: Discretisation
     less: Discretisation
     ahead: float = 0.0
+    bent: float = 0.0
 
     @property
     def ways(self) -> tuple[tuple[int, Discretisation], ...]:
         return (1, self.more), (-1, self.less)
+
+
+@dataclass(frozen=True)
+class Solver:
+    """Solver at increments of the path, and what these leave out of balance."""
+
+    bordered: BorderedSolver
+    residual: PETSc.Vec
 
 
 class LimitGradient:
@@ -80,23 +91,26 @@ class LimitGradient:
         if any(c.rubs for c in self._system.contributions):
             raise ValueError(f"gradient: {title}: parts that touch each other rub, and where slip began is not known "
                              "of a changed structure; compare whole paths")
-        self._unit = unit_of(cast(Discretisation, tracer.discretisation))
+        self._load, self._unit = state.load, unit_of(cast(Discretisation, tracer.discretisation))
 
     def derivatives(self, changes: Iterable[Change]) -> Iterator[float | ValueError]:
         """Derivatives of the total load, or why there is none."""
         present, (first, *others) = self._tracer.state, self._states
-        together = [list(changes)] if others else ([change] for change in changes)
         try:
             solver = self._at_rest(first)
-            for some in together:
-                found = [self._pair(change) for change in some]
-                pairs = [one for one in found if isinstance(one, _Pair)]
-                self._begin(first, solver, pairs)
-                for before, after in pairwise(self._states):
-                    self._follow(before, after, pairs)
-                yield from (self._derivative(one) if isinstance(one, _Pair) else one for one in found)
+            for some in [list(changes)] if others else ([change] for change in changes):
+                yield from derivatives(some, self._load, partial(self._differences, solver))
         finally:
             self._tracer.back_to(present)
+
+    def _differences(self, solver: Solver, changes: Sequence[Change]) -> list[Found]:
+        """Differences by some numbers, along the states."""
+        found = [self._pair(change) for change in changes]
+        pairs = [one for one in found if isinstance(one, _Pair)]
+        self._begin(self._states[0], solver, pairs)
+        for before, after in pairwise(self._states):
+            self._follow(before, after, pairs)
+        return [self._of(one) if isinstance(one, _Pair) else one for one in found]
 
     def _pair(self, change: Change) -> _Pair | ValueError:
         try:
@@ -104,23 +118,24 @@ class LimitGradient:
         except ValueError as failure:
             return failure
 
-    def _at_rest(self, state: State) -> BorderedSolver:
+    def _at_rest(self, state: State) -> Solver:
         """Solver at a state where a load stage begins or whose past does not matter, along the response to the load."""
         self._system.restore(state.fields)
         return self._solver(state.factor, self._system.create_vector(), state.response)
 
-    def _solver(self, factor: float, increment: PETSc.Vec, held: np.ndarray) -> BorderedSolver:
+    def _solver(self, factor: float, increment: PETSc.Vec, held: np.ndarray) -> Solver:
         """Solver for increments of the unknowns off a direction, and of the load factor."""
-        system, direction = self._system, self._system.create_vector(held)
+        system, direction, residual = self._system, self._system.create_vector(held), self._system.create_vector()
         system.configure(increment, factor)
+        system.residual(residual)
         system.extrapolate_stress()
         system.tangent()
-        solver = BorderedSolver(self._tracer.stepper.linear, pivots([direction], system.weights),
-                                usual_stiffness(self._tracer.discretisation))
-        solver.border([-1.0 * self._tracer.load_vector()], [system.weights * direction])
-        return solver
+        bordered = BorderedSolver(self._tracer.stepper.linear, pivots([direction], system.weights),
+                                  usual_stiffness(self._tracer.discretisation))
+        bordered.border([-1.0 * self._tracer.load_vector()], [system.weights * direction])
+        return Solver(bordered, residual)
 
-    def _begin(self, state: State, solver: BorderedSolver, pairs: Sequence[_Pair]) -> None:
+    def _begin(self, state: State, solver: Solver, pairs: Sequence[_Pair]) -> None:
         """Let changed structures come to rest at such a state."""
         for pair in pairs:
             pair.ahead = 0.0
@@ -142,22 +157,23 @@ class LimitGradient:
                 _take_forces(side.system, after)
             self._correct(pair, after.factor, increment, solver)
 
-    def _correct(self, pair: _Pair, factor: float, increment: PETSc.Vec, solver: BorderedSolver) -> None:
+    def _correct(self, pair: _Pair, factor: float, increment: PETSc.Vec, solver: Solver) -> None:
         """Bring changed structures to equilibrium near increments of the path's, and let them remember it."""
-        forces = [self._system.create_vector() for _ in pair.ways]
-        for (way, side), residual in zip(pair.ways, forces, strict=True):
+        more, less = self._system.create_vector(), self._system.create_vector()
+        for (way, side), residual in zip(pair.ways, (more, less), strict=True):
             side.system.configure(increment, factor + way * pair.ahead)
             side.system.residual(residual)
-        (moved,), ((ahead,),) = solver.solve([0.5 * (forces[1] - forces[0])], np.zeros((1, 1)))
-        pair.ahead += float(ahead)
+        rights = [0.5 * (less - more), solver.residual - 0.5 * (less + more)]
+        (moved, _), ((ahead,), (bent,)) = solver.bordered.solve(rights, np.zeros((2, 1)))
+        pair.ahead, pair.bent = pair.ahead + float(ahead), float(bent)
         for way, side in pair.ways:
             side.system.configure(increment + way * moved, factor + way * pair.ahead)
             side.system.history.commit()
 
-    def _derivative(self, pair: _Pair) -> float:
-        """That of the load factor times the load of its unit, and that of the load of the unit."""
+    def _of(self, pair: _Pair) -> Differences:
+        """Those of the load factor times the load of its unit, and of the load of the unit."""
         changed = self._unit * pair.ahead + self._states[-1].factor * (unit_of(pair.more) - unit_of(pair.less)) / 2
-        return changed / pair.step
+        return Differences(changed / pair.step, abs(self._unit * pair.bent) / pair.step)
 
 
 def _take_forces(system: System, state: State) -> None:

@@ -17,13 +17,14 @@ from ..archive.folder import write_whole
 from ..case import Case
 from ..continuation.state import CriticalPoint
 from ..critical.bifurcation_gradient import NoDerivative
-from ..critical.changed import STEP, Change
+from ..critical.changed import Change
 from ..critical.imperfect import imperfect
 from ..critical.numbers import Number, numbers
 from ..mesh.nodal_shapes import NodalShape
 from ..model.scene import Scene
 from ..record import Record
 
+SMALL = 1e-6  # of the size, largest movement of a node that differences are taken of
 SAME = 1e-6  # relative difference between derivatives by an option and by a number of the scene, which are then one
 
 
@@ -89,7 +90,7 @@ def by_nodes(record: Record, point: CriticalPoint, shapes: Sequence[NodalShape],
     ----------
     told : called with the number of nodes that are done
     """
-    scene, step = record.case.scene, STEP * max(mesh.size for mesh in record.case.scene.meshes)
+    scene, step = record.case.scene, SMALL * max(mesh.size for mesh in record.case.scene.meshes)
 
     def along(shape: NodalShape) -> Change:
         return Change(lambda way: imperfect(scene, shape, way), 0.0, step)
