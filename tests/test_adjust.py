@@ -34,7 +34,8 @@ def loads(scene):
         fx.Case(scene, fx.LoadControl(0.5), fx.Until(steps=2))).states]
 
 
-@pytest.mark.parametrize("kind", SCENES)
+@pytest.mark.parametrize("kind", [
+    pytest.param(kind, marks=[pytest.mark.slow] * (kind == "surface")) for kind in SCENES])
 def test_an_even_overlap_is_none(kind):
     """With it the path is that of parts that touch; without, or with less, it is refused.
 

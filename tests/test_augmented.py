@@ -130,6 +130,7 @@ def test_branches_start_at_a_point_found_directly():
     assert found.point.curvature == pytest.approx(point.curvature, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_two_processes():
     lines = on_two_processes("""
 import sheetfx as fx

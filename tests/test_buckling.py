@@ -197,6 +197,7 @@ def test_error_about_nonlinear_states_falls_quadratically(swaying_arch, prebuckl
     assert errors[-1] < 2e-4
 
 
+@pytest.mark.slow
 def test_error_about_loaded_shells_falls_quadratically():
     """A cylinder whose ends are held before buckling; with the stress alone the error falls linearly."""
     scene = cylinder_buckling.case(cells=(6, 4)).scene

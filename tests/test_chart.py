@@ -49,6 +49,7 @@ def chart(*arguments):
                           capture_output=True, timeout=300, env=os.environ | {"COLUMNS": "200"})
 
 
+@pytest.mark.slow
 def test_chart_of_a_script_beside_a_peer(script, tmp_path):
     """The peer's error is 1 %: the coarse member with 4 % does not count, the other one does."""
     result = chart(script, "--repeat", 1, "-o", tmp_path / "out")

@@ -62,6 +62,7 @@ def inclined(step, fixed, **how):
 
 
 @pytest.mark.silent("t09")
+@pytest.mark.slow
 def test_friction_does_not_depend_on_steps_and_stiffness():
     """What a point moves before it touches is no slip, and what sticks does not creep: within two percent,
     as a ten-thousandth of a cell of slip is left where points stick.

@@ -55,7 +55,7 @@ def followed(name):
 
 
 @pytest.mark.parametrize("name", [
-    pytest.param(name, marks=[pytest.mark.slow] * (name == "surfaces")) for name in CASES])
+    pytest.param(name, marks=[pytest.mark.slow] * (name in ("surfaces", "dome", "welds and links"))) for name in CASES])
 def test_two_processes_follow_the_path_of_one(name):
     lines = on_two_processes(f"""
 import json

@@ -44,6 +44,7 @@ def deflections(record, state) -> np.ndarray:
     return np.array([record.displacement("end", part.mesh)[1] for part in record.case.scene.parts[::2]])
 
 
+@pytest.mark.slow
 def test_every_set_of_props_may_let_go(columns):
     """Those that do leave columns of their own, which deflect as in closed form while the load falls.
 

@@ -18,7 +18,7 @@ from sheetfx.model.section import Elastic, Rectangle
 from sheetfx.model.supports import Support, pin
 from sheetfx.path import PathFailure, Until
 
-STEPS = (1 / 16, 1 / 4, 1, 4, 16)
+STEPS = (*(pytest.param(times, marks=pytest.mark.slow) for times in (1 / 16, 1 / 4)), 1, 4, 16)
 
 
 def pinned_arch(steps=12, step=0.01):
@@ -91,6 +91,7 @@ def test_points_do_not_depend_on_steps(arch, times):
         assert curvatures[0] == pytest.approx(curvatures[1], rel=1e-3)  # the state may be 1e-6 off the path
 
 
+@pytest.mark.slow
 def test_points_after_a_restart_from_any_step(arch):
     for kept in range(1, len(arch.states)):
         record = trace(pinned_arch(), start=arch.states[:kept])

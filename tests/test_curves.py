@@ -49,6 +49,7 @@ def arches(depth: float = 0.1, elements: int = 24):
     return lambda alpha: load_case("sinusoidal-arch")(alpha=alpha, depth=depth, elements=elements).scene
 
 
+@pytest.mark.slow
 def test_two_thirds_law_through_its_cusp():
     """Limit loads of bars that lean to one side and to the other, which meet at the perfect bar's bifurcation."""
     record = trace(Case(propped_bar(0.3), fx.ArcLength(0.05), fx.Until(deflection=0.6)))
@@ -60,7 +61,8 @@ def test_two_thirds_law_through_its_cusp():
     assert (cusp.name, cusp.number) == ("cusp", pytest.approx(0.0, abs=1e-6))
 
 
-@pytest.mark.parametrize("end", [0.2, pytest.param(-0.2, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("end", [0.2, -0.2])
 def test_the_perfect_bar_goes_on_as_the_limit_of_imperfect_ones(end):
     record = trace(Case(propped_bar(0.0), fx.ArcLength(0.05), fx.Until(deflection=0.6, load=1.2)))
     points = list(curve(record, "bifurcation", propped_bar, 0.0, end, steps=4))
@@ -75,6 +77,7 @@ def bars(to: float, steps: int) -> list[fx.CurvePoint]:
     return list(curve(trace(load_case("von-mises-truss")(rise=3.0)), "bifurcation", scene, 3.0, to, steps=steps))
 
 
+@pytest.mark.slow
 def test_bifurcations_of_two_bars():
     """Bars of length l, L at rest, over half the span: limits at l^3 = L, bifurcations at l^3 = L (l^2 - 1).
 
@@ -177,6 +180,7 @@ def test_the_command(tmp_path):
     assert again.exit_code == 0 and list(csv.DictReader((tmp_path / "curve.csv").open())) == rows
 
 
+@pytest.mark.slow
 def test_with_friction_each_point_is_that_of_its_own_path(tmp_path):
     words = ["curve", "arch", "--elements", "12", "--against", "friction=0:0.4", "--parts", "2", "-o", str(tmp_path)]
     result = CliRunner().invoke(app, words)

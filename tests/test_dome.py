@@ -73,6 +73,7 @@ def test_cheap_models(model):
     assert stiffness[0] / stiffness[1] == pytest.approx(area / BAR.area, rel=0.1), "members carry by axial forces"
 
 
+@pytest.mark.slow
 def test_welds_that_are_short_for_their_cells_are_told():
     with pytest.warns(UserWarning, match="its length 100 is less than half of the cell of 1178 that"):
         case(model="contact", divisions=2, weld=100.0)

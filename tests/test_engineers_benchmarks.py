@@ -104,6 +104,7 @@ def of_helix(moment, factor):
 
 @pytest.mark.silent("p03")
 @pytest.mark.parametrize(("last", "allowed"), [(0.05, 1e-4), pytest.param(1.0, 1e-2, marks=pytest.mark.slow)])
+@pytest.mark.slow
 def test_cantilever_wound_to_a_helix(last, allowed):
     """Up to ten turns by a moment at its end, and a force across (Ibrahimbegovic 1997), by shooting in space.
 

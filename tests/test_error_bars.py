@@ -112,6 +112,7 @@ def test_the_path_stays_where_it_is():
 @pytest.mark.parametrize(("how", "reason"), [
     ({}, ""), ({"yield_stress": 40.0, "to": 30.0}, "without that of layers and steps"),
     pytest.param({"friction": 0.3}, "without that of steps", marks=SLOW)], ids=["contact", "yielding", "friction"])
+@SLOW
 def test_pieces_of_the_richer_path_lead_where_it_leads_as_a_whole(how, reason):
     """Two limit points of an arch under a punch; whole paths differ by steps, to 4 % of the change."""
     case = arch.case(elements=40, **how)
@@ -123,6 +124,7 @@ def test_pieces_of_the_richer_path_lead_where_it_leads_as_a_whole(how, reason):
         assert bar.alike > 0.99 and bar.reason == reason
 
 
+@SLOW
 def test_a_control_may_have_a_monitor_of_its_own():
     case = arch.case(elements=20)
     found = []
@@ -135,7 +137,8 @@ def limits(record):
     return [point for point in record.critical_points if point.kind == "limit"]
 
 
-@pytest.mark.parametrize(("how", "ratios"), [({}, (0.6, 1.7)), ({"yield_stress": 40.0, "to": 30.0}, (0.6, 1.7))],
+@pytest.mark.parametrize(("how", "ratios"), [
+    ({}, (0.6, 1.7)), pytest.param({"yield_stress": 40.0, "to": 30.0}, (0.6, 1.7), marks=SLOW)],
                          ids=["contact", "yielding"])
 def test_estimates_with_contact_and_plasticity_against_a_fine_mesh(how, ratios):
     right = limits(fx.trace(arch.case(elements=160, **how)))
@@ -202,6 +205,7 @@ if MPI.COMM_WORLD.rank == 0:
 """
 
 
+@SLOW
 def test_two_processes_find_the_same():
     """Gradients are differences over a millionth of the parameter, of which rounding leaves four to five digits."""
     case = sinusoidal_arch.case(elements=8)

@@ -46,6 +46,7 @@ def _sinking(force: float) -> float:
     return RADIUS - float(place[1])
 
 
+@pytest.mark.slow
 def test_a_ring_is_flattened_between_planes_as_the_elastica_is():
     """To 70 % of its radius, within 5e-4: 40 cells are off by 2e-4, and 20 by 1.8e-3.
 

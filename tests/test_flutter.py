@@ -81,6 +81,7 @@ def test_planes_that_flutter_one_after_the_other(ratio):
 SKEW = 2.61, 196.2, (0.0, 0.622, 0.783), 1.53  # spring that couples bending in two planes, whose frequencies cross
 
 
+@pytest.mark.slow
 def test_short_interval_of_flutter_within_a_step():
     """Frequencies of two planes that cross are coupled by a spring: they meet, part again, and others meet.
 

@@ -99,6 +99,7 @@ def _assert_same(ones, others, rel=1e-5):
     assert [load for _, load, _ in ones] == pytest.approx([load for _, load, _ in others], rel=rel)
 
 
+@pytest.mark.slow
 def test_rings_on_two_processes():
     script = '''
 import sheetfx as fx
@@ -176,6 +177,7 @@ def test_pinned_column_under_distributed_follower_load_diverges():
     assert [load for _, load, _ in kept] == pytest.approx([18.956, 81.9, 189.1], rel=1e-3)
 
 
+@pytest.mark.slow
 def test_pinned_column_with_other_first_steps():
     expected = found(pflueger(), fx.Until(load=250.0))
     for control in [*steps(pflueger()), fx.ArcLength(step=0.01)]:
@@ -222,6 +224,7 @@ def becks_equation(load, frequency):
     return (load**2 + 2 * frequency**2 * (1 + cosh(one) * cos(two)) + load * frequency * sinh(one) * sin(two))
 
 
+@pytest.mark.slow
 def test_frequencies_under_a_follower_force():
     """Both squares of frequencies of Beck's column up to where they meet, against the transcendental equation."""
     path = fx.Path(column(beck, CLAMPED), fx.LoadControl(0.1, target=20.0, fixed=True))

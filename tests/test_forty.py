@@ -9,8 +9,12 @@ from forty import STRUCTURES
 
 import sheetfx as fx
 
+LONG = "plate-on-foundation", "plate-sheared", "whole-roof"
 
-@pytest.mark.parametrize("name", [name for name, structure in STRUCTURES.items() if structure.loads])
+
+@pytest.mark.parametrize("name", [
+    pytest.param(name, marks=[pytest.mark.slow] * (name in LONG))
+    for name, structure in STRUCTURES.items() if structure.loads])
 def test_first_critical_loads(name):
     """Those that a closed form or a publication has, by default steps."""
     structure = STRUCTURES[name]

@@ -104,6 +104,7 @@ def test_free_truss_and_heat():
     assert np.abs(hot.forces(shell)).max() < 1e-6 * 2.1e11 * 0.01 * 1e-3
 
 
+@pytest.mark.slow
 def test_on_two_processes():
     script = """
 from test_free_bodies import free_beam, fx

@@ -46,6 +46,7 @@ class BentAroundCylinder:
                          rtol=1e-10, atol=1e-12).y[:, -1]
 
 
+@pytest.mark.slow
 def test_strip_bent_around_a_cylinder():
     """As far as its curvature asks for, with the thickness of both; contact ends between two of its points."""
     length, depth, width, thickness, cells = 1.0, 0.01, 0.05, 0.02, 20

@@ -42,6 +42,7 @@ def bars(ratio: float) -> fx.Imperfections:
                             lambda scene: fx.Path(scene, fx.ArcLength(0.2), fx.Until(deflection=0.9)))
 
 
+@pytest.mark.slow
 def test_worst_shape_is_along_the_softer_spring():
     first, second = bars(1.2).worst(SIZE, starts=2)
     for one in (first, second):
@@ -59,6 +60,7 @@ def test_gradient_is_that_of_differences_of_paths():
     assert found == pytest.approx(differences, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_quantile_of_a_load_that_goes_with_the_size_alone():
     """The sizes of two independent normal coefficients have a distribution of Rayleigh."""
     probability = 0.05
@@ -288,6 +290,7 @@ def test_reduced_energy_saves_paths(tmp_path):
     assert found["reduced"]["quantiles"].keys() == {"0.05"}
 
 
+@pytest.mark.slow
 def test_command_on_two_processes(tmp_path):
     arguments = [*ROORDA[:-1], "0", "--starts", "1"]
     assert CliRunner().invoke(app, [*arguments, "-o", str(tmp_path / "one")]).exit_code == 0

@@ -186,6 +186,7 @@ def test_load_of_a_heated_plate_has_an_error_bar_and_a_gradient():
     assert abs(slope * 0.01 / point.load - 2) < 5e-3  # the load goes with the square of the thickness
 
 
+@pytest.mark.slow
 def test_strip_of_two_metals():
     """Timoshenko 1925: a circle, with layers that press and pull each other without resultants."""
     alpha, moduli, thick, hot = (2e-5, 1e-5), (70e3, 210e3), (0.4, 0.6), 50.0

@@ -64,6 +64,7 @@ MOMENTS = [  # and the states that are kept then; -1: all, None: those of earlie
 ]
 
 
+@pytest.mark.slow
 def test_interrupted_again_and_again(tmp_path):
     """At start-up, before the path, within PETSc and as pictures are drawn; twice each, as impatient users do."""
     run(replace(load_case("von-mises-truss")(), pictures=()), "truss", {}, tmp_path / "whole", resume=False)

@@ -53,7 +53,7 @@ def inside(advice: fx.Advice, load: float) -> bool:
     ("stop", {"load": 1000.0}, {"cells": 32}, fx.LeftOut(contact=True)),
     ("stop", {}, {"cells": 32}, NOTHING),
     ("stocky_column", {}, {"cells": 64}, NOTHING),
-    ("stiffened", {}, {"cells": 12}, fx.LeftOut(plasticity=True)),
+    pytest.param("stiffened", {}, {"cells": 12}, fx.LeftOut(plasticity=True), marks=pytest.mark.slow),
     ("rough_foot", {}, {"cells": 32}, fx.LeftOut(friction=True)),
     ("rough_foot", {"friction": 0.6}, {"cells": 32}, NOTHING),
     ("ring", {}, {"cells": 64}, NOTHING),
@@ -65,7 +65,8 @@ def test_the_load_of_the_whole_model_is_inside(name, options, finer, left):
     assert inside(advice, first_of(scene_of(name)(**options | finer)))
 
 
-@pytest.mark.parametrize("name, exact", [("hinged_half", 1e-3), ("plate_half", 0.02)])
+@pytest.mark.parametrize("name, exact", [
+    ("hinged_half", 1e-3), pytest.param("plate_half", 0.02, marks=pytest.mark.slow)])
 def test_modes_that_symmetry_hides_are_found(name, exact):
     """The half has them by the supports of the other symmetry, at the load of the whole."""
     advice = advised(name)
@@ -117,6 +118,7 @@ def test_obstacles_that_travel_stand_still_in_modes_across():
     assert inside(advice, first_of(fx.load_case("arch")(elements=80, full=True)))
 
 
+@pytest.mark.slow
 def test_plastic_hinges_need_more_layers_and_cells():
     """Five fibres give the plastic moment 5 % low; the exact rigid-plastic load bounds what large sway leaves."""
     advice = advised("portal")
@@ -156,6 +158,7 @@ def test_finer_cells_give_the_point_of_their_path_directly():
     assert direct.bar().error == pytest.approx(path.bar().error, rel=0.05)
 
 
+@pytest.mark.slow
 def test_a_mode_that_is_overtaken_on_finer_cells_is_noticed():
     """On four cells the cylindrical panel's modes are in the wrong order: the second one is no first point on ten."""
     function = fx.load_case("cylinder-panel")
@@ -220,6 +223,7 @@ def test_the_command_writes_its_advice_and_a_script(tmp_path, command):
     assert low < first_of(case) < high
 
 
+@pytest.mark.slow
 def test_two_processes_advise_the_same(tmp_path):
     """A part that can move freely across its plane of symmetry, held by an unknown of one process."""
     words = ["advise", str(DEMOS / "plate_half.py"), "-o", str(tmp_path / "two")]

@@ -86,6 +86,7 @@ def test_moved_by_a_soft_bar_it_falls_at_a_held_displacement():
     assert record.states[-1].factor == pytest.approx(1.0, rel=1e-5) and record.states[-1].deflection > 2 * RISE
 
 
+@pytest.mark.slow
 def test_roof_falls_as_by_hand():
     """The hinged roof of 12.7 mm, beside `fx.snaps` along its whole path."""
     from sheetfx.scenes import roof

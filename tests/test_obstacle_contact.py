@@ -288,6 +288,7 @@ def test_bifurcations_on_augmented_contact_are_doubted():
     assert doubted("uzawa", 0) == doubted("penalty", 2) == doubted("uzawa", 2, "limit") == []
 
 
+@pytest.mark.slow
 def test_a_load_on_what_rests_is_followed_by_the_load():
     """Displacements do not grow any more: a cylindrical arc length says so, and what measures the load too goes on."""
     mesh = fx.read(lambda: fx.meshes.arc(3380.6, -0.128, 0.128, 20, {"crown": 0.0}), dimension=2, order=2)

@@ -560,6 +560,7 @@ def test_plate_lifts_its_corners_off_a_frame():
     assert 1.05 < found["free"] / found["held"] < 1.09  # 1.070 on a mesh of twice as many cells
 
 
+@pytest.mark.slow
 def test_path_turns_back_where_a_prop_lets_go():
     """A clamped column pressed against a prop, which lets go at a load of 100, four times what the column alone bears.
 

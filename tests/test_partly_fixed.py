@@ -155,6 +155,7 @@ def sheared_and_bent_plate() -> np.ndarray:
                                fx.LoadControl(0.5)), "north-east")
 
 
+@pytest.mark.slow
 def test_edges_on_two_processes():
     lines = on_two_processes("from test_partly_fixed import sheared_and_bent_plate\nprint(*sheared_and_bent_plate())")
     alone = sheared_and_bent_plate()

@@ -69,6 +69,7 @@ def pulled(law=fx.forms.section.linear_elastic, material=None, **scene):
 
 
 @pytest.mark.parametrize("mixed_points", [True, False])
+@pytest.mark.slow
 def test_a_bar_unloads_elastically(mixed_points):
     """Pulled to 1.002 of its yield force, then let go: the plastic strain 0.002 / H stays."""
     scene = pulled(material=fx.Plastic(1e6, 0.3, yield_stress=1.0, hardening=1e3), force=-1.002,

@@ -144,6 +144,7 @@ def dome(seed, rings=2, radius=900.0, side=250.0):
 @pytest.mark.parametrize(("seed", "limit", "times"), [
     (3, 7153.9, 1.0), *(pytest.param(*given, times, marks=pytest.mark.slow) for given in (
         (1, 7454.8), (2, 6482.4), (3, 7153.9)) for times in (1 / 8, 8.0))])
+@pytest.mark.slow
 def test_limit_load_of_a_dome_does_not_depend_on_its_steps(seed, limit, times):
     """It leans to one side as points begin to flow, and others unload; 7153.9 by steps of 1/8 of the usual first one.
 
@@ -212,6 +213,7 @@ def portal():
     return fx.Case(scene, fx.DisplacementControl(2.0), fx.Until(deflection=60.0))
 
 
+@pytest.mark.slow
 def test_sway_of_a_portal_is_named_by_displacement_control():
     """At 0.9834 of the collapse load 8 M_p / L."""
     case, found, said, collapse = portal(), [], "", 8 * 200.0 * 20 * 60**2 / 4 / 2000.0

@@ -79,6 +79,7 @@ def test_arch_with_a_yield_stress():
     assert event.load == values["first_yield_load"]
 
 
+@pytest.mark.slow
 def test_arch_under_a_punch_with_a_yield_stress():
     """Through both limits, against own values on 320 elements; it first yields where the punch still is a point force.
 

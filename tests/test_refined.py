@@ -38,6 +38,7 @@ def test_loads_are_those_of_the_path_on_the_finer_mesh():
     ({}, 1e-3, "elements 80"),
     pytest.param({"yield_stress": 40.0, "to": 30.0}, 1e-2, "elements 40", marks=pytest.mark.slow)],
     ids=["contact", "yielding"])
+@pytest.mark.slow
 def test_pieces_of_finer_paths_lead_where_these_lead(how, within, mesh):
     """Whole paths have other steps, which counts where states depend on those before."""
     first = refined(arch.case, within, elements=20, **how)[0]
@@ -47,6 +48,7 @@ def test_pieces_of_finer_paths_lead_where_these_lead(how, within, mesh):
     assert first.load == pytest.approx(there.load, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_modes_that_change_places_are_noticed():
     """The first two modes of the panel do so from 2 cells to 4."""
     found = refined(cylinder_panel.case, 1e-3, cells=(2, 2))

@@ -78,6 +78,7 @@ def table(folder: Path):
 
 @pytest.mark.parametrize("name", CASES)
 @pytest.mark.parametrize("order", ["one, two", "two, one"])
+@pytest.mark.slow
 def test_other_number_of_processes_goes_on(runs, name, order):
     """The path is that of one process, but for what tolerances of equilibrium leave."""
     whole = table(runs / "one" / name)

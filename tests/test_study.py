@@ -190,6 +190,7 @@ def test_command(tmp_path):
     (["study", "von-mises-truss", "--vary", "rise=0.4,0.5"], "study.csv", ["rise", "status", "limit_load"]),
     pytest.param(["diagram", "star-dome", "--levels", "1", "--max-deflection", "3"], "diagram.csv", None,
                  marks=pytest.mark.slow)], ids=["study", "diagram"])
+@pytest.mark.slow
 def test_processes_of_mpirun_give_the_same_table(words, file, columns, tmp_path):
     for name, launcher in (("alone", []), ("mpirun", ["mpirun", "-n", "3"])):
         command = [*launcher, sys.executable, "-m", "sheetfx", *words, "-o", str(tmp_path / name)]

@@ -36,6 +36,7 @@ def limit(scene: str, **options):
     return next(p for p in record.critical_points if p.kind == "limit"), record
 
 
+@pytest.mark.slow
 def test_m1_coupled():
     """4.515 kN with eight cells a bar; four are 0.2 % above it."""
     point, record = limit("m1", coordinates="measured", divisions=4, to=4.4)

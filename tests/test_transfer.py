@@ -189,6 +189,7 @@ def test_what_supports_hold_is_put_back():
     assert np.linalg.norm(field.table, axis=1) == pytest.approx(1.0, abs=1e-14)
 
 
+@pytest.mark.slow
 def test_two_processes():
     lines = on_two_processes("""
 import sheetfx as fx

@@ -40,6 +40,7 @@ def test_single_span_lifts_off():
     assert "0 of 24 contacts pressed" in str(found)
 
 
+@pytest.mark.slow
 def test_two_spans_cannot_both_go_to_their_own_side():
     """Without the floor one span goes up and one down. With it one is flat, or both go up, clamped at the middle.
 
@@ -60,6 +61,7 @@ def test_loads_do_not_hang_on_the_stiffness_of_contact():
     assert loads == pytest.approx(3 * [loads[1]], rel=2e-3)
 
 
+@pytest.mark.slow
 def test_long_plate_on_a_rigid_base():
     """A bulge at an end, k = 4.5, and one between, k = 16/3 (Seide 1958): f = f' = f'' = 0 where contact begins.
 

@@ -57,6 +57,7 @@ def test_fall_from_an_unstable_state():
     assert fall.energy_released == pytest.approx(released, rel=2e-4)
 
 
+@pytest.mark.slow
 def test_fall_from_where_the_load_cannot_rise():
     """A path under a rising load ends below its maximum; the structure falls, and bears more load from there."""
     path, states = truss(fx.LoadControl(step=2e-4, target=6e-3)), []
