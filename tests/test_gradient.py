@@ -92,6 +92,23 @@ def test_the_modulus_of_a_frame_that_symmetry_does_not_protect():
         gradient.derivative(one.scene, one.value)
 
 
+def test_a_reaction_to_a_prescribed_displacement():
+    """A column that is shortened buckles as one that is pressed does."""
+    mesh = fx.read(lambda: meshes.frame({"a": (0, 0), "b": (0, 1)}, {"one": ("a", "b", 8)}), 2, order=2)
+    beam = fx.Beam(mesh, fx.Rectangle(1.0, 0.02), fx.Elastic(1e6))
+    rates = []
+    for load, control in ((fx.PointForce(mesh, "b", (0.0, -1.0)), fx.LoadControl(4.0, target=10.0)),
+                          (fx.PrescribedDisplacement(mesh, "b", "y", -0.01), fx.LoadControl(0.02, target=0.05))):
+        supports = [fx.pin(mesh, "a"), fx.Support(mesh, "b", "x")]
+        scene = fx.Scene([beam], supports, [load], fx.Monitor(mesh, "b", "y", -1.0))
+        record = fx.trace(fx.Case(scene, control))
+        (point,) = record.critical_points
+        rates.append(list(record.load_gradient(point).derivatives(
+            Change(number.scene, number.value) for number in numbers(scene))))
+    assert rates[0][1] == pytest.approx(2.9986 * point.load / 0.02, rel=1e-5)
+    assert rates[1] == pytest.approx(rates[0], rel=1e-4)
+
+
 def test_contact_at_a_limit_point():
     """Paths with contact have limit loads that waver by 1e-5 as points of contact come and go: longer differences."""
     case = arch.case(elements=80)

@@ -26,7 +26,7 @@ from ..continuation.tracer import Tracer
 from ..discrete.discretisation import Discretisation
 from ..discrete.free_motions import usual_stiffness
 from ..events.determinant import orthonormal
-from .changed import Change, Differences, Found, derivatives, unit_of
+from .changed import Change, Differences, Found, derivatives
 from .koiter import Energy
 
 IMPERFECT = 1e-5  # push along a mode over the root of the work across it times the mode's change of stiffness
@@ -43,17 +43,17 @@ class _Changed:
     Attributes
     ----------
     vectors : forces out of balance, loads of a load factor of 1, and images of modes by the tangent, on this process
-    unit : total load for a factor of 1
+    total : total load, which may be a reaction
     """
 
     vectors: np.ndarray
-    unit: float
+    total: float
 
     def __sub__(self, other: _Changed) -> _Changed:
-        return _Changed(self.vectors - other.vectors, self.unit - other.unit)
+        return _Changed(self.vectors - other.vectors, self.total - other.total)
 
     def __truediv__(self, number: float) -> _Changed:
-        return _Changed(self.vectors / number, self.unit / number)
+        return _Changed(self.vectors / number, self.total / number)
 
 
 class BifurcationGradient:
@@ -69,13 +69,15 @@ class BifurcationGradient:
     Raises
     ------
     ValueError
-        Where the formulas do not hold: contact, laws with history, forces without a potential.
+        Where the formulas do not hold: contact, laws with history, forces without a potential, reactions at points of
+        several modes.
     """
 
     def __init__(self, tracer: Tracer, title: str, state: State, modes: Sequence[np.ndarray]):
         self._tracer, self._title, self._state, self._system = tracer, title, state, tracer.system
-        self._require()
+        self._discretisation = cast(Discretisation, tracer.discretisation)
         self._modes = orthonormal(self._system.weights, [self._system.create_vector(mode) for mode in modes])
+        self._require()
         present = tracer.state
         try:
             self._prepare()
@@ -91,13 +93,15 @@ class BifurcationGradient:
                              "whole paths")
         if not system.smooth:
             raise ValueError(f"{said}: with contact there are gradients of limit points only; compare whole paths")
+        if self._discretisation.load_of_unit() is None and len(self._modes) > 1:
+            raise ValueError(f"{said}: the load is a reaction to what is prescribed; give the load as forces")
 
     def _prepare(self) -> None:
         """The tangent's border, and the third variations along modes and path."""
         tracer, system = self._tracer, self._system
         tracer.back_to(self._state)
         self._load = tracer.load_vector()
-        self._here = self._changed(cast(Discretisation, tracer.discretisation))
+        self._here = self._changed(self._discretisation)
         weighted = [system.weights * mode for mode in self._modes]
         self._bordered = BorderedSolver(tracer.stepper.linear, pivots(self._modes, system.weights),
                                         usual_stiffness(tracer.discretisation))
@@ -132,7 +136,20 @@ class BifurcationGradient:
         return found
 
     def _of_load(self, change: _Changed) -> float | np.ndarray:
-        return self._here.unit * self._of_factor(change) + self._state.factor * change.unit
+        """Change of the total load: the structure's own, and that by the factor and by displacements."""
+        factor, moved = self._of_factor(change)
+        if (unit := self._discretisation.load_of_unit()) is not None:
+            return change.total + unit * factor
+        step = rounding.DIFFERENCE / max(self._tracer.distance(0.0, moved.array), rounding.TINIEST)
+        system, totals, present = self._system, [], self._tracer.state
+        try:
+            system.restore(self._state.fields)
+            for way in (step, -step):
+                system.configure(way * moved, self._state.factor + way * float(factor))
+                totals.append(self._discretisation.total_load())
+        finally:
+            self._tracer.back_to(present)
+        return change.total + (totals[0] - totals[1]) / (2 * step)
 
     def _require_perfect(self, residual: np.ndarray, at: float) -> None:
         forces = self._system.create_vector(residual)
@@ -144,18 +161,19 @@ class BifurcationGradient:
             raise NoDerivative(f"gradient: the number makes the structure imperfect, so that {self._title} has no "
                                "derivative; see imperfection_sensitivity")
 
-    def _of_factor(self, change: _Changed) -> float | np.ndarray:
-        """Change of the load factor."""
+    def _of_factor(self, change: _Changed) -> tuple[float | np.ndarray, PETSc.Vec]:
+        """Changes of the load factor, and of displacements at a simple bifurcation."""
         (forces, loads, *images), along = map(self._system.create_vector, change.vectors), self._rates
         moved = self._across(-1.0 * forces)
         changed = np.array([[mode.dot(image) + bent.dot(moved) for mode, bent in zip(self._modes, row, strict=True)]
                             for image, row in zip(images, self._bent, strict=True)])
         if len(self._modes) > 1:
-            return np.sort(np.linalg.eigvals(np.linalg.solve(along, -(changed + changed.T) / 2)).real)
+            return np.sort(np.linalg.eigvals(np.linalg.solve(along, -(changed + changed.T) / 2)).real), moved
         mode, turning, bent = self._modes[0], self._turning[0], self._bent[0][0]
         matrix = [[along[0, 0], mode.dot(bent)], [-self._along.dot(turning), -self._along.dot(bent)]]
         right = [-changed[0, 0], self._along.dot(images[0]) + turning.dot(moved) - mode.dot(loads)]
-        return float(np.linalg.solve(matrix, right)[0])
+        factor, share = map(float, np.linalg.solve(matrix, right))
+        return factor, moved + factor * self._along + share * mode
 
     def _changed(self, discretisation: Discretisation) -> _Changed:
         system = discretisation.system
@@ -167,4 +185,4 @@ class BifurcationGradient:
         matrix = system.tangent()
         for mode, image in zip(self._modes, vectors[2:], strict=True):
             matrix.mult(system.create_vector(mode.array), image)
-        return _Changed(np.array([vector.array for vector in vectors]), unit_of(discretisation))
+        return _Changed(np.array([vector.array for vector in vectors]), discretisation.total_load())
