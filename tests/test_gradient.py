@@ -109,6 +109,21 @@ def test_a_reaction_to_a_prescribed_displacement():
     assert rates[1] == pytest.approx(rates[0], rel=1e-4)
 
 
+def test_a_number_at_the_end_of_its_range():
+    """A tube without a hole: its diameter can only grow, and its thickness only fall, which does nothing at first."""
+    mesh = fx.read(lambda: meshes.frame({"a": (0, 0, 0), "b": (0, 0, 1)}, {"one": ("a", "b", 8)}), 3, order=2)
+    beam = fx.Beam(mesh, fx.Tube(0.02, 0.01), fx.Elastic(1e6), up=lambda x: (1.0, 0.0, 0.0))
+    supports = [fx.Support(mesh, "a", "x y z rx rz"), fx.Support(mesh, "b", "x y rx")]
+    scene = fx.Scene([beam], supports, [fx.PointForce(mesh, "b", (0.0, 0.0, -1.0))], fx.Monitor(mesh, "b", "z", -1.0))
+    record = fx.trace(fx.Case(scene, fx.LoadControl(0.02, target=0.1)))
+    known = {number.name: Change(number.scene, number.value) for number in numbers(scene)}
+    point = record.critical_points[0]
+    rates = record.load_gradient(point).derivatives([known["Tube.diameter"], known["Tube.thickness"]])
+    by_diameter, by_thickness = (rate / point.load for rate in rates)
+    assert 0.02 * by_diameter == pytest.approx(4.0, rel=1e-3)
+    assert 0.01 * by_thickness == pytest.approx(0.0, abs=1e-4)
+
+
 def test_contact_at_a_limit_point():
     """Paths with contact have limit loads that waver by 1e-5 as points of contact come and go: longer differences."""
     case = arch.case(elements=80)

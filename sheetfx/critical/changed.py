@@ -58,13 +58,23 @@ class Change:
     def sides(self, fields: Mapping[str, np.ndarray]) -> tuple[Discretisation, Discretisation]:
         """The structure with a step more of the number and with a step less, both at fields of the path's.
 
+        Where one of them cannot be, as a tube thicker than its radius, there are two steps to the other side.
+
         Raises
         ------
         ValueError
-            If the number changes the unknowns.
+            If neither can be, or the number changes the unknowns.
         """
-        more, less = (self.scene(self.at + way) for way in (self.step, -self.step))
+        more, less = self._scenes(1, -1) or self._scenes(2, 0) or self._scenes(0, -2) or (
+            self.scene(self.at + way) for way in (self.step, -self.step))
         return changed_structure("gradient", more, fields), changed_structure("gradient", less, fields)
+
+    def _scenes(self, *steps: int) -> list[Scene]:
+        """Scenes with so many steps; none where one of them cannot be."""
+        try:
+            return [self.scene(self.at + way * self.step) for way in steps]
+        except ValueError:
+            return []
 
 
 @dataclass(frozen=True)
