@@ -61,10 +61,14 @@ class Layout:
 
     def create_vector(self, values: np.ndarray | None = None) -> PETSc.Vec:
         """A vector, zero or with this process's part given."""
-        vector = compat.create_vector(self._maps)
+        vector = self._nothing.copy()  # a new one takes ten times as long, and messages
         if values is not None:
             vector.array[:] = values
         return vector
+
+    @cached_property
+    def _nothing(self) -> PETSc.Vec:
+        return compat.create_vector(self._maps)
 
     def zeros(self) -> list[np.ndarray]:
         """An array for each block."""
