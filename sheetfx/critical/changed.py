@@ -23,12 +23,14 @@ class Change:
     ----------
     scene : function from the number to the scene, of which only values change and nodes move
     at : the number as it is
-    given : step of differences; None: a share of the number
+    given : step of differences; None: a share of the size
+    size : that its changes are small beside; None: that of the number
     """
 
     scene: Callable[[float], Scene]
     at: float
     given: float | None = None
+    size: float | None = None
 
     @property
     def step(self) -> float:
@@ -37,9 +39,9 @@ class Change:
         Raises
         ------
         ValueError
-            If the number is zero and no step is given.
+            If the number is zero, and neither step nor size are given.
         """
-        if not (step := self.given or rounding.DIFFERENCE * abs(self.at)):
+        if not (step := self.given or rounding.DIFFERENCE * (self.size or abs(self.at))):
             raise ValueError("gradient: at is 0, which tells no size of a step; give step")
         return step
 
@@ -48,12 +50,13 @@ class Change:
         return replace(self, given=self.step * (EXACT / self.error(found)) ** 0.5 / 2)
 
     def error(self, found: Differences) -> float:
-        """Relative error of the derivative by central differences.
+        """Relative error of the derivative by central differences; 0, not known: the number is zero and has no size.
 
         It is the third difference. That is to the second one as this would be to the first, were the first not small
         beside it because the structure gives way to what strains it.
         """
-        return found.bend * self.step / (abs(self.at) or self.step / rounding.DIFFERENCE)
+        size = self.size or abs(self.at)
+        return found.bend * self.step / size if size else 0.0
 
     def sides(self, fields: Mapping[str, np.ndarray]) -> tuple[Discretisation, Discretisation]:
         """The structure with a step more of the number and with a step less, both at fields of the path's.

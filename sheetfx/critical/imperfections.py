@@ -81,10 +81,11 @@ class Imperfections(LoadsByShape):
                              f"up to load {states[-1].load:.6g}; let it go further, or take another imperfection")
         state = path.critical_states.get(point) or state_at(path.tracer, states[-2], states[-1], point)
         gradient = LoadGradient(path, point, state, critical_modes(path, states, point, state), states)
-        step = STEP * float(np.linalg.norm(key) or 1.0)
+        size = float(np.linalg.norm(key) or 1.0)
 
         def of(number: int) -> Change:
-            return Change(lambda value: self.scene([*key[:number], value, *key[number + 1:]]), key[number], step)
+            return Change(lambda value: self.scene([*key[:number], value, *key[number + 1:]]), key[number], STEP * size,
+                          size)
 
         rates = np.empty(len(key))
         for n, rate in enumerate(gradient.derivatives(map(of, range(len(key))))):

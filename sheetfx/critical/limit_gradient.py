@@ -58,7 +58,7 @@ class _Pair:
 
 
 @dataclass(frozen=True)
-class Solver:
+class _Solver:
     """Solver at increments of the path, and what these leave out of balance."""
 
     bordered: BorderedSolver
@@ -97,17 +97,20 @@ class LimitGradient:
         """Derivatives of the total load, or why there is none."""
         present, (first, *others) = self._tracer.state, self._states
         try:
-            solver = self._at_rest(first)
-            for some in [list(changes)] if others else ([change] for change in changes):
-                yield from derivatives(some, self._load, partial(self._differences, solver))
+            if others:
+                yield from derivatives(list(changes), self._load, self._differences)
+            else:
+                solver = self._at_rest(first)
+                for change in changes:
+                    yield from derivatives([change], self._load, partial(self._differences, solver=solver))
         finally:
             self._tracer.back_to(present)
 
-    def _differences(self, solver: Solver, changes: Sequence[Change]) -> list[Found]:
-        """Differences by some numbers, along the states."""
+    def _differences(self, changes: Sequence[Change], solver: _Solver | None = None) -> list[Found]:
+        """Differences by some numbers, along the states; `solver` is that at the first one."""
         found = [self._pair(change) for change in changes]
         pairs = [one for one in found if isinstance(one, _Pair)]
-        self._begin(self._states[0], solver, pairs)
+        self._begin(self._states[0], solver or self._at_rest(self._states[0]), pairs)
         for before, after in pairwise(self._states):
             self._follow(before, after, pairs)
         return [self._of(one) if isinstance(one, _Pair) else one for one in found]
@@ -118,12 +121,12 @@ class LimitGradient:
         except ValueError as failure:
             return failure
 
-    def _at_rest(self, state: State) -> Solver:
+    def _at_rest(self, state: State) -> _Solver:
         """Solver at a state where a load stage begins or whose past does not matter, along the response to the load."""
         self._system.restore(state.fields)
         return self._solver(state.factor, self._system.create_vector(), state.response)
 
-    def _solver(self, factor: float, increment: PETSc.Vec, held: np.ndarray) -> Solver:
+    def _solver(self, factor: float, increment: PETSc.Vec, held: np.ndarray) -> _Solver:
         """Solver for increments of the unknowns off a direction, and of the load factor."""
         system, direction, residual = self._system, self._system.create_vector(held), self._system.create_vector()
         system.configure(increment, factor)
@@ -133,9 +136,9 @@ class LimitGradient:
         bordered = BorderedSolver(self._tracer.stepper.linear, pivots([direction], system.weights),
                                   usual_stiffness(self._tracer.discretisation))
         bordered.border([-1.0 * self._tracer.load_vector()], [system.weights * direction])
-        return Solver(bordered, residual)
+        return _Solver(bordered, residual)
 
-    def _begin(self, state: State, solver: Solver, pairs: Sequence[_Pair]) -> None:
+    def _begin(self, state: State, solver: _Solver, pairs: Sequence[_Pair]) -> None:
         """Let changed structures come to rest at such a state."""
         for pair in pairs:
             pair.ahead = 0.0
@@ -157,7 +160,7 @@ class LimitGradient:
                 _take_forces(side.system, after)
             self._correct(pair, after.factor, increment, solver)
 
-    def _correct(self, pair: _Pair, factor: float, increment: PETSc.Vec, solver: Solver) -> None:
+    def _correct(self, pair: _Pair, factor: float, increment: PETSc.Vec, solver: _Solver) -> None:
         """Bring changed structures to equilibrium near increments of the path's, and let them remember it."""
         more, less = self._system.create_vector(), self._system.create_vector()
         for (way, side), residual in zip(pair.ways, (more, less), strict=True):

@@ -24,7 +24,7 @@ from ..mesh.nodal_shapes import NodalShape
 from ..model.scene import Scene
 from ..record import Record
 
-SMALL = 1e-6  # of the size, largest movement of a node that differences are taken of
+SMALL = 1e-6  # of the size, first movement of a node that differences are taken of
 SAME = 1e-6  # relative difference between derivatives by an option and by a number of the scene, which are then one
 
 
@@ -90,10 +90,10 @@ def by_nodes(record: Record, point: CriticalPoint, shapes: Sequence[NodalShape],
     ----------
     told : called with the number of nodes that are done
     """
-    scene, step = record.case.scene, SMALL * max(mesh.size for mesh in record.case.scene.meshes)
+    scene, size = record.case.scene, max(mesh.size for mesh in record.case.scene.meshes)
 
     def along(shape: NodalShape) -> Change:
-        return Change(lambda way: imperfect(scene, shape, way), 0.0, step)
+        return Change(lambda way: imperfect(scene, shape, way), 0.0, SMALL * size, size)
 
     found = np.empty(len(shapes))
     for n, known in enumerate(record.load_gradient(point).derivatives(map(along, shapes))):
