@@ -13,7 +13,7 @@ from .archive.folder import Archive
 from .checks import Positive, check, require
 from .continuation.control import ArcLength, StepRule
 from .continuation.state import CriticalPoint, State
-from .critical.error_bar import by_path_alone
+from .critical.defining import without_third_variations
 from .critical.verdict import doubts
 from .events.event import Event
 from .model.reported import AXES, NOT_ASKED, counted, meaning
@@ -204,7 +204,7 @@ def _is_cheap(record: Record) -> bool:
     """Whether error bars cost at most about a quarter of the path, which pieces of another path never do."""
     spent = sum(state.factorisations for state in record.states)
     count = len([p for p in record.critical_points if p.kind != "event"])
-    return not by_path_alone(record.path.discretisation.system) and 0 < FREE * count <= spent
+    return not without_third_variations(record.path.discretisation.system) and 0 < FREE * count <= spent
 
 
 def _error_of(record: Record, point: CriticalPoint) -> dict:

@@ -24,7 +24,7 @@ from ..continuation.tracer import Tracer, tracer_of
 from ..discrete.discretisation import Discretisation
 from ..events.determinant import orthonormal
 from ..model.scene import Scene
-from .defining import DefiningSystem, combined
+from .defining import DefiningSystem, combined, without_third_variations
 from .koiter import postbuckling
 from .modes import scaled
 
@@ -160,10 +160,8 @@ def critical(scene, guess: State, mode: np.ndarray | Sequence[np.ndarray] | None
 
 
 def _require_smooth(tracer: Tracer) -> None:
-    system = tracer.system
-    if not (system.smooth and system.conservative) or system.history.moved:
-        raise ValueError("critical: the structure has contact, history or forces without a potential; follow its path "
-                         "to the point")
+    if why := without_third_variations(tracer.system):
+        raise ValueError(f"critical: the structure has {why}; follow its path to the point")
 
 
 def _softest(tracer: Tracer, guess: State, sought: int, beside: int | None, kind: str | None) -> list[PETSc.Vec]:

@@ -27,13 +27,14 @@ from ..discrete.discretisation import Discretisation
 from ..discrete.free_motions import usual_stiffness
 from ..events.determinant import orthonormal
 from .changed import Change, Differences, Found, derivatives
+from .defining import without_third_variations
 from .koiter import Energy
 
 IMPERFECT = 1e-5  # push along a mode over the root of the work across it times the mode's change of stiffness
 
 
 class NoDerivative(ValueError):
-    """A bifurcation has none: its load falls by a power below one as a number changes, or laws remember the way."""
+    """A bifurcation has none: its load falls by a power below one as a number changes, or has no third variations."""
 
 
 @dataclass(frozen=True)
@@ -85,14 +86,9 @@ class BifurcationGradient:
             tracer.back_to(present)
 
     def _require(self) -> None:
-        system, said = self._system, f"gradient: {self._title}"
-        if any(contribution.remembers for contribution in system.contributions):
-            raise NoDerivative(f"{said}: laws remember the way to a bifurcation; compare whole paths")
-        if not system.conservative:
-            raise ValueError(f"{said}: forces have no potential, so that the tangent is not symmetric; compare "
-                             "whole paths")
-        if not system.smooth:
-            raise ValueError(f"{said}: with contact there are gradients of limit points only; compare whole paths")
+        said = f"gradient: {self._title}"
+        if why := without_third_variations(self._system):
+            raise NoDerivative(f"{said}: with {why} there are gradients of limit points only; compare whole paths")
         if self._discretisation.load_of_unit() is None and len(self._modes) > 1:
             raise ValueError(f"{said}: the load is a reaction to what is prescribed; give the load as forces")
 

@@ -38,7 +38,7 @@ from ..rounding import DIFFERENCE, TINIEST
 from .augmented import ITERATIONS, KINDS
 from .bifurcation_gradient import IMPERFECT
 from .changed import changed_structure
-from .defining import DefiningSystem, Influence, Linearised, combined
+from .defining import DefiningSystem, Influence, Linearised, combined, without_third_variations
 
 SHORTEST = 1e-3  # step over the longest, below which the curve is given up
 
@@ -356,10 +356,8 @@ class CriticalCurve:
 
     def _problem(self, number: float, fields: dict[str, np.ndarray]) -> Discretisation:
         problem = changed_structure("curve", self._scene(self._inside(number)), fields)
-        system = problem.system
-        if not (system.smooth and system.conservative) or system.history.moved:
-            raise ValueError("curve: the structure has contact, history or forces without a potential; compare "
-                             "whole paths, as `sheetfx study --vary` does")
+        if why := without_third_variations(problem.system):
+            raise ValueError(f"curve: the structure has {why}; compare whole paths, as `sheetfx study --vary` does")
         return problem
 
     def _inside(self, number: float, by: float = 0.0) -> float:

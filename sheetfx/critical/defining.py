@@ -228,9 +228,15 @@ class DefiningSystem:
         return self._energy.third([modes[n]], along, 0.0, about)[0]
 
 
-def has_third_variations(system: System) -> bool:
-    """Whether the equations hold: forces have a potential with third derivatives, and laws remember nothing."""
-    return bool(system.smooth and system.conservative) and not any(c.remembers for c in system.contributions)
+def without_third_variations(system: System) -> str:
+    """Why the equations do not hold, which need a potential with third derivatives; "": they do."""
+    if system.rough:
+        return "contact or friction"
+    if any(contribution.remembers for contribution in system.contributions):
+        return "laws with history"
+    if not system.conservative:
+        return "forces without a potential"
+    return "" if system.smooth else "laws with cases"
 
 
 def combined(vectors: Sequence[PETSc.Vec], factors) -> PETSc.Vec:

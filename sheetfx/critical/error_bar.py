@@ -24,6 +24,7 @@ from ..discrete.discretisation import Discretisation
 from ..model.richer import NothingRicher, richer
 from ..model.scene import Scene
 from .augmented import load_within
+from .defining import without_third_variations
 from .remade import remade
 
 ByPath = Callable[[Scene], Callable[[CriticalPoint, float], tuple[float, float, int]]]
@@ -92,7 +93,7 @@ def _estimator(path, state_at: Callable[[CriticalPoint], State],
                modes_at: Callable[[CriticalPoint], Sequence[np.ndarray]],
                by_path: ByPath | None) -> Callable[[CriticalPoint], ErrorBar]:
     """Function that makes the bar of a point; ValueError where no point has one, and says why."""
-    scene, refused = _richer(path.discretisation), by_path_alone(path.discretisation.system)
+    scene, refused = _richer(path.discretisation), without_third_variations(path.discretisation.system)
     if refused and by_path is None:
         raise ValueError(refused)
     if scene is None:
@@ -102,15 +103,6 @@ def _estimator(path, state_at: Callable[[CriticalPoint], State],
         return lambda point: _bar(point, by_piece(point, ALIKE), uncounted)
     tracer = Tracer(Discretisation(scene), ArcLength(), "sheetfx_")
     return lambda point: _bar(point, _by_newton(path.discretisation, tracer, point, state_at(point), modes_at(point)))
-
-
-def by_path_alone(system) -> str:
-    """Why the augmented Newton method is not for critical points of a system; "": it is."""
-    if system.rough:
-        return "contact or friction"
-    if any(contribution.remembers for contribution in system.contributions):
-        return "laws with history"
-    return "" if system.conservative else "forces without a potential"
 
 
 def _uncounted(path) -> str:

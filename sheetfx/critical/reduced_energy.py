@@ -32,7 +32,7 @@ from ..model.scene import Scene
 from .amplitude_equations import AmplitudeEquations, StableEnd
 from .bifurcation_gradient import NoDerivative
 from .changed import changed_structure
-from .defining import DefiningSystem, combined
+from .defining import DefiningSystem, combined, without_third_variations
 from .koiter import Energy, quartic
 from .worst import NONE, ImperfectLoad, LoadsByShape
 
@@ -64,9 +64,9 @@ class ReducedEnergy(LoadsByShape):
                  count: int, size: float):
         self._tracer, self._state, self._scene, self.count = tracer_of(path), state, scene, count
         system = self._tracer.system
-        if not (system.smooth and system.conservative) or system.history.moved:
-            raise ValueError("ReducedEnergy: the structure has contact, history or forces without a potential, and its "
-                             "load is no value of an energy alone; follow paths, by Imperfections")
+        if why := without_third_variations(system):
+            raise ValueError(f"ReducedEnergy: the structure has {why}, and its load is no value of an energy alone; "
+                             "follow paths, by Imperfections")
         unit = self._tracer.discretisation.load_of_unit()
         if unit is None:
             raise ValueError("ReducedEnergy: the load is a reaction to what is prescribed; give the load as forces")

@@ -19,7 +19,8 @@ from ..continuation.options import Share
 from ..continuation.state import CriticalPoint, State
 from ..continuation.transferred import between
 from ..critical.augmented import KINDS, critical
-from ..critical.error_bar import ALIKE, by_path_alone, error_bars
+from ..critical.defining import without_third_variations
+from ..critical.error_bar import ALIKE, error_bars
 from ..path import Path
 from ..record import Record
 from ..richer_path import RicherPath
@@ -93,7 +94,7 @@ class Refinement:
         self._record, self._meshes, self._within, self._told = record, meshes, within, told
         self._paths: dict[int, Path] = {}
         self._richer: dict[int, RicherPath] = {}
-        self._pieces = bool(by_path_alone(record.path.discretisation.system))
+        self._pieces = bool(without_third_variations(record.path.discretisation.system))
 
     def all(self, points: Sequence[CriticalPoint] | None = None) -> list[Refined]:
         """Points of the record; None: its limit points and bifurcations."""

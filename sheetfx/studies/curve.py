@@ -12,7 +12,7 @@ from ..archive.folder import write_whole
 from ..case import Case, trace
 from ..critical.augmented import KINDS
 from ..critical.curve import CriticalCurve, CurvePoint, Kept
-from ..critical.defining import has_third_variations
+from ..critical.defining import without_third_variations
 from ..discrete.discretisation import Discretisation
 from .curve_by_paths import CurveByPaths
 
@@ -29,7 +29,7 @@ def curve_of(name: str, first: Case, case: Callable[[float], Case], number: int,
     ValueError
         If the path has not so many critical points.
     """
-    if not has_third_variations(Discretisation(first.scene).system):
+    if without_third_variations(Discretisation(first.scene).system):
         return CurveByPaths(case, *ends, number=number, steps=parts, known=known)
     record = trace(first)
     points = [point for point in record.critical_points if point.kind in KINDS]
