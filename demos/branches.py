@@ -5,7 +5,9 @@
 # and of a star dome (Hangai and Kawamata 1973), whose first two bifurcations lead to twelve and two half-branches.
 #
 # At a bifurcation with the null vectors $\Phi$ the equations
+#
 # $$R(x, \lambda) = W \Phi\, t,\qquad t \perp c,\qquad \hat\Phi^T W x = r\, c$$
+#
 # have one solution for each direction $c$ of the null space and each small amplitude $r$. It is a state of a branch
 # where the forces $t$ vanish: always at a simple bifurcation, for some directions at a multiple one.
 

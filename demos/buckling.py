@@ -7,6 +7,7 @@
 #
 # With the tangent $K$ of a state and its derivative $K'$ along the response of the state to the load, buckling loads
 # are those at which the tangent, taken as linear in the load, turns singular:
+#
 # $$(K + \Delta\lambda\, K')\, \varphi = 0.$$
 
 # %%

@@ -6,6 +6,7 @@ page gets the tree of pages that navigation shows.
 
 import inspect
 import re
+import sys
 from operator import attrgetter
 from pathlib import Path
 from textwrap import indent
@@ -17,10 +18,14 @@ from myst_parser.parsers.sphinx_ import MystParser
 
 import sheetfx as fx
 
+sys.path.insert(0, str(Path(__file__).parent))
+import outputs
+
 project, root_doc, html_title = "sheetfx", "pages/index", "sheetfx"
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.viewcode"]
 FOLDERS = ["advice", "failure_map", "peers", "studies"]  # of scripts that are no demos
 exclude_patterns = [*(f"{folder}/*" for folder in FOLDERS), "failure_map/traps/*", "pages/conf.py",
+                    "pages/outputs.py", "outputs/**",
                     "dome.py", "double_plate.py"]  # of which pages have the names
 myst_enable_extensions, myst_heading_anchors = ["dollarmath"], 2
 autodoc_typehints, autodoc_member_order, napoleon_use_ivar = "description", "bysource", True
@@ -53,7 +58,8 @@ class Percent(MystParser):
 
     def parse(self, inputstring, document):
         notebook = jupytext.reads(inputstring, fmt="py:percent")
-        super().parse(inside(jupytext.writes(notebook, fmt="md").split("---\n", 2)[-1]), document)
+        text = jupytext.writes(notebook, fmt="md").split("---\n", 2)[-1]
+        super().parse(inside(text) + outputs.shown(document.settings.env.docname), document)
 
 
 def inside(text: str) -> str:
