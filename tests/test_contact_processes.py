@@ -47,6 +47,9 @@ CASES = {
 }
 
 
+LONG = "surfaces", "dome", "welds and links", "penalty"
+
+
 def followed(name):
     """Loads, deflections, points in contact, factorisations and critical points of all states of a path."""
     record = fx.trace(CASES[name]())
@@ -54,8 +57,7 @@ def followed(name):
              [s.contact_points, s.factorisations, len(s.critical)]] for s in record.states]
 
 
-@pytest.mark.parametrize("name", [
-    pytest.param(name, marks=[pytest.mark.slow] * (name in ("surfaces", "dome", "welds and links"))) for name in CASES])
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name in LONG)) for name in CASES])
 def test_two_processes_follow_the_path_of_one(name):
     lines = on_two_processes(f"""
 import json

@@ -238,6 +238,7 @@ def test_what_the_command_refuses(words, said, tmp_path):
     assert result.exit_code and said in f"{result.exception} {result.output}"
 
 
+@pytest.mark.slow
 def test_two_processes():
     script = "from test_curves import bars\nprint(*(repr(n) for p in bars(2.8, 2) for n in (p.number, p.load)))"
     both = [float(word) for word in on_two_processes(script)[0].split()]

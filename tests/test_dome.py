@@ -17,6 +17,7 @@ from sheetfx.scenes.dome import BAR, case, dome
 SOFTER = 0.08  # our loads against those of an independent study that found its first load at 12 divisions
 
 
+@pytest.mark.slow
 def test_dome_on_two_processes():
     """Bars live where the panels are whose unknowns they share; the path is that of one process."""
     one = fx.trace(case(divisions=2, to=20.0))
@@ -50,6 +51,7 @@ def test_flange_in_closed_form():
     assert fx.effective_width(900.0, 10.0, 40.0, 50.0) == 90.0, "the panels themselves"
 
 
+@pytest.mark.slow
 def test_linear_buckling_beside_contact():
     """Friction and open pairs bring pivots that are put off, beyond the working space of a factor made once."""
     made = case(model="contact", divisions=2, to=0.2)

@@ -185,7 +185,7 @@ def in_stages(**options):
     (yielding(True, 20.0), {"yield_stress": 60.0, "thickness": 4.7625}, 1e-3, 1e-3),
     pytest.param(yielding(False, 14.0), {"yield_stress": 60.0, "thickness": 4.7625}, 1e-3, 1e-3, marks=SLOW),
     (in_stages, {"depth": 8.0, "weight": 0.01}, 1e-2, 2e-3),
-    (under_a_follower, {"depth": 4.0, "angle": 10.0}, 1e-3, 1e-4),
+    pytest.param(under_a_follower, {"depth": 4.0, "angle": 10.0}, 1e-3, 1e-4, marks=SLOW),
     pytest.param(yielding_roof, {"yield_stress": 8.0, "thickness": 12.7}, 1e-3, 1e-3, marks=SLOW),
     pytest.param(rubbing, {"thickness": 4.7625}, 3e-3, 1e-3, marks=SLOW),
 ], ids=["yielding arch", "yielding under a punch", "stages", "follower", "yielding roof", "friction"])

@@ -49,13 +49,15 @@ def cell(folder):
     pytest.param(TRAPS["lee-frame"], "load", STALLED, "load 18557", marks=pytest.mark.slow),  # the first limit
     pytest.param(TRAPS["lee-frame"], "displacement", STALLED, "deflection 61", marks=pytest.mark.slow),  # an extreme
     pytest.param(TRAPS["lee-frame"], "determinant", PASSED, "", marks=pytest.mark.slow),
-    (TRAPS["lee-frame"], "current-stiffness", BACK, "deflection 6"),  # the same extreme
+    pytest.param(TRAPS["lee-frame"], "current-stiffness", BACK, "deflection 6",  # the same extreme
+                 marks=pytest.mark.slow),
     (TRAPS["lee-frame"], "displacement-extremes", PASSED, ""),
     pytest.param(TRAPS["roof-6.35"], "displacement", JUMPED, "-383.75", marks=pytest.mark.slow),  # the crown moves back
     pytest.param(TRAPS["punch-arch"], "load", STALLED, "205.6", marks=pytest.mark.slow),  # the limit
     pytest.param(TRAPS["punch-arch"], "penalty-small", WRONG, "drifts", marks=pytest.mark.slow),  # by its penetration
     (TRAPS["punch-arch"], "penalty", PASSED, ""),
-    (TRAPS["contact-stick-slip"], "default", PASSED, ""),  # behind a stage whose load begins at zero too
+    pytest.param(TRAPS["contact-stick-slip"], "default", PASSED, "",  # behind a stage whose load begins at zero
+                 marks=pytest.mark.slow),
     pytest.param(TRAPS["closed-path"], "cylindrical", PASSED, "", marks=pytest.mark.slow),  # two turns are told apart
     pytest.param(TRAPS["closed-path"], "displacement", PASSED, "", marks=pytest.mark.slow),  # it ends in the third turn
     (TRAPS["twisted-shaft"], "cylindrical", PASSED, ""),  # a step far beyond its bifurcation, which stays as it is

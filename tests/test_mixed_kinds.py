@@ -160,6 +160,7 @@ def pulled(build):
             sum(m.edge_length("north") for m in kinds.having("north"))]
 
 
+@pytest.mark.slow
 def test_two_processes_find_the_same():
     lines = on_two_processes(TWO)
     for build, line in zip((recombined, halves), lines, strict=True):

@@ -324,6 +324,7 @@ def test_friction_takes_the_work_of_its_path():
     assert back == pytest.approx([-1.2**2 / 2 / stiffness]), "elastic slip gives it back"
 
 
+@pytest.mark.slow
 def test_light_pressure_does_not_stop_steps():
     """Pairs of a dome that have just touched stick in a range so narrow that Newton's iteration hopped over it.
 

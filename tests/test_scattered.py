@@ -86,6 +86,7 @@ def test_other_number_of_processes_goes_on(runs, name, order):
     assert not (runs / order / name / ".aside").exists()
 
 
+@pytest.mark.slow
 def test_state_of_one_process_again(runs):
     """The states that two processes have begun with are those of one, digit by digit but for rounding."""
     name = "cubic shell"
@@ -97,6 +98,7 @@ def test_state_of_one_process_again(runs):
     np.testing.assert_allclose(path.start[0].response, whole[0].response, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_part_that_is_lost_ends_what_is_taken(runs, tmp_path):
     name, folder = "cubic shell", tmp_path / "run"
     shutil.copytree(runs / "two, one" / name, folder)

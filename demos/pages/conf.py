@@ -6,6 +6,7 @@ page gets the tree of pages that navigation shows.
 
 import inspect
 import re
+import shutil
 import sys
 from operator import attrgetter
 from pathlib import Path
@@ -34,6 +35,7 @@ suppress_warnings = ["myst.header", "misc.highlighting_failure"]
 default_role = "literal"
 html_theme, html_math_renderer, html_copy_source = "furo", "mathml", False
 html_theme_options = {"navigation_with_keys": True}
+html_css_files = ["site.css"]
 WEAK_FORMS = [f"forms.{name}" for name in ("bar", "beam", "shell", "section", "contact", "interface", "load")]
 ROOMS = {"forms": "Weak forms", "meshes": "Meshes: geometry", "mesh": "Meshes: reading, groups, imperfect shapes",
          "model": "What is modelled", "discrete": "Contributions of one's own", "continuation": "Controls and transfer",
@@ -122,6 +124,12 @@ def add_navigation(app, document, source):
         source[0] += tree([f"../{path.stem}" for path in scripts])
 
 
+def copy_style(app, failure):
+    """The style beside what Sphinx has copied itself, which refuses files of a source below the site."""
+    if not failure:
+        shutil.copy(Path(__file__).with_name("site.css"), Path(app.outdir) / "_static")
+
+
 def formula(writer, node, display: str = "block"):
     """MathML, which browsers draw by themselves."""
     writer.body.append(convert(node.astext(), display=display))
@@ -133,5 +141,6 @@ def setup(app):
     app.add_source_parser(Percent)
     app.add_html_math_renderer("mathml", (lambda writer, node: formula(writer, node, "inline"), None), (formula, None))
     app.connect("config-inited", write_reference)
+    app.connect("build-finished", copy_style)
     app.connect("source-read", add_navigation)
     app.connect("autodoc-process-docstring", as_restructured_text, priority=100)

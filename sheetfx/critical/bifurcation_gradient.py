@@ -58,7 +58,7 @@ class _Changed:
 
 
 class BifurcationGradient:
-    """Derivatives of the load of a bifurcation, at whose state the tangent is factored once.
+    """Derivatives of the load of a bifurcation, at whose state the tangent is factored once for all numbers together.
 
     Parameters
     ----------
@@ -79,11 +79,6 @@ class BifurcationGradient:
         self._discretisation = cast(Discretisation, tracer.discretisation)
         self._modes = orthonormal(self._system.weights, [self._system.create_vector(mode) for mode in modes])
         self._require()
-        present = tracer.state
-        try:
-            self._prepare()
-        finally:
-            tracer.back_to(present)
 
     def _require(self) -> None:
         said = f"gradient: {self._title}"
@@ -115,8 +110,13 @@ class BifurcationGradient:
 
     def derivatives(self, changes: Iterable[Change]) -> Iterator[float | np.ndarray | ValueError]:
         """Derivatives of the total load, or why there is none."""
-        for change in changes:
-            yield from derivatives([change], self._state.load, self._differences)
+        present = self._tracer.state
+        try:
+            self._prepare()
+            for change in changes:
+                yield from derivatives([change], self._state.load, self._differences)
+        finally:
+            self._tracer.back_to(present)
 
     def _differences(self, changes: Sequence[Change]) -> list[Found]:
         found: list[Found] = []
@@ -137,14 +137,10 @@ class BifurcationGradient:
         if (unit := self._discretisation.load_of_unit()) is not None:
             return change.total + unit * factor
         step = rounding.DIFFERENCE / max(self._tracer.distance(0.0, moved.array), rounding.TINIEST)
-        system, totals, present = self._system, [], self._tracer.state
-        try:
-            system.restore(self._state.fields)
-            for way in (step, -step):
-                system.configure(way * moved, self._state.factor + way * float(factor))
-                totals.append(self._discretisation.total_load())
-        finally:
-            self._tracer.back_to(present)
+        totals = []
+        for way in (step, -step):
+            self._system.configure(way * moved, self._state.factor + way * float(factor))
+            totals.append(self._discretisation.total_load())
         return change.total + (totals[0] - totals[1]) / (2 * step)
 
     def _require_perfect(self, residual: np.ndarray, at: float) -> None:
