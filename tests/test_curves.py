@@ -156,6 +156,7 @@ def test_modes_that_the_number_parts_are_refused():
         list(curve(record, "bifurcation", scene, 0.0, 1.0))
 
 
+@pytest.mark.slow
 def test_a_curve_goes_on_where_it_was_kept(tmp_path):
     whole = list(curve(arch(2.0), "limit", arches(), 2.0, 2.3, steps=6))
     first = curve(arch(2.0), "limit", arches(), 2.0, 2.3, steps=6)
@@ -198,8 +199,8 @@ def test_with_friction_each_point_is_that_of_its_own_path(tmp_path):
 
 @pytest.mark.parametrize("words", [
     ["von-mises-truss", "--against", "rise=3.0:2.9", "--parts", "1"],
-    ["arch", "--elements", "6", "--to", "17", "--against", "friction=0:0.2", "--parts", "1"]],
-    ids=["equations", "paths"])
+    pytest.param(["arch", "--elements", "6", "--to", "17", "--against", "friction=0:0.2", "--parts", "1"],
+                 marks=pytest.mark.slow)], ids=["equations", "paths"])
 def test_the_command_on_two_processes(words, tmp_path):
     one, two = (["curve", *words, "-o", str(tmp_path / folder)] for folder in ("one", "two"))
     assert CliRunner().invoke(app, one).exit_code == 0

@@ -52,6 +52,7 @@ def test_worst_shape_is_along_the_softer_spring():
     assert first.coefficients[0] * second.coefficients[0] < 0
 
 
+@pytest.mark.slow
 def test_gradient_is_that_of_differences_of_paths():
     place, step = np.array([0.04, 0.03]), 1e-4
     found = bars(1.2).gradient(place)

@@ -229,6 +229,7 @@ def test_wrong_attributes_are_refused_by_name():
     assert len(rows) > 3000 and sum(said is not None for *_, said in rows) > 0.9 * len(rows)
 
 
+@pytest.mark.slow
 def test_rules_are_needed():
     """A rule that nothing needs is one that hides something later."""
     accepted = [(*row[:3],) for row in [*attributes_with_wrong_values(), *arguments_with_wrong_values(),

@@ -74,6 +74,7 @@ def test_the_plastic_dome_of_the_tests():
     assert found.load == pytest.approx(11.1e3, rel=2e-2) and abs(found.error) < 3e-2 * found.load
 
 
+@pytest.mark.slow
 def test_a_run_refines(tmp_path):
     words = ["roof", "--cells", "2", "--form", "naghdi-q2", "--to", "15", "--no-pictures", "--within", "0.5%"]
     result = CliRunner().invoke(app, ["run", *words, "-o", str(tmp_path)])
