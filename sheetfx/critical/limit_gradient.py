@@ -70,9 +70,7 @@ class LimitGradient:
 
     Parameters
     ----------
-    tracer : stays at its present state
-    title : of the point, for messages
-    state : of the point
+    tracer, title, state : as of `bifurcation_gradient.BifurcationGradient`
     before : states that lead to it, from the first one on; used where states depend on those before
 
     Raises
