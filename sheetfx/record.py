@@ -127,7 +127,8 @@ class Record:
         """Derivatives of the load of a critical point by many numbers of the scene."""
         from .critical.gradient import LoadGradient
 
-        return LoadGradient(self.path, point, self.state_at(point), self.critical_modes(point), self.states)
+        modes = self.critical_modes(point) if point.kind == "bifurcation" else ()
+        return LoadGradient(self.path, point, self.state_at(point), modes, self.states)
 
     def energy_shares(self, modes: Sequence[np.ndarray]) -> list[float]:
         """Shares of the parts, in the scene's order, in the strain energy of modes, see `critical.shares`."""

@@ -26,7 +26,7 @@ from ..continuation.tracer import Tracer
 from ..discrete.discretisation import Discretisation
 from ..discrete.free_motions import usual_stiffness
 from ..events.determinant import orthonormal
-from .changed import Change, Differences, Found, derivatives
+from .changed import Change, Differences, Failure, Found, derivatives
 from .defining import without_third_variations
 from .koiter import Energy
 
@@ -108,7 +108,7 @@ class BifurcationGradient:
         (solution,), _ = self._bordered.solve([right], np.zeros((1, len(self._modes))))
         return solution
 
-    def derivatives(self, changes: Iterable[Change]) -> Iterator[float | np.ndarray | ValueError]:
+    def derivatives(self, changes: Iterable[Change]) -> Iterator[float | np.ndarray | Failure]:
         """Derivatives of the total load, or why there is none."""
         present = self._tracer.state
         try:
@@ -127,7 +127,7 @@ class BifurcationGradient:
                 self._require_perfect(first.vectors[0], change.at)
                 second = ((more - self._here) - (self._here - less)) / (2 * change.step)
                 found.append(Differences(self._of_load(first), float(np.abs(self._of_load(second)).max())))
-            except ValueError as failure:
+            except (ValueError, ArithmeticError) as failure:
                 found.append(failure)
         return found
 

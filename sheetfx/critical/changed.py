@@ -52,8 +52,8 @@ class Change:
     def error(self, found: Differences) -> float:
         """Relative error of the derivative by central differences; 0, not known: the number is zero and has no size.
 
-        It is the third difference. That is to the second one as this would be to the first, were the first not small
-        beside it because the structure gives way to what strains it.
+        The third difference is estimated by the second one times the step over the size. The first one may be far less
+        than both, where the structure gives way to what strains it.
         """
         size = self.size or abs(self.at)
         return found.bend * self.step / size if size else 0.0
@@ -99,11 +99,12 @@ class Differences:
         return self.half_second / max(float(np.abs(self.first).max()), rounding.TINIEST)
 
 
-Found = Differences | ValueError
+Failure = ValueError | ArithmeticError
+Found = Differences | Failure
 
 
 def derivatives(changes: Sequence[Change], load: float, differences: Callable[[Sequence[Change]], list[Found]]
-                ) -> list[float | np.ndarray | ValueError]:
+                ) -> list[float | np.ndarray | Failure]:
     """Derivatives of a load, or why there is none, by steps that are so short that second differences are small.
 
     Slender parts are strained by a change of their places, and long steps would be errors; of other numbers short ones

@@ -14,7 +14,7 @@ from ..continuation.tracer import Tracer, tracer_of
 from ..discrete.discretisation import Discretisation
 from ..model.scene import Scene
 from .bifurcation_gradient import BifurcationGradient
-from .changed import Change
+from .changed import Change, Failure
 from .limit_gradient import LimitGradient
 
 
@@ -25,7 +25,7 @@ class LoadGradient:
     ----------
     path : Path or Tracer, which stays at its present state
     point, state : the critical point and its state
-    modes : null vectors there
+    modes : null vectors of a bifurcation
     states : of the path, from its first state on, where a state depends on those before
 
     Raises
@@ -35,7 +35,7 @@ class LoadGradient:
         bifurcation also contact, laws with history, or forces without a potential.
     """
 
-    def __init__(self, path, point: CriticalPoint, state: State, modes: Sequence[np.ndarray],
+    def __init__(self, path, point: CriticalPoint, state: State, modes: Sequence[np.ndarray] = (),
                  states: Sequence[State] = ()):
         tracer: Tracer = tracer_of(path)
         title = f"{point.title} at load {point.load:.6g}"
@@ -76,6 +76,6 @@ class LoadGradient:
             raise found
         return found
 
-    def derivatives(self, changes: Iterable[Change]) -> Iterable[float | np.ndarray | ValueError]:
+    def derivatives(self, changes: Iterable[Change]) -> Iterable[float | np.ndarray | Failure]:
         """Derivatives by several numbers, or why there is none, in their order."""
         return self._found.derivatives(changes)

@@ -80,7 +80,8 @@ class Imperfections(LoadsByShape):
             raise ValueError(f"Imperfections: the path with {', '.join(f'{c:.4g}' for c in key)} has no critical point "
                              f"up to load {states[-1].load:.6g}; let it go further, or take another imperfection")
         state = path.critical_states.get(point) or state_at(path.tracer, states[-2], states[-1], point)
-        gradient = LoadGradient(path, point, state, critical_modes(path, states, point, state), states)
+        modes = critical_modes(path, states, point, state) if point.kind == "bifurcation" else ()
+        gradient = LoadGradient(path, point, state, modes, states)
         size = float(np.linalg.norm(key) or 1.0)
 
         def of(number: int) -> Change:
@@ -89,7 +90,7 @@ class Imperfections(LoadsByShape):
 
         rates = np.empty(len(key))
         for n, rate in enumerate(gradient.derivatives(map(of, range(len(key))))):
-            if isinstance(rate, ValueError):
+            if isinstance(rate, Exception):
                 raise rate
             rates[n] = np.min(rate)
         return rates

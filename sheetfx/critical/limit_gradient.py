@@ -31,7 +31,7 @@ from ..continuation.tracer import Tracer
 from ..discrete.discretisation import Discretisation
 from ..discrete.free_motions import usual_stiffness
 from ..discrete.system import System
-from .changed import Change, Differences, Found, derivatives, unit_of
+from .changed import Change, Differences, Failure, Found, derivatives, unit_of
 
 
 @dataclass
@@ -91,7 +91,7 @@ class LimitGradient:
                              "of a changed structure; compare whole paths")
         self._load, self._unit = state.load, unit_of(cast(Discretisation, tracer.discretisation))
 
-    def derivatives(self, changes: Iterable[Change]) -> Iterator[float | ValueError]:
+    def derivatives(self, changes: Iterable[Change]) -> Iterator[float | np.ndarray | Failure]:
         """Derivatives of the total load, or why there is none."""
         present, (first, *others) = self._tracer.state, self._states
         try:
@@ -113,10 +113,10 @@ class LimitGradient:
             self._follow(before, after, pairs)
         return [self._of(one) if isinstance(one, _Pair) else one for one in found]
 
-    def _pair(self, change: Change) -> _Pair | ValueError:
+    def _pair(self, change: Change) -> _Pair | Failure:
         try:
             return _Pair(change.step, *change.sides(self._states[0].fields))
-        except ValueError as failure:
+        except (ValueError, ArithmeticError) as failure:
             return failure
 
     def _at_rest(self, state: State) -> _Solver:

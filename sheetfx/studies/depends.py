@@ -57,7 +57,7 @@ def dependences(record: Record, point: CriticalPoint, function: Callable[..., Ca
     derivatives = record.load_gradient(point).derivatives(Change(number.scene, number.value) for number in chosen)
     found: list[Dependence] = []
     for number, known in zip(chosen, derivatives, strict=True):
-        if isinstance(known, ValueError):
+        if isinstance(known, Exception):
             yield f"{number.name}: {known}"
             continue
         derivative = float(np.min(known))
@@ -97,7 +97,7 @@ def by_nodes(record: Record, point: CriticalPoint, shapes: Sequence[NodalShape],
 
     found = np.empty(len(shapes))
     for n, known in enumerate(record.load_gradient(point).derivatives(map(along, shapes))):
-        if isinstance(known, ValueError) and not isinstance(known, NoDerivative):
+        if isinstance(known, Exception) and not isinstance(known, NoDerivative):
             raise known
         found[n] = np.nan if isinstance(known, NoDerivative) else np.min(known)
         told(n + 1)
