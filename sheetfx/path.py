@@ -219,7 +219,6 @@ class Path:
                 length = taken[0].length
                 break
             if length <= wanted / 2 and (taken := self._by_change(before, wanted, length)):
-                length = taken[0].length
                 break
             if shortest and (taken := self._whole(before) or self._up_to_bifurcation(before, length)):
                 length = taken[0].length
