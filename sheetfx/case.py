@@ -105,7 +105,7 @@ class Followed:
 
 
 def trace(case: Case | Path, listeners: Sequence[Callable[[State], None]] = (), start: Sequence[State] = (),
-          archive: Archive | None = None) -> Record:
+          archive: Archive | None = None, enough: Callable[[Record], bool] = lambda record: False) -> Record:
     """Trace a path to its end.
 
     Parameters
@@ -114,6 +114,7 @@ def trace(case: Case | Path, listeners: Sequence[Callable[[State], None]] = (), 
     listeners : called with every new state
     start : states of an interrupted run of the same case
     archive : keeps every new state
+    enough : whether the path so far, which ends there, is all that is asked for
 
     Raises
     ------
@@ -132,6 +133,8 @@ def trace(case: Case | Path, listeners: Sequence[Callable[[State], None]] = (), 
     try:
         for state in path:
             record.states.append(state)
+            if enough(record):
+                break
     except PathFailure as failure:
         failure.record = record
         raise

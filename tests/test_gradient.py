@@ -6,6 +6,7 @@ import csv
 import json
 from dataclasses import replace
 from math import pi
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -319,4 +320,17 @@ def test_what_a_load_depends_on(tmp_path):
     assert "without effect: to, step" in result.output
     assert (tmp_path / "depends.png").exists()
     result = CliRunner().invoke(app, ["depends", "roof", "--cells", "2", "--point", "9", "-o", str(tmp_path)])
-    assert isinstance(result.exception, ValueError) and "has 2 critical points" in str(result.exception)
+    assert isinstance(result.exception, ValueError) and "has 2 limit points" in str(result.exception)
+
+
+def test_the_path_ends_at_the_point_that_is_asked_for(tmp_path):
+    """The portal's path cannot be continued behind step 37; its limit point lies before."""
+    scene = Path(__file__).parents[1] / "demos" / "advice" / "portal.py"
+    assert CliRunner().invoke(app, ["depends", str(scene), "-o", str(tmp_path)]).exit_code == 0
+    found = json.loads((tmp_path / "depends.json").read_text())
+    assert found["yield_stress"]["percent_per_percent"] > 0.5 > 0 > found["sway"]["percent_per_percent"]
+
+
+def test_friction_between_parts_is_refused_before_the_path(tmp_path):
+    result = CliRunner().invoke(app, ["depends", "double-plate", "-o", str(tmp_path)])
+    assert "depends double-plate: parts that touch each other rub" in str(result.exception)

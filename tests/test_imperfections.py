@@ -161,7 +161,7 @@ def test_yielding_arch():
 
 
 def test_friction_between_parts_is_refused_before_paths():
-    with pytest.raises(ValueError, match="imperfections of double-plate: parts that rub against each other"):
+    with pytest.raises(ValueError, match="imperfections of double-plate: parts that touch each other rub"):
         perfect("double-plate", load_case("double-plate")(), 2)
 
 

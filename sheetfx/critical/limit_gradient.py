@@ -65,6 +65,14 @@ class _Solver:
     residual: PETSc.Vec
 
 
+def rubbing(system: System) -> str | None:
+    """Why friction between parts leaves critical loads without derivatives, or None."""
+    if any(c.rubs for c in system.contributions):
+        return ("parts that touch each other rub, and where slip began is not known of a changed structure; "
+                "compare whole paths")
+    return None
+
+
 class LimitGradient:
     """Derivatives of the load of a limit point.
 
@@ -86,9 +94,8 @@ class LimitGradient:
             if [one.step for one in before] != list(range(len(before))) or state.step - len(before) not in (0, 1):
                 raise ValueError(f"gradient: {title} depends on states before it, and some are missing, or the "
                                  "structure has fallen; compare whole paths")
-        if any(c.rubs for c in self._system.contributions):
-            raise ValueError(f"gradient: {title}: parts that touch each other rub, and where slip began is not known "
-                             "of a changed structure; compare whole paths")
+        if refused := rubbing(self._system):
+            raise ValueError(f"gradient: {title}: {refused}")
         self._load, self._unit = state.load, unit_of(cast(Discretisation, tracer.discretisation))
 
     def derivatives(self, changes: Iterable[Change]) -> Iterator[float | np.ndarray | Failure]:

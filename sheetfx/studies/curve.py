@@ -9,12 +9,12 @@ from collections.abc import Callable, Sequence
 from pathlib import Path as Folder
 
 from ..archive.folder import write_whole
-from ..case import Case, trace
-from ..critical.augmented import KINDS
+from ..case import Case
 from ..critical.curve import CriticalCurve, CurvePoint, Kept
 from ..critical.defining import without_third_variations
 from ..discrete.discretisation import Discretisation
 from .curve_by_paths import CurveByPaths
+from .numbered_point import path_to_point
 
 FILES = "curve.csv", "points.json", "curve.png", "kept/*.npz"
 COLUMNS = "parameter", "load", "deflection", "kind"
@@ -31,13 +31,7 @@ def curve_of(name: str, first: Case, case: Callable[[float], Case], number: int,
     """
     if without_third_variations(Discretisation(first.scene).system):
         return CurveByPaths(case, *ends, number=number, steps=parts, known=known)
-    record = trace(first)
-    points = [point for point in record.critical_points if point.kind in KINDS]
-    if number > len(points):
-        raise ValueError(f"--point: {number}, but the path of {name} with {key} = {ends[0]:g} has {len(points)} limit "
-                         "points and bifurcations; give one of these, begin at another value, or let the path go "
-                         "further")
-    point = points[number - 1]
+    record, point = path_to_point(first, number, f"{name} with {key} = {ends[0]:g}")
     curve = CriticalCurve(point, record.state_at(point), record.critical_modes(point), lambda value: case(value).scene,
                           *ends, steps=parts)
     curve.kept = kept

@@ -23,18 +23,18 @@ def tell_scene(name: str, function, parameters: dict, point: int, nodes: bool, o
     from mpi4py import MPI
 
     from ..archive.folder import Archive
-    from ..case import trace
+    from ..critical.limit_gradient import rubbing
+    from ..discrete.discretisation import Discretisation
     from .depends import dependences, draw, table
+    from .numbered_point import path_to_point
 
     folder = folder_of(name, output, "-depends")
     archive = Archive(folder, MPI.COMM_WORLD, ("depends.json", "depends.png", "nodes.csv", "nodes.png"))
     with archive.opened({"command": "depends", "scene": name, "point": point} | parameters, False):
-        record = trace(function(**parameters))
-        points = [one for one in record.critical_points if one.kind != "event"]
-        if point > len(points):
-            raise ValueError(f"--point: {point}, but the path of {name} has {len(points)} critical points; "
-                             "give one of these, or let the path go further")
-        chosen, found = points[point - 1], []
+        case, found = function(**parameters), []
+        if refused := rubbing(Discretisation(case.scene).system):
+            raise ValueError(f"depends {name}: {refused}")
+        record, chosen = path_to_point(case, point, name)
         for one in dependences(record, chosen, function, parameters):
             if not isinstance(one, str):
                 found.append(one)

@@ -18,6 +18,7 @@ from ..continuation.control import ArcLength, LoadControl
 from ..continuation.state import write_arrays
 from ..critical.augmented import KINDS
 from ..critical.imperfections import STEP, Imperfections, up_to_critical
+from ..critical.limit_gradient import rubbing
 from ..critical.reduced_energy import ReducedEnergy
 from ..critical.shares import softest_modes
 from ..critical.worst import ImperfectLoad, LoadQuantile, LoadsByShape
@@ -65,9 +66,8 @@ def perfect(name: str, case: Case, count: int) -> tuple[Record, Perfect]:
         If there is none, or parts rub against each other, so that loads have no gradients.
     """
     path = path_of(case, case.scene)
-    if any(contribution.rubs for contribution in path.discretisation.system.contributions):
-        raise ValueError(f"imperfections of {name}: parts that rub against each other leave loads without gradients; "
-                         "take a model without friction, or compare runs by sheetfx study")
+    if refused := rubbing(path.discretisation.system):
+        raise ValueError(f"imperfections of {name}: {refused}")
     states, point = up_to_critical(path)
     if point is None:
         raise ValueError(f"imperfections of {name}: the path of the perfect structure has no limit point and no "
