@@ -7,8 +7,9 @@ derivatives, s(e) the law and D its moduli, the step in which the law holds on w
 
 where q is zero for pairs that stay open, or stay pressed and stick. The structure is condensed onto the others,
 C = G K^-1 G^T (thesis, equations 4.5 to 4.12, onto all pairs), the problem is solved there, and dx follows. Without
-friction it is a linear complementarity problem, which block pivots solve; with friction Newton's iteration does.
-Contacts that are not condensed are part of the linear problem.
+friction it is a linear complementarity problem, which block pivots solve; with friction Newton's iteration does. The
+laws have pieces (open, stick, slip), of which each pair passes one in an iteration, as Katzenelson (1965) does for one
+pair at a time. Contacts that are not condensed are part of the linear problem.
 """
 
 from __future__ import annotations
@@ -34,19 +35,30 @@ class Condensation(Elimination):
 
     most, exact, can_do_without, softened = 600, 1e-3, True, SOFTENED
 
+    @property
+    def throughout(self) -> bool:  # type: ignore[override]
+        return any(c.rubs for c in self._system.contributions)
+
     def _linearise(self) -> None:
         """Take forces and stiffness as they are, with the forces held for this iteration, and the laws without them."""
         pairs = [c for c in self._system.contributions if isinstance(c, CondensedPairs)]
         self._laws = [c.law_of_changes() for c in pairs]
         motions = [c.motions() for c in pairs]
         self._motions, self._ends = vstack(motions, format="csr"), np.cumsum([m.shape[0] for m in motions])[:-1]
-        slide = any(m.shape[0] != c.pairs.count for m, c in zip(motions, pairs, strict=True))
-        self._gaps = None if slide else np.concatenate([c.place() for c in pairs])
+        self._gaps = None if any(c.components > 1 for c in pairs) else np.concatenate([c.place() for c in pairs])
+        self._alike = [c.alike for c in pairs]
+        self._rows_of_pairs = np.concatenate([np.full(c.pairs.count, c.components) for c in pairs])
         self._before, self._stiff = self._after(np.zeros(self._motions.shape[0]))
+        self._begin()
         for contribution in pairs:
             contribution.release()
 
+    def _begin(self) -> None:
+        """Linearise laws where the step starts."""
+        self._at, self._forces_there = np.zeros(len(self._before)), self._before
+
     def _converge(self, forces: np.ndarray) -> np.ndarray | None:
+        self._begin()
         found = None if self._gaps is None else self._by_pivots(forces)
         return super()._converge(forces) if found is None else found
 
@@ -98,17 +110,45 @@ class Condensation(Elimination):
 
     def _after(self, changes: np.ndarray) -> tuple[np.ndarray, csr_matrix]:
         """Forces on gaps and slips that have changed by so much, and their derivatives."""
-        found = [law(part) for law, part in zip(self._laws, np.split(changes, self._ends), strict=True)]
-        forces, moduli = zip(*found, strict=True)
-        return np.concatenate(forces), block_diag(moduli, format="csr")
+        moduli = [law(part) for (_, law), part in zip(self._laws, np.split(changes, self._ends), strict=True)]
+        return self._forces_after(changes), block_diag(moduli, format="csr")
+
+    def _forces_after(self, changes: np.ndarray) -> np.ndarray:
+        parts = np.split(changes, self._ends)
+        return np.concatenate([law(part) for (law, _), part in zip(self._laws, parts, strict=True)])
 
     def _places(self, responses: np.ndarray) -> np.ndarray:
         return (self._motions @ responses.T).T
 
     def _beyond(self, changes: np.ndarray) -> np.ndarray:
-        after, self._moduli = self._after(changes)
+        self._at = changes if self._is_patient or self._gaps is not None else self._toward(changes)
+        self._forces_there, self._moduli = self._after(self._at)
+        after = self._forces_there + self._moduli @ (changes - self._at)
+        self._untold = self._forces_after(changes) - after
         beyond = after - self._before - self._stiff @ changes
         return np.where(np.abs(beyond) > NOTHING * self._exact * self._size, beyond, 0.0)
+
+    def _error(self, off: np.ndarray) -> float:
+        return float(np.linalg.norm(off + self._untold[self._rows]))
+
+    def _toward(self, changes: np.ndarray) -> np.ndarray:
+        """Where laws are linearised next: on the way to some changes, where each pair comes to another piece first.
+
+        At the end of the way pairs that slip back would slip forth next, without sticking between, and pairs that
+        close deeply would stick, because of a pressure that they do not have.
+        """
+        leave = ~self._stay(changes)
+        way, low, high = changes - self._at, np.zeros(len(leave)), np.ones(len(leave))
+        while leave.any() and (high - low).max() > rounding.SAME:
+            middle = (low + high) / 2
+            stay = self._stay(self._at + np.repeat(middle, self._rows_of_pairs) * way)
+            low, high = np.where(stay, middle, low), np.where(stay, high, middle)
+        return self._at + np.repeat(np.where(leave, high, 1.0), self._rows_of_pairs) * way
+
+    def _stay(self, changes: np.ndarray) -> np.ndarray:
+        """Whether pairs are on the pieces of their laws that they are linearised on."""
+        found, there = (np.split(forces, self._ends) for forces in (self._forces_after(changes), self._forces_there))
+        return np.concatenate([alike(*forces) for alike, *forces in zip(self._alike, found, there, strict=True)])
 
     def _stiffened(self) -> csr_matrix:
         return self._moduli - self._stiff

@@ -135,6 +135,7 @@ class BorderedNewton:
 
     def solve(self, snes, b, x) -> None:
         self.history, self._corrections, self.unfinished, self._noise = [], [], None, 0.0
+        self._tolerance = snes.getTolerances()[0] * (1.0 if self._guess is None else 1e-3)
         if self._predict:
             x.zeroEntries()
             self._step.zeroEntries()
@@ -153,9 +154,7 @@ class BorderedNewton:
         snes.setConvergedReason(self._iterate(snes, x))
 
     def _iterate(self, snes, x) -> int:
-        rtol, _, _, most = snes.getTolerances()
-        rtol *= 1.0 if self._guess is None else 1e-3
-        self._tolerance = rtol
+        rtol, most = self._tolerance, snes.getTolerances()[3]
         for iteration in range(most + 1):
             snes.computeFunction(x, self._residual)
             self.system.load(self._load)
@@ -242,8 +241,11 @@ class BorderedNewton:
 
     @property
     def _eliminating(self) -> Elimination | None:
-        """What finds contact forces from a step, until they are nearly exact, and where plain steps are in vain."""
-        if self.elimination is None or not self.history:
+        """What finds contact forces from a step, until they are nearly exact, and where plain steps are in vain.
+
+        Where parts rub it does so throughout: plain steps would slip back and forth.
+        """
+        if self.elimination is None or not self.history or self.elimination.throughout:
             return self.elimination
         in_vain = len(self.history) > 2 and 2 * self.history[-1] > self.history[-3]
         return self.elimination if self.history[-1] > self.elimination.exact or in_vain else None
@@ -251,12 +253,15 @@ class BorderedNewton:
     def _hold_contacts(self, x, tangent: LoadResponse, along) -> None:
         """Change a step, with `load_increment` at its end, so that contacts hold after it; the control's is `along`.
 
-        They do so as exactly as equilibrium at its start at least.
+        They do so as exactly as equilibrium at its start at least; throughout, to a part of what it leaves (a forcing
+        term: Dembo, Eisenstat and Steihaug 1982).
         """
         if elimination := self._eliminating:
             self.system.load(self._load)
             size = max(abs(self.factor_now) * self._load.norm(), self.system.reaction)
-            exact = min(elimination.exact, self.history[-1] if self.history else inf)
+            left = self.history[-1] if self.history else inf
+            exact = (max(elimination.exact * min(left, 1.0), self._tolerance) if elimination.throughout
+                     else min(elimination.exact, left))
             gradient = self.control.gradient(tangent, along, self.load_increment)
             self.load_increment += elimination.correct(x, self.factor_now, self._step, tangent.solution, gradient,
                                                             size, exact)

@@ -39,12 +39,13 @@ class Elimination:
     most : rows that are eliminated
     can_do_without : whether a step goes on as it is where there are more rows, as those after it may have fewer
     exact : largest error of contact forces over the load, from which one correction more is enough
+    throughout : whether forces are found in all iterations of a step, which then tell how hard it is
     softened : multiples of the regularisation through which forces are approached that a first step does not find
         otherwise; later there may be several solutions, of which soft ones lead to another
     begins : whether the step is a first one, which may have as many rows as it takes where softer forces lead to it
     """
 
-    most, exact, can_do_without = 300, 1e-5, False
+    most, exact, can_do_without, throughout = 300, 1e-5, False, False
     softened: Sequence[float] = ()
     begins = False
     _found = 0
@@ -85,7 +86,7 @@ class Elimination:
             return 0.0
         if forces is None:
             raise ArithmeticError("contact forces are not found")
-        self._found += len(forces) > 0
+        self._found += len(forces) > 0 and not self.throughout
         change = -float(self._loads @ forces)
         for part in self._responses:
             this, forces = np.split(forces, [len(part)])
@@ -115,7 +116,7 @@ class Elimination:
         off = self._off(np.zeros(0))
         if off is None:
             return None
-        size = np.linalg.norm(off) / self._size
+        size = self._error(off) / self._size
         if size <= self._exact:
             return np.zeros(len(off))
         sequences = [self._multiples]
@@ -145,7 +146,7 @@ class Elimination:
             if (off := self._off(forces)) is None:
                 return None
             forces = np.append(forces, np.zeros(len(off) - len(forces)))
-            correction, error = self._correction(off), float(np.linalg.norm(off))
+            correction, error = self._correction(off), self._error(off)
             if correction is None or any(abs(error - other) <= AGAIN * other for other in errors):
                 return None
             errors.append(error)
@@ -153,6 +154,10 @@ class Elimination:
             if error <= self._exact * self._size:
                 return forces
         return None
+
+    def _error(self, off: np.ndarray) -> float:
+        """How far forces are off what the laws say."""
+        return float(np.linalg.norm(off))
 
     def _correction(self, off: np.ndarray) -> np.ndarray | None:
         """Newton's, of forces that are off by so much; it couples rows whose stiffness changes. None: there is none."""

@@ -99,7 +99,7 @@ class Corner:
     def _stiffnesses(self, gaps: np.ndarray) -> np.ndarray:
         """Of all pairs where they touch."""
         shut, ends = np.where(gaps > 0, -gaps * (1 + SAME), 0.0), np.cumsum([c.pairs.count for c in self._pairs])[:-1]
-        return np.concatenate([c.law_of_changes()(part)[1].diagonal()
+        return np.concatenate([c.law_of_changes()[1](part).diagonal()
                                for c, part in zip(self._pairs, np.split(shut, ends), strict=True)])
 
     def ways(self) -> Iterator[Way]:

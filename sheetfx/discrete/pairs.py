@@ -109,8 +109,12 @@ class Pairs:
         here : (n,), whether pairs have a partner
         slack : part of the bound
         """
-        status = status_of(pressure, np.linalg.norm(traction, axis=1), self.bound(pressure, slack))
+        status = self.status(pressure, traction, slack)
         return PairState(self.points + moved, gap, pressure, traction, self.weights * here, status, slip)
+
+    def status(self, pressure: np.ndarray, traction: np.ndarray, slack: float) -> np.ndarray:
+        """Status of the pairs, each of which slips at its bound less a part."""
+        return status_of(pressure, np.linalg.norm(traction, axis=1), self.bound(pressure, slack))
 
 
 def unilateral_energy(gap, parameters):

@@ -165,11 +165,15 @@ class PointLaw:
         """Derivatives of the strains at z, shape (points, strains, m)."""
         return self._evaluate(self._of_strains[0], z, self._held.function_space.dofmap.bs, self._size)
 
-    def at_strains(self, strains: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Resultants and moduli of given strains, times the weights."""
+    def resultants_of(self, strains: np.ndarray, z: np.ndarray) -> np.ndarray:
+        """Resultants of given strains, times the weights."""
         self._put(self._held, strains)
-        size = strains.shape[1]
-        return self._weighted(self._of_strains[1], z, size), self._weighted(self._of_strains[2], z, size, size)
+        return self._weighted(self._of_strains[1], z, strains.shape[1])
+
+    def moduli_of(self, strains: np.ndarray, z: np.ndarray) -> np.ndarray:
+        """Moduli of given strains, times the weights."""
+        self._put(self._held, strains)
+        return self._weighted(self._of_strains[2], z, strains.shape[1], strains.shape[1])
 
     @cached_property
     def _energy(self) -> fem.Expression | None:
