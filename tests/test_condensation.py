@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+from functools import partial
+from types import SimpleNamespace
+
 import numpy as np
 from scipy.sparse import block_diag, csr_matrix
 
 from sheetfx.continuation.condensation import Condensation
-from sheetfx.discrete.contact import status_of
+from sheetfx.discrete.condensed_pairs import CondensedPairs
+from sheetfx.discrete.pairs import Pairs
 
 NORMAL, TANGENTIAL, FRICTION, PAIRS = 3e6, 3e4, 0.2, 12
+
+
+RUBBING = SimpleNamespace(components=2, _slack=0.0, pairs=Pairs(*np.zeros((4, PAIRS)), np.ones(PAIRS),
+                                                                (NORMAL, TANGENTIAL, FRICTION, 0.0, 0.0), False, 0.0))
 
 
 class Given(Condensation):
@@ -21,7 +29,7 @@ class Given(Condensation):
         self._rows, self._loads, self._responses = np.empty(0, dtype=np.int64), np.empty(0), []
         self._moved, self._flexibility = moved, np.empty((0, len(moved)))
         self._gaps, self._ends, self._size, self._exact = None, [], 1.0, 1e-4
-        self._laws, self._alike = [(self.forces, self.moduli)], [self.alike]
+        self._laws, self._alike = [(self.forces, self.moduli)], [partial(CondensedPairs.alike, RUBBING)]
         self._rows_of_pairs, self._multiples, self._regularise = np.full(PAIRS, 2), [1.0], lambda times: None
         self._before, self._stiff = self._after(np.zeros(2 * PAIRS))
         self._begin()
@@ -41,12 +49,6 @@ class Given(Condensation):
         slope = np.where(sticks, 0.0, -FRICTION * NORMAL * np.sign(tractions)) * closed
         return block_diag([[[NORMAL * c, 0.0], [s, TANGENTIAL * t]] for c, s, t in
                            zip(closed, slope, sticks & closed, strict=True)], format="csr")
-
-    def alike(self, forces, others):
-        one, other = (status_of(-f[:, 0], np.abs(f[:, 1]), FRICTION * -f[:, 0])
-                      for f in (forces.reshape(-1, 2), others.reshape(-1, 2)))
-        back = (one == "slip") & (forces.reshape(-1, 2)[:, 1] * others.reshape(-1, 2)[:, 1] < 0)
-        return (one == other) & ~back
 
     def _units(self, rows):
         return rows

@@ -135,7 +135,8 @@ class Condensation(Elimination):
         """Where laws are linearised next: on the way to some changes, where each pair comes to another piece first.
 
         At the end of the way pairs that slip back would slip forth next, without sticking between, and pairs that
-        close deeply would stick, because of a pressure that they do not have.
+        close deeply would stick, because of a pressure that they do not have. First steps, in which hundreds of pairs
+        close at once, go there all the same, and through softer pairs where that fails.
         """
         leave = ~self._stay(changes)
         way, low, high = changes - self._at, np.zeros(len(leave)), np.ones(len(leave))

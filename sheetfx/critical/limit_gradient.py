@@ -69,7 +69,7 @@ def rubbing(system: System) -> str | None:
     """Why friction between parts leaves critical loads without derivatives, or None."""
     if any(c.rubs for c in system.contributions):
         return ("parts that touch each other rub, and where slip began is not known of a changed structure; "
-                "compare whole paths")
+                "take a model without friction, or compare whole paths")
     return None
 
 

@@ -9,7 +9,7 @@ from .run import OF_A_FOLDER, folder_of, option, scenes_app
 DRAWN = 1e-4  # largest movement in the picture over the size, small beside a cell
 
 OWN = [
-    option("point", int, 1, "Number of the critical point along the path.", "--point", min=1),
+    option("point", int, 1, "Number of the limit point or bifurcation along the path.", "--point", min=1),
     option("nodes", bool, False, "Tell the derivatives by the place of each node too: nodes.csv and nodes.png.",
            "--nodes"),
     option("output", str | None, None, "Folder of the results; default results/NAME-depends.", "-o", "--output",

@@ -32,5 +32,5 @@ def path_to_point(case: Case, number: int, title: str) -> tuple[Record, Critical
     points = numbered_points(record)
     if number > len(points):
         raise ValueError(f"--point: {number}, but the path of {title} has {len(points)} limit points and "
-                         "bifurcations; give one of these, begin elsewhere, or let the path go further")
+                         "bifurcations; give one of these, other options, or let the path go further")
     return record, points[number - 1]
