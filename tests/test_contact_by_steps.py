@@ -95,6 +95,7 @@ def test_a_tip_begins_to_slide(control, enforcement):
     assert record.states[-1].load == pytest.approx(2.971e-3, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_strip_slips_to_and_fro():
     """Shear lag with friction: 1 pulled, 1/2 let go, -1 pushed, 1 again, in F^2 / (2 EA mu q), on twenty cells.
 

@@ -47,7 +47,7 @@ CASES = {
 }
 
 
-LONG = "surfaces", "dome", "welds and links", "penalty"
+LONG = "surfaces", "dome", "welds and links", "penalty", "pairs that slide"
 
 
 def followed(name):

@@ -199,6 +199,7 @@ def test_flutter_with_other_first_steps():
         _assert_same(found(scene, until, control), expected)
 
 
+@pytest.mark.slow
 def test_flutter_on_two_processes():
     script = '''
 import sheetfx as fx

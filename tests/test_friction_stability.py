@@ -167,7 +167,8 @@ def test_dome_whose_pairs_stick_is_the_one_with_ties():
     assert found[0] == pytest.approx(found[1], rel=1e-3)
 
 
-@pytest.mark.parametrize("step", [pytest.param(0.003, marks=pytest.mark.slow), 0.005])
+@pytest.mark.slow
+@pytest.mark.parametrize("step", [0.003, 0.005])
 def test_arch_that_comes_down_on_another_bifurcates_whatever_its_steps(step):
     """Pushed down at its crown, before and behind the load with which the other one stands against its swaying.
 

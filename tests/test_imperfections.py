@@ -88,8 +88,9 @@ class Law(fx.LoadsByShape):
 
 
 @pytest.mark.parametrize(("count", "load", "exact"), [
-    (2, np.linalg.norm, chi2.isf(0.05, 2) ** 0.5), (4, np.linalg.norm, chi2.isf(0.05, 4) ** 0.5),
-    (2, lambda c: abs(c[0]), norm.isf(0.025)), (3, lambda c: c[0], norm.isf(0.05)),
+    pytest.param(2, np.linalg.norm, chi2.isf(0.05, 2) ** 0.5, marks=pytest.mark.slow),
+    (4, np.linalg.norm, chi2.isf(0.05, 4) ** 0.5),
+    pytest.param(2, lambda c: abs(c[0]), norm.isf(0.025), marks=pytest.mark.slow), (3, lambda c: c[0], norm.isf(0.05)),
 ], ids=["circle", "ball", "two-sided", "one-sided"])
 def test_intervals_have_the_quantile_as_often_as_they_say(count, load, exact):
     """They are of 95 %; where the load is known exactly 2e-4 are left, by the places at which the mean is known."""

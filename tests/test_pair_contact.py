@@ -139,7 +139,7 @@ def arch_above_a_beam(enforcement):
     return scene, alone
 
 
-@pytest.mark.parametrize("enforcement", ["condensed", "uzawa"])
+@pytest.mark.parametrize("enforcement", ["condensed", pytest.param("uzawa", marks=pytest.mark.slow)])
 def test_an_arch_meets_a_beam_behind_its_limit(enforcement):
     """Its load falls by a per cent from the limit to where it touches, then rises.
 

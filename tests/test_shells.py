@@ -110,7 +110,7 @@ def test_shear_rigid_limits(module, cells, limit):
     assert values["deflection"] == pytest.approx(limit, rel=5e-4)
 
 
-@pytest.mark.parametrize("form", ["naghdi-q2", "naghdi-q3"])
+@pytest.mark.parametrize("form", ["naghdi-q2", pytest.param("naghdi-q3", marks=pytest.mark.slow)])
 def test_shell_rolls_up_to_a_circle(form):
     """A full turn on 24 elements; the tip is back at the clamp to 0.2 % of the length, by interpolated rotations."""
     _, values = run(roll_up, form=form, turns=1, elements=24)

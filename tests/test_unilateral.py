@@ -54,6 +54,7 @@ def test_two_spans_cannot_both_go_to_their_own_side():
     assert solution.load < finer.load < PINNED_CLAMPED
 
 
+@pytest.mark.slow
 def test_loads_do_not_hang_on_the_stiffness_of_contact():
     scene = spans(2)
     loads = [found(replace(scene, joints=[replace(scene.joints[0], stiffness=times)])).load

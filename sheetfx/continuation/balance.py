@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import cast
 
 import numpy as np
@@ -42,8 +43,8 @@ class Balance:
     ----------
     parts : energy that each part of the scene stores in all states, by its strains and by hardening, shape (states,
         parts); NaN where a law with history does not tell
-    joints : energy of joints and contacts, shape (states,)
-    dissipated : by plastic flow, and in falls under a held load, since the first state, shape (states,)
+    joints : energy of joints and contacts, as far as they tell, shape (states,)
+    dissipated : by plastic flow, friction, and in falls under a held load, since the first state, shape (states,)
     work : that loads and prescribed motions have done since the first state, shape (states,); NaN where it is not known
     accuracy : of the work, shape (states,)
     untold : what does not tell its energy or its work, so that there is no balance
@@ -122,27 +123,46 @@ def balance(tracer: Tracer, states: Sequence[State], accuracy: float | None = No
         untold.add("what loads that follow do in a fall is not told")
     accounts = books.balanced()
     asked = 0.0 if untold else accuracy or 0.0
+    steps = _steps(books, accounts)
     for _ in range(ROUNDS if asked else 0):
-        most = asked * (np.ptp([sum(a.parts) + a.joints + a.dissipated for a in accounts]) or 1.0) / len(accounts)
-        if not books.halve([i for i in range(len(accounts) - 1) if _step(accounts, i)[1] > most]):
+        energies = [sum(a.parts) + sum(a.joints) + a.dissipated for a in accounts] + _sums(steps)[:, 2]
+        most = asked * (np.ptp(energies) or 1.0) / len(accounts)
+        if not books.halve(np.flatnonzero(steps[:, 1] > most).tolist()):
             break
         accounts = books.balanced()
+        steps = _steps(books, accounts)
     tracer.back_to(present)
     known = all(account.dead or account.proportional for account in accounts)
     if not known:
         untold.add("loads are not proportional to their factor")
-    steps = np.array([_step(accounts, i) for i in range(len(accounts) - 1)]).reshape(-1, 2)
-    sums = np.concatenate([[(0.0, 0.0)], np.cumsum(steps, axis=0)])
     given = [i for i, account in enumerate(accounts) if account.place == 0.0]
-    work, unsure = sums[given].T
+    work, unsure, rubbed = _sums(steps)[given].T
     parts, joints, dissipated = (np.array([getattr(accounts[i], name) for i in given])
                                  for name in ("parts", "joints", "dissipated"))
-    dissipated = dissipated.astype(float) - dissipated[0]
+    joints, dissipated = joints.sum(axis=1), dissipated - dissipated[0] + rubbed
     for after in books.fallen:
         stored = parts.sum(axis=1) + joints
         dissipated[after:] += np.diff(work - stored - dissipated)[after - 1]
     return Balance(parts, joints, dissipated, work if known else np.full_like(work, np.nan), unsure,
                    tuple(sorted(untold)))
+
+
+def _steps(books: EnergyLedger, accounts: Sequence[Account]) -> np.ndarray:
+    """Of each step the work along it, the accuracy of all that is integrated, and what friction dissipates.
+
+    The accuracy of the latter is its change where it is integrated over two steps at once.
+    """
+    steps = np.array([_step(accounts, i) for i in range(len(accounts) - 1)]).reshape(-1, 2)
+    rubbed = np.array([books.rubbed(before, after) for before, after in pairwise(accounts)])
+    twice = [books.rubbed(before, after) for before, after in zip(accounts, accounts[2:], strict=False)]
+    unsure = np.abs(twice - rubbed[1:] - rubbed[:-1])
+    steps[1:, 1] += unsure
+    return np.column_stack((steps, rubbed))
+
+
+def _sums(steps: np.ndarray) -> np.ndarray:
+    """What has been added up until each account."""
+    return np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
 
 
 def _step(accounts: Sequence[Account], i: int) -> tuple[float, float]:

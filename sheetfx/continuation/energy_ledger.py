@@ -27,12 +27,15 @@ class Account:
 
     Attributes
     ----------
+    joints : energy of each joint and contact
+    touches : of each of them, what its work from this state to the next depends on
     place : part of the step from the last state of the path that leads here; 0: a state of the path
     """
 
     state: State
     parts: list[float]
-    joints: float
+    joints: list[float]
+    touches: list[np.ndarray]
     dissipated: float
     done: list[float]
     product: float
@@ -44,7 +47,7 @@ class Account:
 
 
 class EnergyLedger:
-    """EnergyLedger of the states of a path, and of states within its steps.
+    """Accounts of the states of a path, and of states within its steps.
 
     Parameters
     ----------
@@ -75,6 +78,11 @@ class EnergyLedger:
         """All of them in order; W and q are integrals of the loads along the way where these change."""
         accounts = [account for step in self._steps for account in step]
         return accounts if self.dead or self.fallen else self._followed()
+
+    def rubbed(self, before: Account, after: Account) -> float:
+        """Work that contacts with friction take up between two states and do not store, on all processes."""
+        return sum(joint.work_between(before.touches[i], after.touches[i]) - after.joints[i] + before.joints[i]
+                   for i, joint in enumerate(self._others) if joint.rubs and len(before.touches[i]))
 
     def halve(self, pieces: Sequence[int]) -> bool:
         """Find the states in the middle of pieces between accounts, if they converge; whether there are new ones."""
@@ -121,11 +129,13 @@ class EnergyLedger:
         product, rate = (_product(system, load.array, by) for by in (place, state.response))
         parts = zip(structure.scene.parts, structure.works_of_parts, strict=True)
         stored = [structure.strain_energy(part) if work.tells_energy else np.nan for part, work in parts]
-        return Account(state, stored, sum(c.energy() or 0.0 for c in self._others), structure.dissipated(), done,
-                       product, rate, dead, dead or _proportional(system, state))
+        joints = [c.energy() or 0.0 for c in self._others]
+        touches = [np.empty(0) if (touch := c.touch()) is None else touch for c in self._others]
+        return Account(state, stored, joints, touches, structure.dissipated(), done, product, rate, dead,
+                       dead or _proportional(system, state))
 
     def _followed(self) -> list[Account]:
-        """EnergyLedger in which W and q are integrals of the loads along the way, which change with the structure."""
+        """Accounts in which W and q are integrals of the loads along the way, which change with the structure."""
         tracer, system = self._tracer, self._tracer.system
         done = np.zeros(self._steps[-1][0].state.stage + 1)
         accounts, product = [replace(self._steps[0][0], done=done.tolist(), product=0.0)], 0.0

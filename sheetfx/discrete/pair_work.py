@@ -332,9 +332,10 @@ class PairWork(PointWork):
         return False
 
     def energy(self) -> float | None:
-        if self._slips or self.augments or (now := self.touch()) is None:
+        """Energy of pressures and of tractions that stick; what is augmented is as good as rigid, and stores none."""
+        if (now := self.touch()) is None:
             return None
-        return self.work_between(np.zeros_like(now), now)
+        return float((self.pairs.weights * self._here) @ self.pairs.stored(now))
 
     def place(self) -> np.ndarray:
         """Gaps now."""

@@ -95,6 +95,13 @@ class Pairs:
             rubbed = np.where(sticks, ((before + now) / 2 * slips).sum(axis=1), rubbed)
         return work + rubbed
 
+    def stored(self, now: np.ndarray) -> np.ndarray:
+        """Energy per length of the line of contact, of gaps, trial pressures, tractions and slips as of `work`."""
+        if self.augmented:
+            return np.zeros(self.count)
+        table, n = self.table(), (now.shape[1] - 2) // 2
+        return unilateral_energy(now[:, 0], table) + (now[:, 2:2 + n]**2).sum(axis=1) / (2 * table[:, 1])
+
     def bound(self, pressure: np.ndarray, slack: float) -> np.ndarray:
         """Traction at which pairs slip, less a part, by their pressure where they touch."""
         _, _, friction, cohesion, _ = self.parameters
