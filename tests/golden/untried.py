@@ -311,6 +311,7 @@ CASES: dict[str, Callable[[], fx.Case]] = {
     "dome-contact": scene("dome", model="contact", divisions=2, weld=400.0, to=8.0),
     "dome-contact-friction": scene("dome", model="contact", divisions=2, weld=400.0, friction=0.2, to=8.0),
     "dome-contact-uzawa": scene("dome", model="contact", divisions=2, weld=400.0, enforcement="uzawa", to=8.0),
+    "m1-contact-friction": scene("m1", model="contact", divisions=2, friction=0.2, to=3.0),
     "channel": scene("channel", cells=12),
     "slit-annulus": scene("slit-annulus"),
     "hemisphere": scene("hemisphere", cells=4),
