@@ -208,8 +208,8 @@ assert abs(rough_limit / smooth_limit - 1) < 5e-3
 
 # %% [markdown]
 # ## By hand
-# Two sliders, where `ipywidgets` is installed; one figure where it is not. A path takes a second or two. From which radius
-# of the punch on does the arch carry more than under a point load? Does friction ever help?
+# Two sliders, where `ipywidgets` is installed; one figure where it is not. A path takes a second or two. From which
+# radius of the punch on does the arch carry more than under a point load? Does friction ever help?
 
 
 # %%

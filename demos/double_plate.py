@@ -197,8 +197,8 @@ if not QUICK:
 
 # %% [markdown]
 # ## By hand
-# Two sliders, where `ipywidgets` is installed; one figure where it is not. Paths end at 30 mm. At which gap does B become
-# a limit point, and what does friction change in it?
+# Two sliders, where `ipywidgets` is installed; one figure where it is not. Paths end at 30 mm. At which gap does B
+# become a limit point, and what does friction change in it?
 
 
 # %%

@@ -227,7 +227,12 @@ class Contribution:
         return float(end[0] - start[0])
 
     def work_unsure(self, touch: np.ndarray) -> float:
-        """Work that is not known as places are undetermined by its `tolerance`, on all processes; `touch` of a state."""
+        """Work that is not known, as places are undetermined by its `tolerance`, on all processes.
+
+        Parameters
+        ----------
+        touch : of a state
+        """
         return 0.0
 
     def gaps(self) -> np.ndarray:
