@@ -55,12 +55,12 @@ def require_work(segment: Segment, earlier: State | None) -> None:
     if not tracer.system.work_known:
         return
     follows = earlier is not None and before.stage == after.stage and before.length > 0
-    (change, gross, unsure), way = _energy(segment, before.direction if follows else (0.0, 0 * after.increment))
+    (change, gross), way = _energy(segment, before.direction if follows else (0.0, 0 * after.increment))
     share = after.length / before.length if follows else 0.0
     steepest, farthest = (max(abs(own), share * abs(last)) for own, last in zip(way.step, way.before, strict=True))
     allowed = tracer.control.unbalanced * steepest + WAVER * abs(after.factor)
     exact, *_ = tracer.snes.getTolerances()
-    allowed = allowed * max(abs(way.step[1]), ASIDE * farthest) + SAFETY * exact * gross + unsure
+    allowed = allowed * max(abs(way.step[1]), ASIDE * farthest) + SAFETY * exact * gross
     if abs(change - _even(way, share)) <= allowed:
         return
     if way.is_straight and abs(change - _even(way, 0.0)) <= allowed:
@@ -96,10 +96,10 @@ def _cornered(way: _Way) -> tuple[float, float]:
     return parts[0] / sum(parts), rise * motion / 2 + parts[0] * parts[1] * turn / 2
 
 
-def _energy(segment: Segment, step_before: tuple[float, np.ndarray]) -> tuple[tuple[float, float, float], _Way]:
+def _energy(segment: Segment, step_before: tuple[float, np.ndarray]) -> tuple[tuple[float, float], _Way]:
     """Work taken up from the first to the last state less the work of the first load, and the way of the loads.
 
-    Beside the work the sum of the sizes of its parts, and the work of pressures by the penetration that contact leaves.
+    Beside the work the sum of the sizes of its parts.
     """
     before, after, tracer = segment.before, segment.after, segment.tracer
     system, increment = tracer.system, after.increment
@@ -124,10 +124,9 @@ def _energy(segment: Segment, step_before: tuple[float, np.ndarray]) -> tuple[tu
     tracer.back_to(after)
     ends = [c.touch() if c.augments else end for c, end in zip(rough, ends, strict=True)]
     stored = sum(c.work_between(*states) for c, *states in zip(rough, starts, ends, strict=True))
-    unsure = sum(c.work_unsure(end) for c, end in zip(rough, ends, strict=True))
     motions = [sum(loads) / 2 @ increment, load @ step_before[1],
                *(one @ state.tangent[1] for one, state in zip(loads, (before, after), strict=True))]
     change, *motions = system.comm.allreduce(np.array([change, *motions])).tolist()
     step, last = (after.load_increment, motions[0]), (step_before[0], motions[1])
     tangents = (before.load_rate, motions[2]), (after.load_rate, motions[3])
-    return (change + stored, abs(change) + abs(stored), unsure), _Way(step, last, tangents)
+    return (change + stored, abs(change) + abs(stored)), _Way(step, last, tangents)

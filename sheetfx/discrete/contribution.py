@@ -226,15 +226,6 @@ class Contribution:
         """
         return float(end[0] - start[0])
 
-    def work_unsure(self, touch: np.ndarray) -> float:
-        """Work that is not known, as places are undetermined by its `tolerance`, on all processes.
-
-        Parameters
-        ----------
-        touch : of a state
-        """
-        return 0.0
-
     def gaps(self) -> np.ndarray:
         """Distances of its points on this process, negative where they touch; NaN: unknown; none: it does not tell."""
         return np.empty(0)

@@ -363,11 +363,6 @@ class PairWork(PointWork):
     def work_between(self, start: np.ndarray, end: np.ndarray) -> float:
         return float((self.pairs.weights * self._here) @ self.pairs.work(start, end, self._growth.reached, self._slack))
 
-    def work_unsure(self, touch: np.ndarray) -> float:
-        if not self.augments:
-            return 0.0
-        return float((self.pairs.weights * self._here) @ np.maximum(touch[:, 1], 0.0)) * self.pairs.tolerance
-
     def apart(self) -> bool:
         return not (self._acting()[0] & self._here).any()
 
