@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import csv
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from failure_map.traps import TRAPS
@@ -13,7 +16,7 @@ from sheetfx.discrete.discretisation import Discretisation
 from sheetfx.discrete.pair_work import pairs_of
 from sheetfx.discrete.pairs import friction_work
 from sheetfx.scenes import dome
-from sheetfx.show.pairs import draw_pairs, pair_states
+from sheetfx.show.pairs import draw_pairs, pair_history, pair_states
 
 SECTION = {"section": fx.Rectangle(0.1, 0.1), "material": fx.Elastic(1.2e6, 0.0)}
 
@@ -48,6 +51,24 @@ def test_slips_that_are_not_known_are_not_drawn(friction):
     above, below = draw_pairs(record, pair_states(record)).subfigs
     assert all(axes.lines for axes in (*above.axes, *below.axes))
     assert ("largest slip" in [line.get_label() for axes in above.axes for line in axes.lines]) == (friction > 0)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_table_of_pairs_tells_what_each_has_gone_through(friction, tmp_path):
+    """Statuses of all states come again from those of the table and the loads where they begin."""
+    record = leaf_spring(friction, 0.01)
+    pair_history(record, tmp_path)
+    with (tmp_path / "pairs.csv").open() as stream:
+        rows = list(csv.DictReader(stream))
+    kept = np.load(tmp_path / "pairs.npz")
+    assert len(rows) == kept["0 status"].shape[1] and len({row["statuses"] for row in rows}) > 1
+    for row, status, place in zip(rows, kept["0 status"].T, kept["0 position"][0], strict=True):
+        names, loads = row["statuses"].split(), [*map(float, row["loads"].split()), np.inf]
+        assert all(one != other for one, other in pairwise(names))
+        for name, begin, end in zip(names, loads[:-1], loads[1:], strict=True):
+            within = (kept["load"] >= begin - 1e-7) & (kept["load"] < end - 1e-7)
+            assert within.any() and (status[within] == name).all()
+        assert [float(row[x]) for x in "xy"] == pytest.approx(place, rel=1e-5)
 
 
 TIP = pytest.mark.parametrize("friction, load", [(0.0, 356.1400), (0.2, 365.0142)])

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import csv
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path as Folder
 
 import numpy as np
@@ -29,10 +30,12 @@ def pair_states(record: Shown) -> list[list[PairState]]:
 
 
 def pair_history(record: Shown, folder: Folder) -> None:
-    """Write pairs.npz, pairs.png and paraview/pairs.pvd; nothing where no deformable parts touch.
+    """Write pairs.npz, pairs.csv, pairs.png and paraview/pairs.pvd; nothing where no deformable parts touch.
 
-    The arrays of contact number i are called "i gap", "i pressure", "i slip", "i traction", "i status", "i position",
-    of shape (states, pairs, ...), and "load" and "deflection", of shape (states,).
+    The table has a line for each pair: where it is at first, the statuses that it has had ("open slip open slip"), the
+    load of the first state with each of them, its largest slip and its largest pressure. The arrays
+    of contact number i are called "i gap", "i pressure", "i slip", "i traction", "i status", "i position", of shape
+    (states, pairs, ...), and "load" and "deflection", of shape (states,).
     """
     if not pairs_of(record.path.discretisation.system.contributions):
         return
@@ -45,9 +48,26 @@ def pair_history(record: Shown, folder: Folder) -> None:
         for name in ("gap", "pressure", "slip", "traction", "status", "position"):
             arrays[f"{number} {name}"] = np.array([getattr(s, name) for s in along])
     np.savez_compressed(folder / "pairs.npz", **arrays)
+    with (folder / "pairs.csv").open("w", newline="") as stream:
+        writer = csv.writer(stream)
+        writer.writerow(("contact", "pair", *"xyz"[:history[0][0].position.shape[1]], "statuses", "loads",
+                         "largest_slip", "largest_pressure"))
+        writer.writerows(_histories(history, arrays["load"]))
     figure = draw_pairs(record, history)
     save_picture(record, lambda: figure, folder / "pairs.png")
     write_pairs(history, folder / "paraview")
+
+
+def _histories(history: Sequence[Sequence[PairState]], loads: np.ndarray) -> Iterator[tuple]:
+    """Rows of pairs.csv."""
+    for number, along in enumerate(zip(*history, strict=True)):
+        status = np.array([s.status for s in along])
+        slip = np.max([np.linalg.norm(s.slip.reshape(len(s.gap), -1), axis=1) for s in along], axis=0)
+        pressure = np.max([s.pressure for s in along], axis=0)
+        for pair, place in enumerate(along[0].position):
+            begins = [0, *(1 + np.flatnonzero(status[1:, pair] != status[:-1, pair]))]
+            yield (number, pair, *(f"{x:.6g}" for x in place), " ".join(status[begins, pair]),
+                   " ".join(f"{load:.6g}" for load in loads[begins]), f"{slip[pair]:.6g}", f"{pressure[pair]:.6g}")
 
 
 def draw_pairs(record: Shown, history: Sequence[Sequence[PairState]]):
