@@ -14,6 +14,7 @@
 
 # %%
 import os
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
@@ -208,28 +209,22 @@ assert abs(rough_limit / smooth_limit - 1) < 5e-3
 
 # %% [markdown]
 # ## By hand
-# Two sliders, where `ipywidgets` is installed; one figure where it is not. A path takes a second or two. From which
-# radius of the punch on does the arch carry more than under a point load? Does friction ever help?
+# A figure, and two sliders where `ipywidgets` is installed. A path takes a second or two. From which radius of the
+# punch on does the arch carry more than under a point load? Does friction ever help?
 
 
 # %%
 def path_under(ratio=1.0, friction=0.3):
-    """Draw the path under a punch of some radius over that of the arch."""
-    record = fx.trace(arch_case(ratio=ratio, friction=friction, elements=20, to=20.0))
-    _, axes = plt.subplots(figsize=(7, 4.5), layout="constrained")
-    axes.plot(*fx.show.curve_points(record).T)
-    for point in record.critical_points:
-        axes.plot(point.deflection, point.load, "o", label=f"{point.title}, {point.load:.1f} N")
-    axes.set(xlabel="deflection of the crown (mm)", ylabel="load (N)", ylim=(0.0, 230.0))
-    axes.legend(frameon=False)
-    plt.show()
+    """The path under a punch of some radius over that of the arch."""
+    return fx.trace(arch_case(ratio=ratio, friction=friction, elements=20, to=20.0)).curve()
 
 
-try:
+path_under()
+
+# %%
+with suppress(ImportError):
     from ipywidgets import interact
-except ImportError:
-    path_under()
-else:
+
     interact(path_under, ratio=(0.2, 1.0, 0.2), friction=(0.0, 0.5, 0.1))
 
 # %% [markdown]

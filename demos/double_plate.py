@@ -15,6 +15,7 @@
 
 # %%
 import os
+from contextlib import suppress
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -197,28 +198,22 @@ if not QUICK:
 
 # %% [markdown]
 # ## By hand
-# Two sliders, where `ipywidgets` is installed; one figure where it is not. Paths end at 30 mm. At which gap does B
-# become a limit point, and what does friction change in it?
+# A figure, and two sliders where `ipywidgets` is installed. Paths end at 30 mm. At which gap does B become a limit
+# point, and what does friction change in it?
 
 
 # %%
 def path_with(gap=5.0, friction=0.2):
-    """Draw the path of elastic plates."""
-    record = fx.trace(case(fx.Elastic(MODULUS, POISSON), friction, gap=gap, until=fx.Until(deflection=30.0)))
-    _, axes = plt.subplots(figsize=(7, 4.5), layout="constrained")
-    axes.plot(*fx.show.curve_points(record).T)
-    for point in record.critical_points:
-        axes.plot(point.deflection, point.load, "o", label=f"{point.title}, {point.load:.1f} N")
-    axes.set(xlabel="deflection of the free end (mm)", ylabel="force (N)")
-    axes.legend(frameon=False)
-    plt.show()
+    """The path of elastic plates."""
+    return fx.trace(case(fx.Elastic(MODULUS, POISSON), friction, gap=gap, until=fx.Until(deflection=30.0))).curve()
 
 
-try:
+path_with()
+
+# %%
+with suppress(ImportError):
     from ipywidgets import interact
-except ImportError:
-    path_with()
-else:
+
     interact(path_with, gap=(5.0, 20.0, 2.5), friction=(0.0, 0.4, 0.1))
 
 # %% [markdown]

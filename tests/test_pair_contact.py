@@ -68,6 +68,7 @@ def test_table_of_pairs_tells_what_each_has_gone_through(friction, tmp_path):
         for name, begin, end in zip(names, loads[:-1], loads[1:], strict=True):
             within = (kept["load"] >= begin - 1e-7) & (kept["load"] < end - 1e-7)
             assert within.any() and (status[within] == name).all()
+        assert bool(row["largest_slip"]) == (friction > 0)
         assert [float(row[x]) for x in "xy"] == pytest.approx(place, rel=1e-5)
 
 

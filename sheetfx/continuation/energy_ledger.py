@@ -28,14 +28,14 @@ class Account:
     Attributes
     ----------
     joints : energy of each joint and contact
-    touches : of each of them, what its work from this state to the next depends on
+    touches : of those with friction what their work from this state to the next depends on, as far as they tell
     place : part of the step from the last state of the path that leads here; 0: a state of the path
     """
 
     state: State
     parts: list[float]
     joints: list[float]
-    touches: list[np.ndarray]
+    touches: list[np.ndarray | None]
     dissipated: float
     done: list[float]
     product: float
@@ -81,8 +81,9 @@ class EnergyLedger:
 
     def rubbed(self, before: Account, after: Account) -> float:
         """Work that contacts with friction take up between two states and do not store, on all processes."""
-        return sum(joint.work_between(before.touches[i], after.touches[i]) - after.joints[i] + before.joints[i]
-                   for i, joint in enumerate(self._others) if joint.rubs and len(before.touches[i]))
+        ways = zip(self._others, before.touches, after.touches, before.joints, after.joints, strict=True)
+        return sum(joint.work_between(start, end) - now + then for joint, start, end, then, now in ways
+                   if start is not None and end is not None)
 
     def halve(self, pieces: Sequence[int]) -> bool:
         """Find the states in the middle of pieces between accounts, if they converge; whether there are new ones."""
@@ -130,7 +131,7 @@ class EnergyLedger:
         parts = zip(structure.scene.parts, structure.works_of_parts, strict=True)
         stored = [structure.strain_energy(part) if work.tells_energy else np.nan for part, work in parts]
         joints = [c.energy() or 0.0 for c in self._others]
-        touches = [np.empty(0) if (touch := c.touch()) is None else touch for c in self._others]
+        touches = [c.touch() if c.rubs else None for c in self._others]
         return Account(state, stored, joints, touches, structure.dissipated(), done, product, rate, dead,
                        dead or _proportional(system, state))
 

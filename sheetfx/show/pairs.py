@@ -33,9 +33,9 @@ def pair_history(record: Shown, folder: Folder) -> None:
     """Write pairs.npz, pairs.csv, pairs.png and paraview/pairs.pvd; nothing where no deformable parts touch.
 
     The table has a line for each pair: where it is at first, the statuses that it has had ("open slip open slip"), the
-    load of the first state with each of them, its largest slip and its largest pressure. The arrays
-    of contact number i are called "i gap", "i pressure", "i slip", "i traction", "i status", "i position", of shape
-    (states, pairs, ...), and "load" and "deflection", of shape (states,).
+    load of the first state with each of them, its largest slip (with friction alone, else it is not known) and its
+    largest pressure. The arrays of contact number i are called "i gap", "i pressure", "i slip", "i traction",
+    "i status", "i position", of shape (states, pairs, ...), and "load" and "deflection", of shape (states,).
     """
     if not pairs_of(record.path.discretisation.system.contributions):
         return
@@ -63,11 +63,12 @@ def _histories(history: Sequence[Sequence[PairState]], loads: np.ndarray) -> Ite
     for number, along in enumerate(zip(*history, strict=True)):
         status = np.array([s.status for s in along])
         slip = np.max([np.linalg.norm(s.slip.reshape(len(s.gap), -1), axis=1) for s in along], axis=0)
-        pressure = np.max([s.pressure for s in along], axis=0)
+        pressure, known = np.max([s.pressure for s in along], axis=0), slip.any()
         for pair, place in enumerate(along[0].position):
             begins = [0, *(1 + np.flatnonzero(status[1:, pair] != status[:-1, pair]))]
             yield (number, pair, *(f"{x:.6g}" for x in place), " ".join(status[begins, pair]),
-                   " ".join(f"{load:.6g}" for load in loads[begins]), f"{slip[pair]:.6g}", f"{pressure[pair]:.6g}")
+                   " ".join(f"{load:.6g}" for load in loads[begins]), f"{slip[pair]:.6g}" if known else "",
+                   f"{pressure[pair]:.6g}")
 
 
 def draw_pairs(record: Shown, history: Sequence[Sequence[PairState]]):
