@@ -56,12 +56,10 @@ def turning_loads(segment: Segment, earlier: State | None) -> list[Limit]:
         sign, earlier = np.sign(before.load_rate), None
         if not _peaks(segment, sign):
             return []
-    elif any(point.kind == "limit" and point.step == before.step for point in before.critical):
-        earlier = None
-    segments = [segment] if earlier is None else [Segment(segment.tracer, earlier, before), segment]
-    starts = [0.0] if earlier is None else [-before.length, 0.0]
+    segments, since = _since_limit(segment, earlier)
+    starts = [-before.length, 0.0][-len(segments):]
     known = {start + length: (one, length) for one, start in zip(segments, starts, strict=True)
-             for length in one.states}
+             for length in one.states if start + length >= since}
 
     def load(place: float) -> float:
         one, length = known[place]
@@ -95,6 +93,22 @@ def turning_loads(segment: Segment, earlier: State | None) -> list[Limit]:
         return []
     one, length = known[highest]
     return [Limit(one, length, sign > 0)]
+
+
+def _since_limit(segment: Segment, earlier: State | None) -> tuple[list[Segment], float]:
+    """The step and, where the load may turn in the one before it, that, and the place from which on it is searched.
+
+    Places are lengths from the start of the step. The step before is searched from its last limit point on.
+    """
+    before = segment.before
+    last = max((point.length for point in before.critical if point.kind == "limit" and point.step == before.step),
+               default=0.0)
+    if earlier is None or last >= before.length:
+        return [segment], 0.0
+    one = Segment(segment.tracer, earlier, before)
+    if last and not (one.nonsmooth and one.reach(last)):
+        return [segment], 0.0
+    return [one, segment], last - before.length
 
 
 def _peaks(segment: Segment, sign: float) -> bool:
