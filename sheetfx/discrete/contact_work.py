@@ -74,11 +74,11 @@ class ContactWork(FormWork):
         return False
 
     def touch(self) -> np.ndarray | None:
-        """Penetrations, pressures and weights in the columns; None: what slips is not known."""
+        """Gaps where pressed, pressures and weights in the columns; None: what slips is not known."""
         if self.fields.contact.friction:
             return None
         state = self._state()
-        return np.column_stack((np.minimum(state.gap, 0.0), state.pressure, state.weight))
+        return np.column_stack((np.where(state.pressure > 0, state.gap, 0.0), state.pressure, state.weight))
 
     def work_between(self, start: np.ndarray, end: np.ndarray) -> float:
         deeper, pressures = start[:, 0] - end[:, 0], (start[:, 1] + end[:, 1]) / 2

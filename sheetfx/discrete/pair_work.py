@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from mpi4py import MPI
 from scipy.sparse import csr_matrix
 
 from .. import forms
+from ..communicators import lasting
+from ..rounding import SAME
 from .contact import OPEN, SLIP, STICK
 from .contribution import Contribution
 from .growth import Growth
@@ -19,6 +22,7 @@ from .points import PointWork, Trace
 from .unknowns import Unknowns
 
 SPARE = 0.2  # of all pairs, those with the smallest gaps that the pattern of the tangent has beside those that act
+LITTLE = 1e-4  # of the largest displacement in a step, or change of a pressure, penetration that augmenting leaves
 STICKING = 1e3  # coefficient of friction with which pairs stick
 BEYOND = 1e-7  # of the bound, by which tractions that slip are kept beyond it, so that they slip on in the next tangent
 
@@ -322,14 +326,28 @@ class PairWork(PointWork):
             return True
         strains, resultants = self._now()
         gap, pressed, sticks = strains[:, 0], resultants[:, 0] < 0, self.evaluate().status == STICK
-        slips = np.linalg.norm(strains[sticks, 1:1 + self._slips], axis=1)
+        slips = np.linalg.norm(strains[sticks, 1:1 + self._slips], axis=1).max(initial=0.0)
         deepest = max(-gap.min(initial=0.0), gap[pressed].max(initial=0.0))
-        if deepest <= self.pairs.tolerance and slips.max(initial=0.0) <= self._slip_left and self._growth.suffices:
+        fine = deepest <= self.pairs.tolerance and slips <= self._slip_left and self._growth.suffices
+        if fine and self._is_little(deepest):
             return True
         self._put_history(self._updated(True, slips=False))
         self._growth.go_on(deepest)
         self.regularise(1.0)
         return False
+
+    def _is_little(self, deepest: float) -> bool:
+        """Whether penetrations are little beside motions of the step, or what they stand for beside changed pressures.
+
+        Otherwise parts that hardly move do so as softly as penetrations make them, and back when these are taken away.
+        """
+        numbers = dict.fromkeys(t.field for t in (self._traces[0], *self._traces[len(self._first):]))
+        fields = [self._unknowns.fields[number] for number in numbers]
+        moved = max(lasting(f.index_map.comm).allreduce(
+            float(np.abs(f.value.x.array - f.previous.x.array).max(initial=0.0)), op=MPI.MAX) for f in fields)
+        changed = np.abs(self._now()[1][:, 0] + self._committed[:, 0]).max(initial=0.0)
+        little = max(LITTLE * moved, SAME * fields[0].scale)
+        return deepest <= little or self._table[0, 0] * deepest <= LITTLE * changed
 
     def energy(self) -> float | None:
         """Energy of pressures and of tractions that stick; what is augmented is as good as rigid, and stores none."""

@@ -80,8 +80,9 @@ class Pairs:
         """
         table, n = self.table(), (end.shape[1] - 2) // 2
         if self.augmented:
-            pressures, inside = (np.maximum(start[:, 1], 0.0), np.maximum(end[:, 1], 0.0)), np.minimum(end[:, 0], 0.0)
-            work = sum(pressures) / 2 * (np.minimum(start[:, 0], 0.0) - inside)
+            pressures = [np.maximum(state[:, 1], 0.0) for state in (start, end)]
+            left = [np.where(state[:, 1] > 0, state[:, 0], 0.0) for state in (start, end)]
+            work = sum(pressures) / 2 * (left[0] - left[1])
             work += table[:, 4] * (np.maximum(end[:, 0], 0.0) - np.maximum(start[:, 0], 0.0))
         else:
             work = unilateral_energy(end[:, 0], table) - unilateral_energy(start[:, 0], table)
