@@ -23,7 +23,6 @@ from .visited import VisitedStates
 
 SHORTER, FEWEST = 1 / 4, 3  # ratio of the lengths of steps that are tried, and how many at least
 LEAST = 1 / 8  # of the usual first step, the longest one at least: beside a corner steps have become short
-FROM_REST = 1 / 16  # of a first step that fails, one at whose end what touched without a force has opened
 AHEAD = 0.5  # of a step that is tried, distance at which the tangent is the other side's
 SHORT_OF = 0.98  # of the way to a change of contact, for the state ahead of it; beyond it a corner leaves steps whole
 BACK = 0.95  # cosine of the angle with the step before, from which a step goes back where it came from
@@ -46,8 +45,7 @@ def around_corner(tracer, before: State, wanted: float, failed: float, trail: Vi
     if tracer.system.smooth or not control.guarded:
         return
     if not before.length or not control.passes_limits:
-        found = tracer.attempt(failed) if before.length else _from_rest(tracer, before, FROM_REST * wanted)
-        if found is not None:
+        if before.length and (found := tracer.attempt(failed)) is not None:
             yield found
         return
     flows = earlier is not None and tracer.system.history.moved_since(earlier.fields)
@@ -136,15 +134,6 @@ def _lengths(longest: float, failed: float) -> list[float]:
     while len(lengths) < FEWEST or lengths[-1] * SHORTER > failed:
         lengths.append(lengths[-1] * SHORTER)
     return lengths[::-1]
-
-
-def _from_rest(tracer, before: State, length: float) -> State | None:
-    """A first step that leads to the tangent at its end: what touches without a force at its start opens at once."""
-    after = tracer.attempt(length)
-    if after is not None and tracer.angle(after.direction, after.tangent) <= tracer.control.turn:
-        return after
-    tracer.back_to(before)
-    return None
 
 
 def _ahead(tracer, before: State, distance: float, sticks: bool) -> tuple[PETSc.Vec, float]:

@@ -50,14 +50,15 @@ class Measuring:
         """Largest angle in radians between the increment of a step and what it should go on from and lead to.
 
         These are the tangents at its start and its end. With contact, where tangents waver and paths have corners, it
-        has to go on from either the increment before or the tangent at its start. Where the load turns because it is
-        made to, and nothing has flowed, points unload: the tangent at its end is the whole step's.
+        has to go on from either the increment before or the tangent at its start. At the start of a path, where what
+        touches without a force opens at once, or where the load turns because it is made to, and nothing has flowed, so
+        that points unload, the tangent at its end is the whole step's.
         """
         if self.system.smooth:
             return max(self.angle(after.direction, d) for d in (before.tangent, after.tangent))
         goes_on = self.system.comm.allreduce(bool(before.increment.any()), op=MPI.LOR)
         ways = [before.tangent, before.direction] if goes_on else [before.tangent]
-        if after.apart and not (goes_on and self.control.passes_limits):
+        if not goes_on or (after.apart and not self.control.passes_limits):
             ways.append(after.tangent)
         least = min(self.angle(after.direction, way) for way in ways)
         return 0.0 if least > self.control.turn and self.stands_still(after) else least

@@ -6,6 +6,7 @@ known a path that leads there gives its loads in between: a step whose loads do 
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import inf
 from typing import NamedTuple
 
@@ -41,7 +42,7 @@ def require_work(segment: Segment, earlier: State | None) -> None:
     """Refuse a step whose work is not stored or dissipated, unless contributions do not tell theirs.
 
     The load follows a parabola through the states; behind a corner a straight line; and around one the tangents at both
-    ends. A step with a corner inside is sound up to there.
+    ends. A step with a corner inside is sound up to there. Otherwise states within the step tell the load in between.
 
     Parameters
     ----------
@@ -55,7 +56,7 @@ def require_work(segment: Segment, earlier: State | None) -> None:
     if not tracer.system.work_known:
         return
     follows = earlier is not None and before.stage == after.stage and before.length > 0
-    (change, gross), way = _energy(segment, before.direction if follows else (0.0, 0 * after.increment))
+    (change, gross), way, load = _energy(segment, before.direction if follows else (0.0, 0 * after.increment))
     share = after.length / before.length if follows else 0.0
     steepest, farthest = (max(abs(own), share * abs(last)) for own, last in zip(way.step, way.before, strict=True))
     allowed = tracer.control.unbalanced * steepest + WAVER * abs(after.factor)
@@ -70,7 +71,46 @@ def require_work(segment: Segment, earlier: State | None) -> None:
     if (matches and not 1 - SHORT_OF <= corner <= SHORT_OF) or tracer.stands_still(after):
         return
     sound = segment[corner * after.length] if matches and segment.reach(corner * after.length) else None
+    if sound is None and _closes_in(segment, change, allowed, load):
+        return
     raise Jump("the work done along the step is not what is stored and dissipated", sound)
+
+
+def _closes_in(segment: Segment, change: float, allowed: float, load: np.ndarray) -> bool:
+    """Whether the work by states within a step comes to be its change of energy, as more of them are known.
+
+    Between two states it lies between those along the chord and along the tangents at both. States are added where
+    these differ most, until it is what it has to be, or cannot be: where the step has jumped to another path the loads
+    of states that are neighbours become alike, their works do not. Where the load turns, or where a chord goes another
+    way than the tangents at its ends, nothing is known. From rest the load may rise before anything moves.
+
+    Parameters
+    ----------
+    load : on the unknowns (this process's part), with which they do work
+    """
+    def along(increment: tuple[float, np.ndarray]) -> np.ndarray:
+        return np.array([increment[0], segment.tracer.system.comm.allreduce(float(load @ increment[1]))])
+
+    states = segment.states
+    while True:
+        lengths = sorted(states)
+        places = [along(states[length].direction) if length else np.zeros(2) for length in lengths]
+        tangents = [along(states[length].tangent) for length in lengths]
+        if not segment.before.length:
+            tangents[0] = places[-1] * (1.0, 0.0)
+        steps = np.diff(places, axis=0)
+        chords = [(one[0] + other[0]) / 2 * step[1] for (one, other), step in zip(pairwise(places), steps, strict=True)]
+        bends = [_cornered(_Way(step, (0.0, 0.0), ends))[1] - step.prod() / 2
+                 for step, ends in zip(steps, pairwise(tangents), strict=True)]
+        bends = [bend if abs(step.prod()) > allowed else 0.0 for bend, step in zip(bends, steps, strict=True)]
+        if np.ptp(np.sign(steps), axis=0).any() or not np.isfinite(bends).all():
+            return False
+        off, left_open = abs(change - sum(chords) - sum(bends) / 2), sum(map(abs, bends)) / 2
+        if max(off, left_open) <= allowed or off > allowed + left_open:
+            return off <= allowed
+        widest = int(np.argmax(np.abs(bends)))
+        if not segment.reach((lengths[widest] + lengths[widest + 1]) / 2):
+            return False
 
 
 def _even(way: _Way, share: float) -> float:
@@ -96,8 +136,9 @@ def _cornered(way: _Way) -> tuple[float, float]:
     return parts[0] / sum(parts), rise * motion / 2 + parts[0] * parts[1] * turn / 2
 
 
-def _energy(segment: Segment, step_before: tuple[float, np.ndarray]) -> tuple[tuple[float, float], _Way]:
-    """Work taken up from the first to the last state less the work of the first load, and the way of the loads.
+def _energy(segment: Segment,
+            step_before: tuple[float, np.ndarray]) -> tuple[tuple[float, float], _Way, np.ndarray]:
+    """Work taken up from the first to the last state less that of the first load; the way of the loads; and the load.
 
     Beside the work the sum of the sizes of its parts.
     """
@@ -129,4 +170,4 @@ def _energy(segment: Segment, step_before: tuple[float, np.ndarray]) -> tuple[tu
     change, *motions = system.comm.allreduce(np.array([change, *motions])).tolist()
     step, last = (after.load_increment, motions[0]), (step_before[0], motions[1])
     tangents = (before.load_rate, motions[2]), (after.load_rate, motions[3])
-    return (change + stored, abs(change) + abs(stored)), _Way(step, last, tangents)
+    return (change + stored, abs(change) + abs(stored)), _Way(step, last, tangents), sum(loads) / 2
