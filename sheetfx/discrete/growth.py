@@ -17,8 +17,7 @@ class Growth:
 
     Parameters
     ----------
-    least : how often it has grown at the end of a step at least; a step then begins again with the stiffness that is
-        given where it does not converge, and where that helps later ones with half the growth that has failed
+    least : how often it has grown at the end of a step at least
     rubs : whether there is friction, with which each step begins with the stiffness that is given where there is a
         least growth: what sticks to it turns less sharply as it begins to slip
 
@@ -29,13 +28,8 @@ class Growth:
     """
 
     def __init__(self, least: int, rubs: bool):
-        self._least, self._bound, self._failed, self._deepest = least, 0 if least and rubs else MOST, 0, inf
-        self.times = self.begun = min(least, self._bound)
-
-    @property
-    def kept(self) -> tuple[int, int]:
-        """What `restore` returns to: how often it has grown where a step begins, and may have at most."""
-        return self.begun, self._bound
+        self._least, self._most, self._deepest = least, 0 if least and rubs else MOST, inf
+        self.times = self.begun = min(least, self._most)
 
     @property
     def factor(self) -> float:
@@ -46,16 +40,6 @@ class Growth:
     def reached(self) -> float:
         """Factor on the stiffness at the end of a step, at least."""
         return STIFFER**max(self.begun, self._least)
-
-    @property
-    def retreats(self) -> bool:
-        """Whether a step that does not converge begins again with the stiffness that is given."""
-        return bool(self._least and self.begun)
-
-    def retreat(self) -> None:
-        """Begin with the stiffness that is given, or where that has failed as well, with the one before."""
-        if self._least:
-            self.begun, self._failed = self._failed, self.begun
 
     @property
     def suffices(self) -> bool:
@@ -74,17 +58,14 @@ class Growth:
         self._deepest = deepest
 
     def commit(self) -> None:
-        """Let the next step begin with what this one has ended with, or with half the growth that has failed in it."""
-        if self._failed:
-            self._bound = self._failed // 2
-        self.restore(self.times, self._bound)
+        """Let the next step begin with what this one has ended with."""
+        self.restore(self.times)
 
     def rewind(self) -> None:
         """Forget what a step has changed."""
         self.times, self._deepest = self.begun, inf
 
-    def restore(self, begun: int, bound: int) -> None:
-        """Return to an accepted state, see `kept`, but to no stiffness that has failed since."""
-        self._bound = min(bound, self._bound)
-        self.begun, self._failed = min(begun, self._bound), 0
+    def restore(self, begun: int) -> None:
+        """Return to an accepted state, where a step begins with such a growth."""
+        self.begun = min(begun, self._most)
         self.rewind()

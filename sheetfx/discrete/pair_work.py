@@ -252,25 +252,18 @@ class PairWork(PointWork):
         if self._partners:
             kept[f"{self._name} partners"] = self._partners_committed.copy()
         if self.augments:
-            kept[f"{self._name} stiffness"] = np.array(self._growth.kept)
+            kept[f"{self._name} stiffness"] = np.array([self._growth.begun])
         return kept
 
     def origins(self) -> dict[str, np.ndarray]:
         return {name: np.arange(len(rows)) for name, rows in self.snapshot().items()}
-
-    @property
-    def retreats(self) -> bool:  # type: ignore[override]
-        return self._growth.retreats
-
-    def retreat(self) -> None:
-        self._growth.retreat()
 
     def restore(self, snapshot: dict[str, np.ndarray]) -> None:
         self._committed, self._elastic = np.hsplit(snapshot[self._name], [self._history.shape[1]])
         if self._partners:
             self._partners_committed = snapshot[f"{self._name} partners"].copy()
         if self.augments:
-            self._growth.restore(*map(int, snapshot[f"{self._name} stiffness"]))
+            self._growth.restore(int(snapshot[f"{self._name} stiffness"][0]))
         self.rewind()
 
     def rewind(self) -> None:
