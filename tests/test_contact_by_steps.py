@@ -160,6 +160,28 @@ def test_a_corner_is_lifted_off_a_floor(thickness, modulus, weight):
     assert lifted[0] == pytest.approx(lifted[1], rel=5e-3)
 
 
+@pytest.mark.parametrize("control", [fx.ArcLength(), fx.LoadControl(0.1)], ids=["arc", "loaded"])
+@pytest.mark.parametrize("law", [False, True], ids=["obstacle", "law"])
+def test_a_cantilever_lands_on_a_floor(control, law):
+    """Under an even load it lies flat from a on, a^4 = 72 EI d / q at the distance d, and 2/3 q a is the clamp's force.
+
+    Where its tip touches the load grows tenfold while the step's length, which displacements make, does not.
+    """
+    modulus, depth, width, length, distance = 2e5, 2.0, 10.0, 400.0, 5.0
+    free, bending = 150.0, modulus * width * depth**3 / 12
+    mesh = fx.read(lambda: fx.meshes.frame({"a": (0.0, 0.0), "e": (length, 0.0)}, {"s": ("a", "e", 20)}), 2, 2)
+    beam = fx.Beam(mesh, fx.Rectangle(width, depth), fx.Elastic(modulus, 0.0))
+    floor = fx.RigidPlane((0.0, -distance - depth / 2), (0.0, 1.0))
+    touch = {"contacts": [fx.Contact(beam, floor)]} if law else {"joints": [fx.ObstacleContact(mesh, None, floor)]}
+    most = 72 * bending * distance / free**4
+    scene = fx.Scene([beam], [fx.clamp(mesh, "a")], [fx.LineForce(beam, (0.0, -most))],
+                     fx.Monitor(mesh, "e", "y", -1.0), **touch)
+    record = fx.trace(fx.Case(scene, control, fx.Until(load=most * length)))
+    last = record.states[-1]
+    assert record.reactions("a").force[last.step][1] == pytest.approx(2 / 3 * last.factor * most * free, rel=2e-3)
+    assert last.factor == pytest.approx(1.0) and last.step < 60
+
+
 @pytest.mark.parametrize("control, friction", [
     (fx.DisplacementControl(0.005), 0.0), (fx.DisplacementControl(0.005), 0.01), (fx.LoadControl(0.1), 0.0),
     pytest.param(fx.ArcLength(), 0.0, marks=pytest.mark.slow)], ids=["moved", "rubbing", "loaded", "arc"])

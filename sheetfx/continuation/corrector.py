@@ -115,7 +115,8 @@ class BorderedNewton:
         """The load factor of the present iterate."""
         return self.start + self.load_increment
 
-    def begin(self, control, tangent: LoadResponse, length: float, load_increment: float, guess=None) -> None:
+    def begin(self, control, tangent: LoadResponse, length: float, load_increment: float, guess=None,
+              stable: bool = False) -> None:
         """Set the step that the next `solve` takes from the converged state.
 
         Parameters
@@ -124,10 +125,11 @@ class BorderedNewton:
         guess : increments to begin with, this process's part of the vector, for a solution a thousand times more
             exact than a step's and corrected at least once, since a small residual leaves much of a mode that
             is about to buckle; None: along the tangent
+        stable : whether the converged state is known to be
         """
         self.control, self.tangent, self.length = control, tangent, length
         self.start, self.load_increment = self.system.factor, load_increment
-        self._predict, self._guess, self.behind = True, guess, inf
+        self._predict, self._guess, self._stable, self.behind = True, guess, stable, inf
 
     def continue_step(self) -> None:
         """Let the next `solve` correct from where the last one ended."""
@@ -254,7 +256,8 @@ class BorderedNewton:
         """Change a step, with `load_increment` at its end, so that contacts hold after it; the control's is `along`.
 
         They do so as exactly as equilibrium at its start at least; throughout, to a part of what it leaves (a forcing
-        term: Dembo, Eisenstat and Steihaug 1982).
+        term: Dembo, Eisenstat and Steihaug 1982). What the control prescribes may give way to a contact the more the
+        harder that presses; a stable structure does not, where loads do no work meanwhile (Bathe and Dvorkin 1983).
         """
         if elimination := self._eliminating:
             self.system.load(self._load)
@@ -263,6 +266,8 @@ class BorderedNewton:
             exact = (max(elimination.exact * min(left, 1.0), self._tolerance) if elimination.throughout
                      else min(elimination.exact, left))
             gradient = self.control.gradient(tangent, along, self.load_increment)
+            if self._stable and gradient[0] is not None and self._load.dot(tangent.solution) > 0:
+                gradient = self._load, 0.0
             self.load_increment += elimination.correct(x, self.factor_now, self._step, tangent.solution, gradient,
                                                             size, exact)
 

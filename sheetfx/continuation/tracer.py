@@ -117,7 +117,7 @@ class Tracer(FirstState):
                 self._elimination.begins = not start.length
                 self.factorise_at(start)
             first = guess or (control.predict(length, sign or control.direction(start), tangent),)
-            self.stepper.begin(control, tangent, length, *first)
+            self.stepper.begin(control, tangent, length, *first, stable=start.unstable_modes == 0)
             if self.enforcement.solve(self.correct, multiples, self.control.augmentations):
                 try:
                     factored = self.stepper.behind <= NEAR * self.tangent.inner(self.x, self.x) ** 0.5
