@@ -146,7 +146,6 @@ def lifted_corner(thickness, modulus, weight, stiffness=None):
     return fx.Case(scene, fx.LoadControl(0.25), fx.Until(steps=40))
 
 
-@pytest.mark.silent("t01")
 @pytest.mark.parametrize("thickness, modulus, weight", [(1e-3, 2.1e11, 77.0), (5e-3, 5e6, 55.0)],
                          ids=["steel", "rubber"])
 def test_a_corner_is_lifted_off_a_floor(thickness, modulus, weight):

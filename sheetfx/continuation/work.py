@@ -91,7 +91,7 @@ def _closes_in(segment: Segment, change: float, allowed: float, load: np.ndarray
     def along(increment: tuple[float, np.ndarray]) -> np.ndarray:
         return np.array([increment[0], segment.tracer.system.comm.allreduce(float(load @ increment[1]))])
 
-    states = segment.states
+    states, shortest = segment.states, segment.tracer.control.smallest * segment.tracer.shortest
     while True:
         lengths = sorted(states)
         places = [along(states[length].direction) if length else np.zeros(2) for length in lengths]
@@ -108,8 +108,8 @@ def _closes_in(segment: Segment, change: float, allowed: float, load: np.ndarray
         off, left_open = abs(change - sum(chords) - sum(bends) / 2), sum(map(abs, bends)) / 2
         if max(off, left_open) <= allowed or off > allowed + left_open:
             return off <= allowed
-        widest = int(np.argmax(np.abs(bends)))
-        if not segment.reach((lengths[widest] + lengths[widest + 1]) / 2):
+        left, right = lengths[(widest := int(np.argmax(np.abs(bends)))):widest + 2]
+        if right - left < shortest or not segment.reach((left + right) / 2):
             return False
 
 
