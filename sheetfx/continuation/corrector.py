@@ -256,8 +256,7 @@ class BorderedNewton:
         """Change a step, with `load_increment` at its end, so that contacts hold after it; the control's is `along`.
 
         They do so as exactly as equilibrium at its start at least; throughout, to a part of what it leaves (a forcing
-        term: Dembo, Eisenstat and Steihaug 1982). What the control prescribes may give way to a contact the more the
-        harder that presses; a stable structure does not, where loads do no work meanwhile (Bathe and Dvorkin 1983).
+        term: Dembo, Eisenstat and Steihaug 1982).
         """
         if elimination := self._eliminating:
             self.system.load(self._load)
@@ -265,11 +264,18 @@ class BorderedNewton:
             left = self.history[-1] if self.history else inf
             exact = (max(elimination.exact * min(left, 1.0), self._tolerance) if elimination.throughout
                      else min(elimination.exact, left))
-            gradient = self.control.gradient(tangent, along, self.load_increment)
-            if self._stable and gradient[0] is not None and self._load.dot(tangent.solution) > 0:
-                gradient = self._load, 0.0
-            self.load_increment += elimination.correct(x, self.factor_now, self._step, tangent.solution, gradient,
-                                                            size, exact)
+            held = [self.control.gradient(tangent, along, self.load_increment)]
+            if held[0][0] is not None and self._gives_way(tangent):
+                held.append((self._load, 0.0))
+            self.load_increment += elimination.correct(x, self.factor_now, self._step, tangent.solution, held, size,
+                                                       exact)
+
+    def _gives_way(self, tangent: LoadResponse) -> bool:
+        """Whether places where something presses give way to that, the work of the loads being held.
+
+        Where the control's measure is held they may move against it, as loads rise for that (Bathe and Dvorkin 1983).
+        """
+        return self._stable and self._load.dot(tangent.solution) > 0
 
     def _at_rounding(self, x) -> bool:
         """Whether the residual is rounding: as small as that may be, no longer falling, and nothing left to correct.

@@ -56,14 +56,15 @@ class Elimination:
         self._trial, self._out, self._column = (system.create_vector() for _ in range(3))
 
     def correct(self, x: PETSc.Vec, factor: float, step: PETSc.Vec, unit: PETSc.Vec,
-                normal: tuple[PETSc.Vec | None, float], size: float, exact: float) -> float:
+                normals: Sequence[tuple[PETSc.Vec | None, float]], size: float, exact: float) -> float:
         """Change a step in place so that the contacts hold after it; return the change of its load.
 
         Parameters
         ----------
         x, factor : increments and load factor that the step starts from, with the factor of the tangent there
         unit : response to a unit of load
-        normal : gradient of the control's equation by the unknowns and by the load factor
+        normals : gradients by unknowns and load factor of what is held meanwhile: the control's equation, and others
+            for where forces are not found with that
         size : of forces
         exact : error of contact forces over that, from which one correction more is enough
 
@@ -75,12 +76,14 @@ class Elimination:
         system = self._system
         system.configure(x, factor)
         self._x, self._factor, self._base, self._size = x, factor, system.everywhere(step), size
-        self._unit, self._normal, self._exact = unit, normal, exact
+        self._unit, self._exact = unit, exact
         self._linearise()
-        self._rows, self._loads, self._responses = np.empty(0, dtype=np.int64), np.empty(0), []
         self._moved = self._places(self._base[None])[0]
-        self._flexibility = np.empty((0, len(self._moved)))
-        forces = self._solve()
+        for self._normal in normals:
+            self._rows, self._loads, self._responses = np.empty(0, dtype=np.int64), np.empty(0), []
+            self._flexibility = np.empty((0, len(self._moved)))
+            if (forces := self._solve()) is not None or self._many:
+                break
         system.configure(x, factor)
         if forces is None and self._many and self.can_do_without:
             return 0.0

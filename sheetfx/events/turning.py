@@ -37,7 +37,7 @@ def turning_loads(segment: Segment, earlier: State | None) -> list[Limit]:
     """The state of the highest (lowest) load where the load turns from one step to the next.
 
     Where the control prescribes the load it turns because the control does, which is no limit point. A step may pass a
-    corner at which the load turns, and end at a load that goes on: the rates at its ends tell.
+    corner at which the load turns, or a maximum, and end at a load that goes on: the rates at its ends tell.
 
     It is searched by parabolas through loads, which rates that waver do not disturb, then by halving the way between
     states where the load rises and falls: where something sticks, slips or opens the path has a corner. Without
@@ -54,7 +54,7 @@ def turning_loads(segment: Segment, earlier: State | None) -> list[Limit]:
     sign = before.load_sense or np.sign(before.load_increment)
     if inside := not sign * load_sense(segment.tracer, before, after) < 0:
         sign, earlier = np.sign(before.load_rate), None
-        if not _peaks(segment, sign):
+        if not ((unstable := _loses_stability(segment, sign)) or _peaks(segment, sign)):
             return []
     segments, since = _since_limit(segment, earlier)
     starts = [-before.length, 0.0][-len(segments):]
@@ -89,7 +89,7 @@ def turning_loads(segment: Segment, earlier: State | None) -> list[Limit]:
             break
         known[place] = one, place - start
     highest = max(known, key=load)
-    if inside and load(highest) - max(load(0.0), load(after.length)) <= SHARP * abs(load(highest)):
+    if inside and not unstable and load(highest) - max(load(0.0), load(after.length)) <= SHARP * abs(load(highest)):
         return []
     one, length = known[highest]
     return [Limit(one, length, sign > 0)]
@@ -118,6 +118,14 @@ def _peaks(segment: Segment, sign: float) -> bool:
         [state.factor for state in ends], [state.load_rate for state in ends]))
     rough = bool(segment.tracer.system.rough)
     return rough and _behind_corner([0.0, segment.after.length], loads, rates) is not None
+
+
+def _loses_stability(segment: Segment, sign: float) -> bool:
+    """Whether the rate of the load turns from one end of a step to the other, and one mode more is unstable there."""
+    before, after = segment.before, segment.after
+    one, other = before.unstable_modes, after.unstable_modes
+    turns = sign * before.load_rate > 0 > sign * after.load_rate
+    return turns and one is not None and other is not None and abs(other - one) == 1
 
 
 def load_sense(tracer, before: State, after: State, points: Sequence[CriticalPoint] = ()) -> float:

@@ -38,6 +38,7 @@ SWITCHES = {
     "continuation/work.py:require_work": None,
     "events/leaping.py:require_convergence": None,
     "events/heading.py:hides": False,
+    "continuation/corrector.py:BorderedNewton._gives_way": False,
     "continuation/elimination.py:Elimination._is_patient": False,
     "continuation/enforcement.py:Enforcement._detours": [1.0],
     "continuation/enforcement.py:Enforcement._multiples": [1.0],
