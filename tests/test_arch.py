@@ -101,7 +101,7 @@ def test_mesh_of_the_thesis(ratio):
     assert values["penetration_over_depth"] < 1e-6
 
 
-@pytest.mark.parametrize("ratio", [0.6, 1.0])
+@pytest.mark.parametrize("ratio", [0.6, pytest.param(1.0, marks=pytest.mark.slow)])
 def test_friction_changes_little(ratio):
     """The thesis: friction changes the path very little; below 0.5 % of the limit load, but not nothing."""
     _, smooth = arch(ratio=ratio, **COARSE)

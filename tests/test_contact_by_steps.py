@@ -182,7 +182,8 @@ def test_a_cantilever_lands_on_a_floor(control, law):
 
 
 @pytest.mark.parametrize("control, friction", [
-    (fx.DisplacementControl(0.005), 0.0), (fx.DisplacementControl(0.005), 0.01), (fx.LoadControl(0.1), 0.0),
+    (fx.DisplacementControl(0.005), 0.0), (fx.DisplacementControl(0.005), 0.01),
+    pytest.param(fx.LoadControl(0.1), 0.0, marks=pytest.mark.slow),
     pytest.param(fx.ArcLength(), 0.0, marks=pytest.mark.slow)], ids=["moved", "rubbing", "loaded", "arc"])
 def test_a_heavy_strip_is_lifted_in_its_middle(control, friction):
     """F = 4/3 q l and h = q l^4 / 72 EI (beam of the length 2 l that touches without moment); half of it, in m and N.

@@ -38,7 +38,7 @@ def steps(case, count):
 CASES = {
     "welds and links": joined,
     "pairs that slide": lambda: steps(sliding_tip(0.2), 12),
-    "augmented pairs": lambda: steps(sliding_tip(0.2, enforcement="uzawa"), 6),
+    "augmented pairs": lambda: steps(sliding_tip(0.2, enforcement="uzawa"), 3),
     "penalty": lambda: steps(sliding_tip(0.0, enforcement="penalty"), 6),
     "an obstacle that travels": lambda: steps(pressed_by_circle(0.2), 6),
     "limit points of friction": lambda: fx.Case(node_on_a_rough_floor(), fx.ArcLength(), fx.Until(deflection=0.035)),

@@ -159,6 +159,7 @@ def test_what_is_refused():
         fx.Path(fx.Scene([*bars, hub], held, scene.loads, scene.monitor, joints=[turned]))
 
 
+@pytest.mark.slow
 def test_on_two_processes():
     script = """
 from test_couplings import fx, lap, pressed

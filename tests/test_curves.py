@@ -197,10 +197,11 @@ def test_with_friction_each_point_is_that_of_its_own_path(tmp_path):
     assert again.exit_code == 0 and (tmp_path / "curve.csv").read_text() == text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("words", [
     ["von-mises-truss", "--against", "rise=3.0:2.9", "--parts", "1"],
-    pytest.param(["arch", "--elements", "6", "--to", "17", "--against", "friction=0:0.2", "--parts", "1"],
-                 marks=pytest.mark.slow)], ids=["equations", "paths"])
+    ["arch", "--elements", "6", "--to", "17", "--against", "friction=0:0.2", "--parts", "1"],
+], ids=["equations", "paths"])
 def test_the_command_on_two_processes(words, tmp_path):
     one, two = (["curve", *words, "-o", str(tmp_path / folder)] for folder in ("one", "two"))
     assert CliRunner().invoke(app, one).exit_code == 0

@@ -192,6 +192,7 @@ def test_clamped_columns_flutter(load, critical):
     assert kept[0].load == pytest.approx(critical, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_flutter_with_other_first_steps():
     scene, until = column(beck, CLAMPED), fx.Until(load=25.0)
     expected = found(scene, until)

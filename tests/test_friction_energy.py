@@ -59,6 +59,7 @@ def energies() -> list[float]:
     return [balance.joints[-1], balance.dissipated[-1], balance.off]
 
 
+@pytest.mark.slow
 def test_two_processes_balance_as_one():
     lines = on_two_processes("""
 import json

@@ -125,6 +125,7 @@ def test_a_number_at_the_end_of_its_range():
     assert 0.01 * by_thickness == pytest.approx(0.0, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_contact_at_a_limit_point():
     """Paths with contact have limit loads that waver by 1e-5 as points of contact come and go: longer differences."""
     case = arch.case(elements=80)
@@ -323,6 +324,7 @@ def test_what_a_load_depends_on(tmp_path):
     assert isinstance(result.exception, ValueError) and "has 2 limit points" in str(result.exception)
 
 
+@pytest.mark.slow
 def test_the_path_ends_at_the_point_that_is_asked_for(tmp_path):
     """The portal's path cannot be continued behind step 37; its limit point lies before."""
     scene = Path(__file__).parents[1] / "demos" / "advice" / "portal.py"

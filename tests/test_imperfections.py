@@ -89,7 +89,7 @@ class Law(fx.LoadsByShape):
 
 @pytest.mark.parametrize(("count", "load", "exact"), [
     pytest.param(2, np.linalg.norm, chi2.isf(0.05, 2) ** 0.5, marks=pytest.mark.slow),
-    (4, np.linalg.norm, chi2.isf(0.05, 4) ** 0.5),
+    pytest.param(4, np.linalg.norm, chi2.isf(0.05, 4) ** 0.5, marks=pytest.mark.slow),
     pytest.param(2, lambda c: abs(c[0]), norm.isf(0.025), marks=pytest.mark.slow), (3, lambda c: c[0], norm.isf(0.05)),
 ], ids=["circle", "ball", "two-sided", "one-sided"])
 def test_intervals_have_the_quantile_as_often_as_they_say(count, load, exact):
@@ -280,6 +280,7 @@ def test_command_writes_the_worst_shape_and_goes_on_where_it_was(tmp_path):
     assert results(tmp_path)["worst"]["load"] == pytest.approx(found["worst"]["load"], rel=1e-8)
 
 
+@pytest.mark.slow
 def test_reduced_energy_saves_paths(tmp_path):
     options = ["--amplitude", "0.05", "--shapes", "2", "--samples", "0", "-o", str(tmp_path)]
     done = CliRunner().invoke(app, ["imperfections", "star-dome", *options, "--reduced", "20"])

@@ -338,6 +338,7 @@ def test_tight_membrane_sounds():
     assert first.frequency == pytest.approx(np.sqrt(2) / 2 * np.sqrt(1000), rel=1e-4)
 
 
+@pytest.mark.slow
 def test_on_two_processes_and_resumed():
     script = """
 from test_initial_strain import column, fx

@@ -111,6 +111,7 @@ def test_what_moves_freely_is_held_by_as_many_unknowns():
         assert len(rows_that_hold(discretisation, system.tangent())) == count
 
 
+@pytest.mark.slow
 def test_obstacles_that_travel_stand_still_in_modes_across():
     """The arch under a punch that moves freely does not buckle sideways, as the whole one does not."""
     advice = advised("arch", elements=40)

@@ -63,7 +63,7 @@ def elastica(friction, tip, radius=200.0, centre=700.0):
     return 100 * size * np.cos(slope + angle)
 
 
-@pytest.mark.parametrize("friction", [0.0, 0.3])
+@pytest.mark.parametrize("friction", [pytest.param(0.0, marks=pytest.mark.slow), 0.3])
 def test_beam_slides_under_a_circle(friction):
     """To 0.2 %: it touches at samples, 7 to 17 mm apart; in the plane and in space, where it is along z."""
     record = fx.trace(pressed_by_circle(friction))

@@ -336,6 +336,7 @@ def fallen_dome():
     return fall.after.load, fall.after.deflection, fall.energy_released
 
 
+@pytest.mark.slow
 def test_two_processes():
     """The same state and energy to solver tolerance."""
     (line,) = on_two_processes("from test_snap import fallen_dome; print(*fallen_dome())")

@@ -50,7 +50,7 @@ def _slender_arch(depth: float) -> Trap:
         name, "Rounding of the axial strain grows with the square of slenderness: fixed tolerances are missed, and "
         "singular tangents and stable ones look alike.",
         partial(sinusoidal_arch.case, depth=100 * depth, elements=12), points,
-        "32 elements" if loads else "closed forms of the scene sinusoidal-arch")
+        "32 elements" if loads else "closed forms of the scene sinusoidal-arch", slow=depth <= 1e-6)
 
 
 def _under_motion(case: Case, at: str) -> Case:
