@@ -28,7 +28,9 @@ class Enforcement:
         again : whether a step from the same state has failed before
         begins : whether no step has led to that state
         """
-        ways = [(False, [1.0]), *([(False, self._detours)] if again and begins and len(self._detours) > 1 else [])]
+        ways = [(False, [1.0])] * (1 + any(c.retreats for c in self._rough))
+        if again and begins and len(self._detours) > 1:
+            ways += [(False, self._detours)]
         if not (eliminates and self._eliminates):
             return ways
         return [(True, [1.0]), *(ways if again else [])]
@@ -67,6 +69,8 @@ class Enforcement:
                     return True
                 if not solve():
                     break
+        for contribution in self._rough:
+            contribution.retreat()
         self._system.history.rewind()
         return False
 

@@ -76,6 +76,7 @@ class Contribution:
         remembers something by now, such as plastic strains, on any process
     approaches : multiples of its regularisation through which eliminated forces are approached
     detours : those through which a first step's is that fails otherwise, however short
+    retreats : whether a step that does not converge begins again with less stiffness
     steep : whether its forces change with motions that are far smaller than a step's, but act on few unknowns at
         a time: each Newton iteration then finds them exactly, see `continuation.elimination`
     condenses : whether it says how its forces follow from a few gaps and slips, on which each Newton iteration then
@@ -90,6 +91,7 @@ class Contribution:
     tolerance = 0.0
     approaches: Sequence[float] = (1.0,)
     detours: Sequence[float] = ()
+    retreats = False
 
     def pattern(self, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
         """Global rows and columns of the entries of the tangent, -1 where an increment is zero.
@@ -170,6 +172,9 @@ class Contribution:
 
     def freeze(self, frozen: bool) -> None:
         """Answer as the linear comparison solid of the last accepted state, or as one with history again."""
+
+    def retreat(self) -> None:
+        """Let a step that has not converged begin with less stiffness, if it has not; the history is rewound next."""
 
     def regularise(self, times: float) -> None:
         """Make the regularisation a multiple of what it is in accepted states; see `approaches`."""

@@ -17,7 +17,8 @@ class Growth:
 
     Parameters
     ----------
-    least : how often it has grown at the end of a step at least
+    least : how often it has grown at the end of a step at least; where one does not converge, as at first touch, it
+        begins again with the stiffness that is given
     rubs : whether there is friction, with which each step begins with the stiffness that is given where there is a
         least growth: what sticks to it turns less sharply as it begins to slip
 
@@ -28,7 +29,7 @@ class Growth:
     """
 
     def __init__(self, least: int, rubs: bool):
-        self._least, self._most, self._deepest = least, 0 if least and rubs else MOST, inf
+        self._least, self._most, self._other, self._deepest = least, 0 if least and rubs else MOST, 0, inf
         self.times = self.begun = min(least, self._most)
 
     @property
@@ -40,6 +41,16 @@ class Growth:
     def reached(self) -> float:
         """Factor on the stiffness at the end of a step, at least."""
         return STIFFER**max(self.begun, self._least)
+
+    @property
+    def retreats(self) -> bool:
+        """Whether a step that does not converge begins again with the stiffness that is given."""
+        return bool(self._least and self.begun)
+
+    def retreat(self) -> None:
+        """Begin with the stiffness that is given, or where that has failed as well, with the one before."""
+        if self._least:
+            self.begun, self._other = self._other, self.begun
 
     @property
     def suffices(self) -> bool:
@@ -67,5 +78,5 @@ class Growth:
 
     def restore(self, begun: int) -> None:
         """Return to an accepted state, where a step begins with such a growth."""
-        self.begun = min(begun, self._most)
+        self.begun, self._other = min(begun, self._most), 0
         self.rewind()

@@ -258,6 +258,13 @@ class PairWork(PointWork):
     def origins(self) -> dict[str, np.ndarray]:
         return {name: np.arange(len(rows)) for name, rows in self.snapshot().items()}
 
+    @property
+    def retreats(self) -> bool:  # type: ignore[override]
+        return self._growth.retreats
+
+    def retreat(self) -> None:
+        self._growth.retreat()
+
     def restore(self, snapshot: dict[str, np.ndarray]) -> None:
         self._committed, self._elastic = np.hsplit(snapshot[self._name], [self._history.shape[1]])
         if self._partners:

@@ -43,6 +43,7 @@ SWITCHES = {
     "continuation/enforcement.py:Enforcement._detours": [1.0],
     "continuation/enforcement.py:Enforcement._multiples": [1.0],
     "discrete/condensed_pairs.py:CondensedPairs.freeze_open_contacts": False,
+    "discrete/growth.py:Growth.retreats": False,
     "discrete/pair_work.py:PairWork.foresee": None,
     "path.py:Path._past_corner": None,
     "path.py:Path._by_change": None,
