@@ -111,10 +111,9 @@ def change_ahead(tracer, before: State, within: float) -> float | None:
 
 
 def up_to_change(tracer, before: State, ahead: float) -> State | None:
-    """A state just ahead of where contact changes, about at a length; None: none converges, or no change is there.
+    """A state just ahead of where contact changes, about at a length; None: none converges.
 
-    The tangent of a state close to it tells once more where that is. Along a tangent parts that slide come apart, which
-    on their way they do not.
+    The tangent of a state close to it tells once more where that is.
     """
     tracer.back_to(before)
     near = tracer.attempt(SHORT_OF * ahead)
@@ -122,9 +121,8 @@ def up_to_change(tracer, before: State, ahead: float) -> State | None:
         return None
     rest = change_ahead(tracer, near, 2 * (1 - SHORT_OF) * ahead)
     tracer.back_to(before)
-    if rest is None:
-        return None
-    return tracer.attempt(near.length + SHORT_OF * rest) or near
+    closer = tracer.attempt(near.length + SHORT_OF * rest) if rest else None
+    return closer or near
 
 
 def _lengths(longest: float, failed: float) -> list[float]:
