@@ -45,6 +45,7 @@ SWITCHES = {
     "discrete/condensed_pairs.py:CondensedPairs.freeze_open_contacts": False,
     "discrete/growth.py:Growth.retreats": False,
     "discrete/pair_work.py:PairWork.foresee": None,
+    "discrete/pair_work.py:PairWork._is_little": True,
     "path.py:Path._past_corner": None,
     "path.py:Path._by_change": None,
     "path.py:Path._around_corner": None,

@@ -15,7 +15,7 @@ from helpers import hinged_arch, whole_arch
 from random_shapes import truss
 from random_stacks import stack
 from random_structures import scene as random_scene
-from test_contact_by_steps import lifted_corner
+from test_contact_by_steps import landing, lifted_corner
 from test_following import pressure, ring
 from test_pair_contact import arch_above_a_beam, graded_leaves, plate_on_a_frame, sliding_tip, two_leaves
 from test_plastic_paths import hinged_beam
@@ -298,6 +298,7 @@ CASES: dict[str, Callable[[], fx.Case]] = {
     "plastic-portal": plastic_portal,
     "lying-plate": lying_plate,
     "corner-lifted": lambda: lifted_corner(5e-3, 5e6, 55.0),
+    "cantilever-lands": lambda: landing(fx.ArcLength(), True)[0],
     "arch-semismooth": scene("arch", elements=40, enforcement="semismooth", to=20.0),
     "arch-nodes-friction": scene("arch", elements=40, contact="nodes", friction=0.3, to=20.0),
     "arch-yielding": scene("arch", elements=20, no_punch=True, yield_stress=200.0, to=20.0),
