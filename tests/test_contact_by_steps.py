@@ -133,8 +133,8 @@ def test_a_sheet_lies_on_a_floor(thickness, modulus, weight):
     assert abs(record.states[-1].deflection) < 1e-6 / 4
 
 
-def lifted_corner(thickness, modulus, weight, stiffness=None):
-    """A sheet that lies on a floor, one corner of which is lifted by a thousandth of its weight."""
+def lifted_corner(thickness, modulus, weight, height=None, stiffness=None):
+    """A sheet that lies on a floor, one corner of which is lifted, by a thousandth of its weight or a height."""
     mesh = fx.read(lambda: fx.meshes.rectangle((4, 4), (1.0, 1.0)), 3, 2)
     sheet = fx.Shell(mesh, fx.Plate(thickness), fx.Elastic(modulus, 0.3), form="naghdi-q2")
     floor = fx.RigidPlane((0.0, 0.0, -thickness / 2), (0.0, 0.0, 1.0))
@@ -143,7 +143,8 @@ def lifted_corner(thickness, modulus, weight, stiffness=None):
                      fx.Monitor(mesh, "north-east", "z"),
                      joints=[fx.ObstacleContact(mesh, None, floor, stiffness=stiffness)],
                      stages=[fx.Stage([fx.SurfaceForce(sheet, (0.0, 0.0, -weight))])])
-    return fx.Case(scene, fx.LoadControl(0.25), fx.Until(steps=40))
+    control = fx.DisplacementControl(height / 4) if height else fx.LoadControl(0.25)
+    return fx.Case(scene, control, fx.Until(deflection=height, steps=40))
 
 
 @pytest.mark.parametrize("thickness, modulus, weight", [(1e-3, 2.1e11, 77.0), (5e-3, 5e6, 55.0)],
@@ -152,11 +153,18 @@ def test_a_corner_is_lifted_off_a_floor(thickness, modulus, weight):
     """It rises evenly, and as far with soft contact as with stiff: less than a thousandth of a cell."""
     lifted = []
     for stiffness in (None, 10 * modulus * thickness):
-        states = fx.trace(lifted_corner(thickness, modulus, weight, stiffness)).states
+        states = fx.trace(lifted_corner(thickness, modulus, weight, stiffness=stiffness)).states
         lifted.append(states[-1].deflection)
         assert states[-1].load == pytest.approx(1e-3 * weight)
         assert all(s.deflection == pytest.approx(s.factor * lifted[-1], rel=5e-3) for s in states if s.stage == 1)
     assert lifted[0] == pytest.approx(lifted[1], rel=5e-3)
+
+
+def test_a_force_lifts_a_corner_as_its_height():
+    """From a hundred thousandth of a cell on: what penetrates, of which a millionth is allowed, is no motion."""
+    heights = 2e-6, 2e-4
+    low, high = (fx.trace(lifted_corner(5e-3, 5e6, 55.0, height)).states[-1].load / height for height in heights)
+    assert low == pytest.approx(high, rel=1e-3)
 
 
 def landing(control, law):
@@ -165,7 +173,7 @@ def landing(control, law):
     It lies flat from a on, a^4 = 72 EI d / q, and the clamp bears 2/3 q a.
     """
     modulus, depth, width, length, distance, free = 2e5, 2.0, 10.0, 400.0, 5.0, 150.0
-    mesh = fx.read(lambda: fx.meshes.frame({"a": (0.0, 0.0), "e": (length, 0.0)}, {"s": ("a", "e", 20)}), 2, 2)
+    mesh = fx.read(lambda: fx.meshes.frame({"a": (0.0, 0.0), "e": (length, 0.0)}, {"s": ("a", "e", 40)}), 2)
     beam = fx.Beam(mesh, fx.Rectangle(width, depth), fx.Elastic(modulus, 0.0))
     floor = fx.RigidPlane((0.0, -distance - depth / 2), (0.0, 1.0))
     touch = {"contacts": [fx.Contact(beam, floor)]} if law else {"joints": [fx.ObstacleContact(mesh, None, floor)]}

@@ -297,7 +297,7 @@ CASES: dict[str, Callable[[], fx.Case]] = {
     "plastic-beam": lambda: fx.Case(hinged_beam(), fx.DisplacementControl(step=1e-4), fx.Until(deflection=6e-4)),
     "plastic-portal": plastic_portal,
     "lying-plate": lying_plate,
-    "corner-lifted": lambda: lifted_corner(5e-3, 5e6, 55.0),
+    "corner-lifted": lambda: lifted_corner(5e-3, 5e6, 55.0, 2e-6),
     "cantilever-lands": lambda: landing(fx.ArcLength(), True)[0],
     "arch-semismooth": scene("arch", elements=40, enforcement="semismooth", to=20.0),
     "arch-nodes-friction": scene("arch", elements=40, contact="nodes", friction=0.3, to=20.0),
