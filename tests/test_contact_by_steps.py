@@ -183,7 +183,8 @@ def landing(control, law):
     return fx.Case(scene, control, fx.Until(load=most * length, steps=60)), 2 / 3 * most * free
 
 
-@pytest.mark.parametrize("control", [fx.ArcLength(), fx.LoadControl(0.1)], ids=["arc", "loaded"])
+@pytest.mark.parametrize("control", [fx.ArcLength(), pytest.param(fx.LoadControl(0.1), marks=pytest.mark.slow)],
+                         ids=["arc", "loaded"])
 @pytest.mark.parametrize("law", [False, True], ids=["obstacle", "law"])
 def test_a_cantilever_lands_on_a_floor(control, law):
     """Where its tip touches the load grows tenfold while the step's length, which displacements make, does not."""
