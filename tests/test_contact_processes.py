@@ -47,6 +47,7 @@ CASES = {
 }
 
 
+BESIDE = "augmented pairs"  # one residual lies beside the tolerance: rounding decides about one factorisation
 LONG = "surfaces", "dome", "welds and links", "penalty", "pairs that slide"
 
 
@@ -71,7 +72,7 @@ if MPI.COMM_WORLD.rank == 0:
     assert [counts for _, counts, _ in found] == [counts for _, counts, _ in alone]
     for (numbers, _, factors), (others, _, factors_alone) in zip(found, alone, strict=True):
         assert numbers == pytest.approx(others, rel=1e-8, abs=1e-12)
-        assert abs(factors - factors_alone) <= 1  # rounding decides about residuals beside the tolerance
+        assert abs(factors - factors_alone) <= (name == BESIDE)
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])

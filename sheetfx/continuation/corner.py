@@ -32,8 +32,8 @@ def around_corner(tracer, before: State, wanted: float, failed: float, trail: Vi
                   earlier: State | None = None) -> Iterator[State]:
     """Steps from a state that lies at a corner of the path, the shortest first; at the end back at the state.
 
-    None is looked for on smooth paths, nor where the control leaves steps as they are. Where it prescribes the load,
-    the path leads on with that load.
+    None is looked for on smooth paths, at the start of a stage, nor where the control leaves steps as they are. Where
+    it prescribes the load, the path leads on with that load.
 
     Parameters
     ----------
@@ -42,10 +42,10 @@ def around_corner(tracer, before: State, wanted: float, failed: float, trail: Vi
     earlier : the one before; None: not known
     """
     control = tracer.control
-    if tracer.system.smooth or not control.guarded:
+    if tracer.system.smooth or not control.guarded or not before.length:
         return
-    if not before.length or not control.passes_limits:
-        if before.length and (found := tracer.attempt(failed)) is not None:
+    if not control.passes_limits:
+        if (found := tracer.attempt(failed)) is not None:
             yield found
         return
     flows = earlier is not None and tracer.system.history.moved_since(earlier.fields)

@@ -108,7 +108,8 @@ def _closes_in(segment: Segment, change: float, allowed: float, load: np.ndarray
         off, left_open = abs(change - sum(chords) - sum(bends) / 2), sum(map(abs, bends)) / 2
         if max(off, left_open) <= allowed or off > allowed + left_open:
             return off <= allowed
-        left, right = lengths[(widest := int(np.argmax(np.abs(bends)))):widest + 2]
+        widest = int(np.argmax(np.abs(bends)))
+        left, right = lengths[widest:widest + 2]
         if right - left < shortest or not segment.reach((left + right) / 2):
             return False
 

@@ -329,14 +329,14 @@ class PairWork(PointWork):
         slips = np.linalg.norm(strains[sticks, 1:1 + self._slips], axis=1).max(initial=0.0)
         deepest = max(-gap.min(initial=0.0), gap[pressed].max(initial=0.0))
         fine = deepest <= self.pairs.tolerance and slips <= self._slip_left and self._growth.suffices
-        if fine and self._is_little(deepest):
+        if fine and self._is_little(deepest, -resultants[:, 0]):
             return True
         self._put_history(self._updated(True, slips=False))
         self._growth.go_on(deepest)
         self.regularise(1.0)
         return False
 
-    def _is_little(self, deepest: float) -> bool:
+    def _is_little(self, deepest: float, pressures: np.ndarray) -> bool:
         """Whether penetrations are little beside motions of the step, or what they stand for beside changed pressures.
 
         Otherwise parts that hardly move do so as softly as penetrations make them, and back when these are taken away.
@@ -345,7 +345,7 @@ class PairWork(PointWork):
         fields = [self._unknowns.fields[number] for number in numbers]
         moved = max(lasting(f.index_map.comm).allreduce(
             float(np.abs(f.value.x.array - f.previous.x.array).max(initial=0.0)), op=MPI.MAX) for f in fields)
-        changed = np.abs(self._now()[1][:, 0] + self._committed[:, 0]).max(initial=0.0)
+        changed = np.abs(pressures - self._committed[:, 0]).max(initial=0.0)
         little = max(LITTLE * moved, SAME * fields[0].scale)
         return deepest <= little or self._table[0, 0] * deepest <= LITTLE * changed
 

@@ -121,7 +121,7 @@ def _peaks(segment: Segment, sign: float) -> bool:
 
 
 def _loses_stability(segment: Segment, sign: float) -> bool:
-    """Whether the rate of the load turns from one end of a step to the other, and one mode more is unstable there."""
+    """Whether the rate of the load turns within a step, and one mode loses or regains its stability."""
     before, after = segment.before, segment.after
     one, other = before.unstable_modes, after.unstable_modes
     turns = sign * before.load_rate > 0 > sign * after.load_rate
