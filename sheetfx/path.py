@@ -104,6 +104,7 @@ class Path:
         self.tracer = Tracer(self.discretisation, self.controls[start[-1].stage if start else 0], prefix)
         self._others = [Flutter(self.tracer)] if Flutter.concerns(self.tracer) else []
         self.message, self._refusal, self._hidden, self._together = "", "", 0.0, 0
+        self._at_corner: State | None = None
         self.critical_states: dict[CriticalPoint, State] = {}
         self._listeners: list[Callable[[State], None]] = []
         self._earlier = self.start[-2] if len(start) > 1 else None
@@ -215,7 +216,7 @@ class Path:
             if length == wanted / 2 and (taken := self._past_corner(before, wanted)):
                 length = BEHIND * wanted
                 break
-            if shortest and (taken := self._around_corner(before, wanted, length)):
+            if shortest and (taken := self._around_corner(before, max(wanted, LEAST * self.tracer.usual), length)):
                 length = taken[0].length
                 break
             if length <= wanted / 2 and (taken := self._by_change(before, wanted, length)):
@@ -241,6 +242,10 @@ class Path:
     def _try(self, before: State, length: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:
         """A step with its critical points; None and back to its start if it does not converge or leaves its branch."""
         after, self._refusal = self._to_bound(before, length) or self.tracer.attempt(length), ""
+        if after is not None and self._leads_back(after):
+            self.tracer.back_to(before)
+            if self.tracer.enforcement.retreat():
+                after = self.tracer.attempt(length)
         return None if after is None else self._searched(before, after, self._earlier, self.control.turn)
 
     def _past_corner(self, before: State, wanted: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:
@@ -256,14 +261,17 @@ class Path:
             return None
         ahead = change_ahead(self.tracer, before, failed / 2)
         if ahead and abs(before.load_rate) * ahead <= THERE * abs(before.factor):
-            return self._around_corner(before, wanted, failed) if failed == wanted / 2 else None
+            if self._at_corner is before:
+                return None
+            self._at_corner = before
+            return self._around_corner(before, wanted, failed)
         after = up_to_change(self.tracer, before, ahead) if ahead else None
         return None if after is None else self._searched(before, after, self._earlier, self.control.turn)
 
-    def _around_corner(self, before: State, wanted: float,
+    def _around_corner(self, before: State, longest: float,
                        failed: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:
         """A step around a corner of the path, before which loads say nothing of those behind it."""
-        for after in around_corner(self.tracer, before, wanted, failed, self._visited, self._earlier):
+        for after in around_corner(self.tracer, before, longest, failed, self._visited, self._earlier):
             if (taken := self._searched(before, after, None, pi, whole=True)) is not None:
                 return taken
         return None
@@ -283,6 +291,10 @@ class Path:
     def _guards_corners(self) -> bool:
         return self.control.guarded and self.control.passes_limits
 
+    def _leads_back(self, after: State) -> bool:
+        """Whether a step leads back onto the path that has led here."""
+        return bool(self._visited and self._guards_corners and self._visited.holds(after))
+
     def _searched(self, before: State, after: State, earlier: State | None,
                   largest_turn: float, whole: bool = False) -> tuple[State, tuple[CriticalPoint, ...]] | None:
         """A step, or its sound part, with critical points; None and back if it turns too far or leaves its branch.
@@ -291,7 +303,7 @@ class Path:
         """
         try:
             turn = self.tracer.turn(before, after)
-            if self._visited and self._guards_corners and self._visited.holds(after):
+            if self._leads_back(after):
                 self._refusal = "it leads back onto the path that has led here"
             elif turn <= largest_turn:
                 points = locate(self.tracer, earlier, before, after, postbuckling, self._others)

@@ -28,7 +28,7 @@ SHORT_OF = 0.98  # of the way to a change of contact, for the state ahead of it;
 BACK = 0.95  # cosine of the angle with the step before, from which a step goes back where it came from
 
 
-def around_corner(tracer, before: State, wanted: float, failed: float, trail: VisitedStates | None = None,
+def around_corner(tracer, before: State, longest: float, failed: float, trail: VisitedStates | None = None,
                   earlier: State | None = None) -> Iterator[State]:
     """Steps from a state that lies at a corner of the path, the shortest first; at the end back at the state.
 
@@ -37,7 +37,7 @@ def around_corner(tracer, before: State, wanted: float, failed: float, trail: Vi
 
     Parameters
     ----------
-    wanted, failed : lengths of the step that was tried first, and of the shortest one
+    longest, failed : length of the longest step that is tried, and of the shortest one that has failed ahead
     trail : states that have led here; None: they do not matter
     earlier : the one before; None: not known
     """
@@ -50,12 +50,12 @@ def around_corner(tracer, before: State, wanted: float, failed: float, trail: Vi
         return
     flows = earlier is not None and tracer.system.history.moved_since(earlier.fields)
     ways = (False, True) if can_stick(tracer.system) else (False,)
-    for length, sticks in product(_lengths(max(wanted, LEAST * tracer.usual), failed), ways):
+    for length, sticks in product(_lengths(longest, failed), ways):
         try:
             solution, forwards = _ahead(tracer, before, AHEAD * length, sticks)
         except SingularTangent:
             continue
-        for sign in (forwards, -forwards):
+        for sign in _senses(tracer, before, solution, forwards, AHEAD * length):
             tracer.back_to(before)
             after = tracer.attempt_along(solution, sign, length)
             if (after is not None and _leads_on(tracer, before, after, earlier) and not (trail and trail.holds(after))
@@ -98,16 +98,38 @@ def change_ahead(tracer, before: State, within: float) -> float | None:
     """Length of a step, along its tangent, at which contact changes last within a length; None: nowhere there."""
     tracer.back_to(before)
     system, load = tracer.system, tracer.control.predict(within, tracer.control.direction(before), tracer.tangent)
-    gaps = []
-    for part in (0.0, load):
-        tracer.x.array[:] = part * before.response
-        system.configure(tracer.x, before.factor + part)
-        gaps.append(np.concatenate([c.gaps() for c in system.contributions]))
-    tracer.back_to(before)
-    now, then = gaps
+    now, then = (_gaps(tracer, before, part, part * before.response) for part in (0.0, load))
     changes = now * then < 0
     last = float(np.max(now[changes] / (now - then)[changes], initial=0.0))
     return within * system.comm.allreduce(last, MPI.MAX) or None
+
+
+def _gaps(tracer, before: State, load: float, x: np.ndarray) -> np.ndarray:
+    """Gaps of all contacts at increments of the load factor and of the unknowns; at the end back at the state."""
+    system = tracer.system
+    tracer.x.array[:] = x
+    system.configure(tracer.x, before.factor + load)
+    found = np.concatenate([c.gaps() for c in system.contributions])
+    tracer.back_to(before)
+    return found
+
+
+def _senses(tracer, before: State, solution: PETSc.Vec, forwards: float, distance: float) -> list[float]:
+    """Signs of the load with which a path may lead on behind a corner: those with which contacts change as ahead of it.
+
+    Both where no gap tells, or some tell one and some the other; the way forwards first.
+
+    Parameters
+    ----------
+    solution, forwards : as of `_ahead` at the distance
+    """
+    load, x = before.tangent
+    now, then = (_gaps(tracer, before, part * load, part * x) for part in (0.0, distance))
+    small = distance / tracer.distance(1.0, solution.array)
+    rates = _gaps(tracer, before, small, small * solution.array) - now
+    ways = np.array([((now * then < 0) & (then * rates * sign > 0)).sum() for sign in (forwards, -forwards)])
+    tracer.system.comm.Allreduce(MPI.IN_PLACE, ways, MPI.SUM)
+    return [sign for sign, way in zip((forwards, -forwards), ways, strict=True) if way or not ways.any()]
 
 
 def up_to_change(tracer, before: State, ahead: float) -> State | None:
@@ -169,10 +191,10 @@ def _unstable_behind(before: State, distance: float, earlier: State | None) -> i
 
 def _unloads(tracer, before: State, after: State) -> bool:
     """Whether a step goes back while what flowed unloads, as it can from each of its states: a structure that is
-    stiffer without other contacts, or in which nothing flows.
+    stiffer without other contacts, or in which nothing flows. One that has lost stability is not stiffer.
     """
-    if tracer.inner(before.direction, after.direction) >= 0:
+    more = (after.unstable_modes or 0) - (before.unstable_modes or 0)
+    if tracer.inner(before.direction, after.direction) >= 0 or more > 0:
         return False
-    stiffer = (tracer.system.conservative and (after.unstable_modes or 0) < (before.unstable_modes or 0)
-               and after.contact_points == before.contact_points)
+    stiffer = tracer.system.conservative and more < 0 and after.contact_points == before.contact_points
     return stiffer or not tracer.system.history.moved_since(before.fields)

@@ -69,10 +69,16 @@ class Enforcement:
                     return True
                 if not solve():
                     break
+        self.retreat()
+        return False
+
+    def retreat(self) -> bool:
+        """Let a step begin again with less stiffness; whether there are contacts that do."""
+        able = any(contribution.retreats for contribution in self._rough)
         for contribution in self._rough:
             contribution.retreat()
         self._system.history.rewind()
-        return False
+        return able
 
     def regularise(self, times: float) -> None:
         """Make the regularisation a multiple of what it is in accepted states."""

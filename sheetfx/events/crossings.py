@@ -87,7 +87,7 @@ def pass_zero(segment: Segment, left: float, right: float, count: int) -> list[C
                 return _pieces(segment, left, right)
         try:
             lengths = _sampled(border, segment, lengths, roots, reach * (right - left), sides)
-        except Jump:  # off the path for rounding: the samples that there are must do
+        except Jump:  # off the path for rounding or contact: the samples that there are must do
             if len(lengths) == 2:
                 raise
             best = min(best, (between, roots, samples), key=itemgetter(0))
@@ -215,9 +215,12 @@ def _sampled(border: Determinant, segment: Segment, lengths: Sequence[float], ro
         away, nearest = min((abs(s - wanted), s) for s in segment.states)
         if away < reach / 4:
             found.add(nearest)
-        elif min(lengths) < wanted < max(lengths) and segment.reach(wanted):
-            found.add(wanted)
-            border.at(wanted)  # while its factor is at hand
+        elif min(lengths) < wanted < max(lengths):
+            if segment.reach(wanted):
+                found.add(wanted)
+                border.at(wanted)  # while its factor is at hand
+            else:
+                require_convergence(segment, max(s for s in segment.states if s < wanted))
     return sorted(s for s in found if min(lengths) <= s <= max(lengths))
 
 
