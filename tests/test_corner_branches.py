@@ -1,6 +1,7 @@
 """Branches of corners, where pairs that open together need not."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from helpers import on_two_processes
 from test_pair_contact import SECTION, line
 
 import sheetfx as fx
+from sheetfx.continuation.corner import _unloads
 from sheetfx.critical.branches import NoBranch
 
 COUNT = 3
@@ -86,3 +88,13 @@ def test_corners_whose_branches_are_not_known_say_so(columns, monkeypatch):
     monkeypatch.setattr("sheetfx.critical.corner_branches.NEAR", 0.0)
     with pytest.raises(NoBranch, match="no pair opens or closes"):
         columns.branches(corner)
+
+
+@pytest.mark.parametrize(("modes", "unloads"), [(0, True), (1, False)])
+def test_what_loses_stability_as_it_turns_back_does_more_than_unload(modes, unloads):
+    """Elastic unloading is stiffer than loading: M1 with friction turns back at 3691 N, where a pair opens."""
+    history = SimpleNamespace(moved_since=lambda fields: False)
+    tracer = SimpleNamespace(inner=lambda one, other: -1.0, system=SimpleNamespace(conservative=False, history=history))
+    before, after = (SimpleNamespace(direction=None, fields={}, contact_points=3, unstable_modes=count)
+                     for count in (0, modes))
+    assert _unloads(tracer, before, after) is unloads

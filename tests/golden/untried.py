@@ -20,6 +20,7 @@ from test_following import pressure, ring
 from test_pair_contact import arch_above_a_beam, graded_leaves, plate_on_a_frame, sliding_tip, two_leaves
 from test_plastic_paths import hinged_beam
 from test_plastic_steps import dome, portal
+from test_surface_contact import strips_case
 
 import sheetfx as fx
 from sheetfx.scenes import load_case
@@ -308,6 +309,7 @@ CASES: dict[str, Callable[[], fx.Case]] = {
     "plastic-cylinder": scene("plastic-cylinder", cells=6, layers=3, to=30.0),
     "double-plate-elastic": scene("double-plate", 10, elastic=True, cells=4),
     "double-plate": scene("double-plate", 20, cells=4, layers=2),
+    "double-plate-touches": lambda: replace(strips_case(4), until=fx.Until(deflection=24.0)),
     "dome-coupled": scene("dome", divisions=2, to=30.0),
     "dome-triangles-long-steps": scene("dome", divisions=5, form="naghdi-t2", step=0.006, to=45.0),
     "dome-contact-lifts": scene("dome", model="contact", divisions=4, to=6.5),
