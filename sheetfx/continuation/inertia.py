@@ -31,7 +31,7 @@ from .state import State
 
 PREFIX = "sheetfx_crossings_"
 FEW, MANY = 6, 48  # eigenvalues that are looked for: those that change most, at most of those that pass zero
-FAR, ROUGH = 0.5, 1e-2  # real part of 1 / (1 - s) below which none is near 1, and its error
+ROUGH = 0.25  # error of the real part of 1 / (1 - s), of which none is near 1 where it is smaller by twice as much
 ALIKE = 1e-9  # of estimates that steps hang on, so that any number of processes takes the same steps
 CLOSE = 1e-3  # relative difference of eigenvalues whose directions are found together
 
@@ -216,7 +216,7 @@ def first_passing(solver: DirectSolver, change: PETSc.Mat) -> float:
 def _none_near(solver: DirectSolver, change: PETSc.Mat) -> bool:
     """Whether a rough look shows that no eigenvalue passes zero."""
     eps = _solver(solver, change, 1, ROUGH)
-    return eps.getConverged() > 0 and _values(eps).real.max() < FAR
+    return eps.getConverged() > 0 and _values(eps).real.max() < 1 - 2 * ROUGH
 
 
 def _passes(value: complex) -> bool:

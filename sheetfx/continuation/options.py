@@ -33,7 +33,8 @@ class Options:
     unbalanced : work of a step with contact that is neither stored nor dissipated, over that of its change of load,
         from which the step is refused
     same_load : relative difference of the loads of a multiple bifurcation
-    exact : relative error of the load at a bifurcation, at flutter, and at an event
+    exact : relative error of the load at a bifurcation, and at flutter
+    exact_event : relative error of the load at an event
     forgotten, astray : share of the resultants that laws with history may forget of the way within a step, and how far
         that may lead off the path, over the length of the step, from which it is divided, see `continuation.lapse`
     augmentations : of contact forces in one step, at most
@@ -53,6 +54,7 @@ class Options:
     unbalanced: Positive = 0.1
     same_load: Positive = 2e-6
     exact: Positive = 1e-8
+    exact_event: Positive = 1e-10
     forgotten: Positive = 1e-3
     astray: Positive = 0.02
     augmentations: Count = 30

@@ -209,7 +209,13 @@ def _nearest(lengths: Sequence[float], roots: np.ndarray) -> list[float]:
 
 def _sampled(border: Determinant, segment: Segment, lengths: Sequence[float], roots: np.ndarray, reach: float,
              sides: Sequence[int]) -> list[float]:
-    """Lengths of states with one more before (-1) or behind (1) the crossings, as far as they converge."""
+    """Lengths of states with one more before (-1) or behind (1) the crossings, as far as they converge.
+
+    Raises
+    ------
+    Jump
+        If one does not with contact.
+    """
     found = set(lengths)
     for wanted in (float((roots.min() if side < 0 else roots.max()) + side * reach) for side in sides):
         away, nearest = min((abs(s - wanted), s) for s in segment.states)

@@ -116,7 +116,7 @@ def _length(segment: Segment, event: Event) -> float:
 
     if event.near:
         return root(value, 0.0, end)
-    segment.close_in(value, 0.0, end, segment.tracer.control.exact)
+    segment.close_in(value, 0.0, end, segment.tracer.control.exact_event)
     return min(reversed(_around(segment, event)), key=lambda s: abs(value(s)))
 
 
