@@ -31,7 +31,7 @@ WINDOWS = (-1, 3), (0, 3), (-1, 2), (0, 2)  # states about a step that are inter
 STEEPEST = 3.0  # tangent of the angle between the path and the chord of a step, in the plane of factor and q
 GAUSS = np.polynomial.legendre.leggauss(8)
 SAFETY = 5.0  # times the accuracy of the work, that it may differ from the stored energy: contact bends paths sharply
-ROUNDS = 8  # of halving pieces of steps
+ROUNDS = 24  # of halving pieces of steps: about a corner, to 1e-7 of a step
 ROUNDING = 1e-6  # of the largest energy, by which work and stored energy may differ
 
 
