@@ -35,7 +35,10 @@ from .widening import ARGUMENT, CellExpression, builder_for
 
 # Python may have been built with -g, and passes it on: debugging information is a third of the time of compilation.
 # Kernels are long straight lines: more than -O1 makes the compiler slower, not them; fused products a quarter faster.
+# Their many values at once are SHORT of registers whatever is tried: the search for the best ones, for expressions to be
+# moved to where they are used and for three instructions in one takes more than half of the time, and gains nothing.
 # Vectors of cells go from no library to another, so that it does not matter how processors pass them.
+SHORT = ["-fno-tree-ter", "--param=max-combine-insns=2", "--param=ira-max-conflict-table-size=1"]
 INSTRUCTIONS = ("avx2", "fma"), ("avx512f",)  # what a processor must have for them, and for eight cells at once
 
 
@@ -49,7 +52,8 @@ def _instructions() -> list[str]:
 
 
 OPTIONS = {"timeout": 600,
-           "cffi_extra_compile_args": ["-O1", "-g0", "-ffp-contract=fast", "-Wno-psabi", ARGUMENT, *_instructions()]}
+           "cffi_extra_compile_args": ["-O1", "-g0", "-ffp-contract=fast", "-Wno-psabi", *SHORT, ARGUMENT,
+                                       *_instructions()]}
 ANNOUNCED, RECIPES = "compiling", "recipes"  # folders in the cache: files of processes that compile, and of kernels
 _looked_after: set[Path] = set()  # caches, by this process
 
