@@ -35,7 +35,7 @@ from .widening import ARGUMENT, CellExpression, builder_for
 
 # Python may have been built with -g, and passes it on: debugging information is a third of the time of compilation.
 # Kernels are long straight lines: more than -O1 makes the compiler slower, not them; fused products a quarter faster.
-# Their many values at once are SHORT of registers whatever is tried: the search for the best ones, for expressions to be
+# Their many values are SHORT of registers whatever is tried: the search for the best ones, for expressions to be
 # moved to where they are used and for three instructions in one takes more than half of the time, and gains nothing.
 # Vectors of cells go from no library to another, so that it does not matter how processors pass them.
 SHORT = ["-fno-tree-ter", "--param=max-combine-insns=2", "--param=ira-max-conflict-table-size=1"]
