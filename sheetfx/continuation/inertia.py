@@ -31,7 +31,8 @@ from .state import State
 
 PREFIX = "sheetfx_crossings_"
 FEW, MANY = 6, 48  # eigenvalues that are looked for: those that change most, at most of those that pass zero
-ROUGH = 0.25  # error of the real part of 1 / (1 - s), of which none is near 1 where it is smaller by twice as much
+ROUGH = 0.25  # error of the real part of 1 / (1 - s), which is not near 1 where it is smaller by twice as much
+TOO_FAR = "the tangent changes too much for the eigenvalues that pass zero to be counted"
 ALIKE = 1e-9  # of estimates that steps hang on, so that any number of processes takes the same steps
 CLOSE = 1e-3  # relative difference of eigenvalues whose directions are found together
 
@@ -182,20 +183,14 @@ def crossings(solver: DirectSolver, earlier: PETSc.Mat, weights: PETSc.Vec, sign
     change.axpy(-1.0, earlier, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
     if not change.norm() > 0:
         return 0
-    if signs > 0 and _none_near(solver, change):
+    near = _near(solver, change)
+    if signs > 0 and not near:
         return 0
-    size = change.getSize()[0]
-    asked = 1
+    asked = max(near, 1)
     eps = _solver(solver, change, asked)
-    values = _values(eps)
-    while asked <= len(values) < min(MANY, size) and values.real.min() >= 1:
-        asked = min(2 * asked, MANY, size)
-        eps = _solver(solver, change, asked)
-        values = _values(eps)
-    passed = [v for v in values if _passes(v)]
-    too_many = len(values) >= MANY and values.real.min() >= 1
-    if too_many or (-1) ** len(passed) != signs:
-        raise Uncounted("the tangent changes too much for the eigenvalues that pass zero to be counted")
+    passed = [v for v in _values(eps) if _passes(v)]
+    if (-1) ** len(passed) != signs:
+        raise Uncounted(TOO_FAR)
     return _towards_negative(eps, solver, change, weights, asked) if passed else 0
 
 
@@ -213,10 +208,26 @@ def first_passing(solver: DirectSolver, change: PETSc.Mat) -> float:
     return 1 / fastest if fastest > 0 else inf
 
 
-def _none_near(solver: DirectSolver, change: PETSc.Mat) -> bool:
-    """Whether a rough look shows that no eigenvalue passes zero."""
-    eps = _solver(solver, change, 1, ROUGH)
-    return eps.getConverged() > 0 and _values(eps).real.max() < 1 - 2 * ROUGH
+def _near(solver: DirectSolver, change: PETSc.Mat) -> int:
+    """Number of eigenvalues that pass zero, or nearly do, as a rough look shows; 1 where it shows none for certain.
+
+    Raises
+    ------
+    Uncounted
+        If they are too many.
+    """
+    asked, most = 1, min(MANY, change.getSize()[0])
+    while True:
+        eps = _solver(solver, change, asked, ROUGH)
+        values = _values(eps).real
+        near = int((values >= 1 - 2 * ROUGH).sum())
+        if near < len(values) or len(values) < asked:
+            return near if eps.getConverged() else 1
+        if len(values) >= most:
+            if most < MANY:
+                return near
+            raise Uncounted(TOO_FAR)
+        asked = min(2 * len(values), most)
 
 
 def _passes(value: complex) -> bool:
