@@ -242,10 +242,10 @@ class Path:
     def _try(self, before: State, length: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:
         """A step with its critical points; None and back to its start if it does not converge or leaves its branch."""
         after, self._refusal = self._to_bound(before, length) or self.tracer.attempt(length), ""
-        if after is not None and self.tracer.enforcement.retreats and self._leads_back(after):
+        if after is not None and self.tracer.enforcement.turns_round and self._leads_back(after):
             self.tracer.back_to(before)
-            if self.tracer.enforcement.retreat():
-                after = self.tracer.attempt(length)
+            self.tracer.enforcement.turn_round()
+            after = self.tracer.attempt(length)
         return None if after is None else self._searched(before, after, self._earlier, self.control.turn)
 
     def _past_corner(self, before: State, wanted: float) -> tuple[State, tuple[CriticalPoint, ...]] | None:

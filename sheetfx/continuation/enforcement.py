@@ -69,7 +69,7 @@ class Enforcement:
                     return True
                 if not solve():
                     break
-        self.retreat()
+        self._retreat()
         return False
 
     @property
@@ -77,13 +77,22 @@ class Enforcement:
         """Whether there are contacts with which a step can begin again with less stiffness."""
         return any(contribution.retreats for contribution in self._rough)
 
-    def retreat(self) -> bool:
-        """Let a step begin again with less stiffness; whether there are contacts that do."""
-        able = self.retreats
+    @property
+    def turns_round(self) -> bool:
+        """Whether there are contacts with which a step that leads back onto the path begins again otherwise."""
+        return any(contribution.turns_round for contribution in self._rough)
+
+    def turn_round(self) -> None:
+        """Let a step that leads back onto the path begin again with another stiffness."""
+        for contribution in self._rough:
+            contribution.turn_round()
+        self._system.history.rewind()
+
+    def _retreat(self) -> None:
+        """Let a step that does not converge begin again with less stiffness."""
         for contribution in self._rough:
             contribution.retreat()
         self._system.history.rewind()
-        return able
 
     def regularise(self, times: float) -> None:
         """Make the regularisation a multiple of what it is in accepted states."""

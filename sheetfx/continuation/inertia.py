@@ -32,7 +32,6 @@ from .state import State
 PREFIX = "sheetfx_crossings_"
 FEW, MANY = 6, 48  # eigenvalues that are looked for: those that change most, at most of those that pass zero
 ROUGH = 0.25  # error of the real part of 1 / (1 - s), which is not near 1 where it is smaller by twice as much
-TOO_FAR = "the tangent changes too much for the eigenvalues that pass zero to be counted"
 ALIKE = 1e-9  # of estimates that steps hang on, so that any number of processes takes the same steps
 CLOSE = 1e-3  # relative difference of eigenvalues whose directions are found together
 
@@ -189,8 +188,8 @@ def crossings(solver: DirectSolver, earlier: PETSc.Mat, weights: PETSc.Vec, sign
     asked = max(near, 1)
     eps = _solver(solver, change, asked)
     passed = [v for v in _values(eps) if _passes(v)]
-    if (-1) ** len(passed) != signs:
-        raise Uncounted(TOO_FAR)
+    if near >= MANY or (-1) ** len(passed) != signs:
+        raise Uncounted("the tangent changes too much for the eigenvalues that pass zero to be counted")
     return _towards_negative(eps, solver, change, weights, asked) if passed else 0
 
 
@@ -209,24 +208,14 @@ def first_passing(solver: DirectSolver, change: PETSc.Mat) -> float:
 
 
 def _near(solver: DirectSolver, change: PETSc.Mat) -> int:
-    """Number of eigenvalues that pass zero, or nearly do, as a rough look shows; 1 where it shows none for certain.
-
-    Raises
-    ------
-    Uncounted
-        If they are too many.
-    """
+    """Number of eigenvalues that pass zero, or nearly do, as a rough look shows, at most MANY; 1 where it fails."""
     asked, most = 1, min(MANY, change.getSize()[0])
     while True:
         eps = _solver(solver, change, asked, ROUGH)
         values = _values(eps).real
         near = int((values >= 1 - 2 * ROUGH).sum())
-        if near < len(values) or len(values) < asked:
-            return near if eps.getConverged() else 1
-        if len(values) >= most:
-            if most < MANY:
-                return near
-            raise Uncounted(TOO_FAR)
+        if near < len(values) or len(values) < asked or len(values) >= most:
+            return min(near, MANY) if eps.getConverged() else 1
         asked = min(2 * len(values), most)
 
 

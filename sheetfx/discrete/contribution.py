@@ -77,6 +77,7 @@ class Contribution:
     approaches : multiples of its regularisation through which eliminated forces are approached
     detours : those through which a first step's is that fails otherwise, however short
     retreats : whether a step that does not converge begins again with less stiffness
+    turns_round : whether a step that leads back onto the path begins again with another stiffness
     steep : whether its forces change with motions that are far smaller than a step's, but act on few unknowns at
         a time: each Newton iteration then finds them exactly, see `continuation.elimination`
     condenses : whether it says how its forces follow from a few gaps and slips, on which each Newton iteration then
@@ -92,6 +93,7 @@ class Contribution:
     approaches: Sequence[float] = (1.0,)
     detours: Sequence[float] = ()
     retreats = False
+    turns_round = False
 
     def pattern(self, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
         """Global rows and columns of the entries of the tangent, -1 where an increment is zero.
@@ -172,6 +174,9 @@ class Contribution:
 
     def freeze(self, frozen: bool) -> None:
         """Answer as the linear comparison solid of the last accepted state, or as one with history again."""
+
+    def turn_round(self) -> None:
+        """Let a step that leads back onto the path begin again with another stiffness."""
 
     def retreat(self) -> None:
         """Let a step that has not converged begin with less stiffness, if it has not; the history is rewound next."""

@@ -17,8 +17,9 @@ class Growth:
 
     Parameters
     ----------
-    least : how often it has grown at the end of a step at least; where one does not converge, as at first touch, it
-        begins again with the stiffness that is given
+    least : how often it has grown at the end of a step at least; a step then begins again with the stiffness that is
+        given where it does not converge, and where that helps later ones with half the growth that has failed, until
+        a step that does so leads back
     rubs : whether there is friction, with which each step begins with the stiffness that is given where there is a
         least growth: what sticks to it turns less sharply as it begins to slip
 
@@ -29,8 +30,14 @@ class Growth:
     """
 
     def __init__(self, least: int, rubs: bool):
-        self._least, self._most, self._other, self._deepest = least, 0 if least and rubs else MOST, 0, inf
-        self.times = self.begun = min(least, self._most)
+        self._least, self._most, self._failed, self._deepest = least, 0 if least and rubs else MOST, 0, inf
+        self._bound, self._ended = self._most, min(least, self._most)
+        self.times = self.begun = self._ended
+
+    @property
+    def kept(self) -> tuple[int, int]:
+        """What `restore` returns to: how often it has grown where the last step ends, and may have where one begins."""
+        return self._ended, self._bound
 
     @property
     def factor(self) -> float:
@@ -50,7 +57,20 @@ class Growth:
     def retreat(self) -> None:
         """Begin with the stiffness that is given, or where that has failed as well, with the one before."""
         if self._least:
-            self.begun, self._other = self._other, self.begun
+            self.begun, self._failed = self._failed, self.begun
+
+    @property
+    def turns_round(self) -> bool:
+        """Whether a step that leads back onto the path begins again with another stiffness."""
+        return bool(self._least and self._most)
+
+    def turn_round(self) -> None:
+        """Begin with what the last step has ended with, where less leads back onto the path, else with less."""
+        ended = min(self._ended, self._most)
+        if self.begun < ended:
+            self._bound, self.begun = self._most, ended
+        else:
+            self.retreat()
 
     @property
     def suffices(self) -> bool:
@@ -69,14 +89,17 @@ class Growth:
         self._deepest = deepest
 
     def commit(self) -> None:
-        """Let the next step begin with what this one has ended with."""
-        self.restore(self.times)
+        """Let the next step begin with what this one has ended with, or with half the growth that has failed in it."""
+        if self._failed:
+            self._bound = self._failed // 2
+        self.restore(self.times, self._bound)
 
     def rewind(self) -> None:
         """Forget what a step has changed."""
         self.times, self._deepest = self.begun, inf
 
-    def restore(self, begun: int) -> None:
-        """Return to an accepted state, where a step begins with such a growth."""
-        self.begun, self._other = min(begun, self._most), 0
+    def restore(self, ended: int, bound: int) -> None:
+        """Return to an accepted state, see `kept`, but to no stiffness that has failed since."""
+        self._bound = min(bound, self._bound)
+        self._ended, self.begun, self._failed = ended, min(ended, self._bound), 0
         self.rewind()

@@ -252,7 +252,7 @@ class PairWork(PointWork):
         if self._partners:
             kept[f"{self._name} partners"] = self._partners_committed.copy()
         if self.augments:
-            kept[f"{self._name} stiffness"] = np.array([self._growth.begun])
+            kept[f"{self._name} stiffness"] = np.array(self._growth.kept)
         return kept
 
     def origins(self) -> dict[str, np.ndarray]:
@@ -265,12 +265,19 @@ class PairWork(PointWork):
     def retreat(self) -> None:
         self._growth.retreat()
 
+    @property
+    def turns_round(self) -> bool:  # type: ignore[override]
+        return self._growth.turns_round
+
+    def turn_round(self) -> None:
+        self._growth.turn_round()
+
     def restore(self, snapshot: dict[str, np.ndarray]) -> None:
         self._committed, self._elastic = np.hsplit(snapshot[self._name], [self._history.shape[1]])
         if self._partners:
             self._partners_committed = snapshot[f"{self._name} partners"].copy()
         if self.augments:
-            self._growth.restore(int(snapshot[f"{self._name} stiffness"][0]))
+            self._growth.restore(*map(int, snapshot[f"{self._name} stiffness"]))
         self.rewind()
 
     def rewind(self) -> None:
