@@ -44,6 +44,7 @@ SWITCHES = {
     "continuation/enforcement.py:Enforcement._multiples": [1.0],
     "discrete/condensed_pairs.py:CondensedPairs.freeze_open_contacts": False,
     "discrete/growth.py:Growth.retreats": False,
+    "discrete/growth.py:Growth.turns_round": False,
     "discrete/pair_work.py:PairWork.foresee": None,
     "discrete/pair_work.py:PairWork._is_little": True,
     "path.py:Path._past_corner": None,
