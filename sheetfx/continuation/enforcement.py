@@ -28,7 +28,7 @@ class Enforcement:
         again : whether a step from the same state has failed before
         begins : whether no step has led to that state
         """
-        ways = [(False, [1.0])] * (1 + self.retreats)
+        ways = [(False, [1.0])] * (1 + any(c.retreats for c in self._rough))
         if again and begins and len(self._detours) > 1:
             ways += [(False, self._detours)]
         if not (eliminates and self._eliminates):
@@ -71,11 +71,6 @@ class Enforcement:
                     break
         self._retreat()
         return False
-
-    @property
-    def retreats(self) -> bool:
-        """Whether there are contacts with which a step can begin again with less stiffness."""
-        return any(contribution.retreats for contribution in self._rough)
 
     @property
     def turns_round(self) -> bool:

@@ -187,8 +187,10 @@ def crossings(solver: DirectSolver, earlier: PETSc.Mat, weights: PETSc.Vec, sign
         return 0
     asked = max(near, 1)
     eps = _solver(solver, change, asked)
-    passed = [v for v in _values(eps) if _passes(v)]
-    if near >= MANY or (-1) ** len(passed) != signs:
+    values = _values(eps)
+    passed = [v for v in values if _passes(v)]
+    too_many = len(values) >= MANY and values.real.min() >= 1
+    if too_many or (-1) ** len(passed) != signs:
         raise Uncounted("the tangent changes too much for the eigenvalues that pass zero to be counted")
     return _towards_negative(eps, solver, change, weights, asked) if passed else 0
 
