@@ -16,6 +16,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import lru_cache, partial
 from hashlib import sha256
+from importlib import metadata
 from importlib.machinery import EXTENSION_SUFFIXES
 from importlib.util import module_from_spec, spec_from_file_location
 from inspect import getsourcefile
@@ -56,6 +57,18 @@ OPTIONS = {"timeout": 600,
                                        *_instructions()]}
 ANNOUNCED, RECIPES = "compiling", "recipes"  # folders in the cache: files of processes that compile, and of kernels
 _looked_after: set[Path] = set()  # caches, by this process
+_entry_points = lru_cache(metadata.entry_points)
+
+
+def _symbols(numberer, expression) -> list[int]:
+    """What FFCx's `get_node_symbols` returns, which compares an expression with all others of its graph."""
+    return numberer.V_symbols[numberer.G.e2i[expression]]
+
+
+with suppress(ImportError):
+    from ffcx.ir.analysis.valuenumbering import ValueNumberer
+
+    ValueNumberer.get_node_symbols = _symbols
 
 
 def _options() -> dict:
@@ -70,7 +83,7 @@ def compiled_form(form) -> fem.Form:
     compiler = dolfinx.jit.ffcx.codegeneration.jit
     usual, compiler.get_cached_module = compiler.get_cached_module, partial(_on_disk, compiler.get_cached_module)
     try:
-        with _announced():
+        with _announced(), _entry_points_kept():
             return fem.form(form, jit_options=_options())
     finally:
         compiler.get_cached_module = usual
@@ -99,6 +112,16 @@ def compiled_expression(expression, points: np.ndarray, prepare: Callable | None
         _recipes[file] = recipe
         recipe.write(file)
     return found
+
+
+@contextmanager
+def _entry_points_kept() -> Iterator[None]:
+    """Have setuptools, by which cffi compiles, read the entry points of all packages once, not for each kernel."""
+    usual, metadata.entry_points = metadata.entry_points, _entry_points
+    try:
+        yield
+    finally:
+        metadata.entry_points = usual
 
 
 @contextmanager
@@ -200,7 +223,7 @@ def _compile(expression, points: np.ndarray, prepare: Callable | None) -> tuple[
     compiler, usual = dolfinx.jit.ffcx_jit, cffi.FFI
     cffi.FFI = builder_for(prepared, points)
     try:
-        with _announced():
+        with _announced(), _entry_points_kept():
             found = _with_kernel(prepared, points, compile_it, lambda: Path(made[0][1].__file__))
     finally:
         cffi.FFI = usual
