@@ -69,6 +69,7 @@ def unchecked(monkeypatch):
 
 
 @pytest.mark.usefixtures("unchecked")
+@pytest.mark.slow
 def test_strains_without_drilling():
     def strains(u, rotation, frame):
         found = naghdi(u, rotation, frame)
@@ -80,6 +81,7 @@ def test_strains_without_drilling():
 
 
 @pytest.mark.usefixtures("unchecked")
+@pytest.mark.slow
 def test_strains_without_shear():
     def strains(u, rotation, frame):
         found = naghdi(u, rotation, frame)

@@ -112,6 +112,7 @@ def both(force, component):
             linked(of_centroids(), "tip", [TIP, (1.0, 0.0, 0.0)], force, component, "base"))
 
 
+@pytest.mark.slow
 def test_bar_in_space_is_the_bar_of_its_centroids():
     """Large deflections, bent about both axes and twisted by the eccentric force."""
     values = [last_deflection(scene, 1.5) for scene in both((0.2, 1.0, 1.0), "z")]

@@ -70,7 +70,7 @@ def test_curved_cells_are_curved_by_one_degree_more():
 
 
 @pytest.mark.parametrize(("form", "cells"), [
-    ("naghdi-q2", 4), pytest.param("naghdi-t2", 4, marks=SLOW), ("naghdi-q3", 2)])
+    ("naghdi-q2", 4), pytest.param("naghdi-t2", 4, marks=SLOW), pytest.param("naghdi-q3", 2, marks=SLOW)])
 def test_the_roof_with_one_degree_more(form, cells):
     """The load that a whole path of the richer form has, but for the share that is left.
 

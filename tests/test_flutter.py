@@ -59,7 +59,8 @@ def found(scene, end: float, control=None) -> list[tuple[str, float, int]]:
             for p in state.critical]
 
 
-@pytest.mark.parametrize("torsional", [3.0, 12.36, 60.0, 121.3, pytest.param(400.0, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("torsional", [
+    3.0, 60.0, *(pytest.param(t, marks=pytest.mark.slow) for t in (12.36, 121.3, 400.0))])
 def test_torsion_beside_bending(torsional):
     """Whatever frequencies torsion has, those of bending meet as in one plane, at 121.3, twice.
 
@@ -175,7 +176,7 @@ def test_stiff_rods_on_springs(end, expected):
     assert [load for _, load, _ in points] == pytest.approx(exact[:len(expected)], rel=1e-3)
 
 
-@pytest.mark.parametrize("bed", [0.0, 100.0])
+@pytest.mark.parametrize("bed", [pytest.param(0.0, marks=pytest.mark.slow), 100.0])
 def test_squares_that_meet_are_one_point_however_stiff_the_rest_is(bed):
     """Beck's column is slender and shear-rigid: its stiffest squares are orders of magnitude above those that meet.
 

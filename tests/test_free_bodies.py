@@ -86,6 +86,7 @@ def test_parts_that_are_joined_are_one_free_body():
     assert scene.free and not held.free
 
 
+@pytest.mark.slow
 def test_free_truss_and_heat():
     """Bars alone; a free plate that is heated expands without forces."""
     ends = {"a": (0, 0), "b": (1, 0), "c": (0, 1)}

@@ -149,7 +149,7 @@ def plate(triangles, cells=4):
     return shell, fx.Scene([shell], edges, [fx.Temperature(shell, *HOT)], fx.Monitor(mesh, "north-east", "rz"))
 
 
-@pytest.mark.parametrize("triangles", [False, True])
+@pytest.mark.parametrize("triangles", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_heated_plate_buckles(triangles):
     """Simply supported, its edges held in the plane: h^2 pi^2 / (6 (1 + nu) a^2) = alpha T (Timoshenko and Gere)."""
     shell, scene = plate(triangles, cells=8)
@@ -161,6 +161,7 @@ def test_heated_plate_buckles(triangles):
     assert np.abs(forces[..., :2] / right - 1).max() < 1e-9
 
 
+@pytest.mark.slow
 def test_free_plate_with_a_gradient_takes_a_spherical_shape():
     """Without supports that bend it: the hot side outside, no moment within."""
     mesh = fx.read(lambda: fx.meshes.rectangle((4, 4), (1.0, 1.0)), 3, 2)
@@ -174,6 +175,7 @@ def test_free_plate_with_a_gradient_takes_a_spherical_shape():
     assert np.abs(moments).max() < 1e-4 * E * 0.01**3 / 12 * 1e-4
 
 
+@pytest.mark.slow
 def test_load_of_a_heated_plate_has_an_error_bar_and_a_gradient():
     shell, scene = plate(False)
     record = fx.trace(fx.Case(scene, fx.ArcLength(), until=fx.Until(load=0.2)))
@@ -264,6 +266,7 @@ def test_stress_of_an_own_law_at_rest_is_brought_into_balance():
     assert not record.balance().broken
 
 
+@pytest.mark.slow
 def test_initial_stress_of_beams_and_shells():
     """What is held keeps it, what is free lets it go; a held shell has what is given, coupled plies too."""
     beam, scene = column(loads=lambda part: fx.InitialStress(part, (-1e5, 0.0, 50.0)))
@@ -305,6 +308,7 @@ def test_weight_from_density():
         fx.Gravity(column()[0], (0.0, -g))
 
 
+@pytest.mark.slow
 def test_what_is_free_or_turned_is_the_same():
     """An offset changes nothing of a body that expands alike; a column that lies otherwise buckles at the same heat."""
     mesh = fx.read(lambda: fx.meshes.rectangle((3, 3)), 3, 2)
@@ -325,6 +329,7 @@ def test_what_is_free_or_turned_is_the_same():
     assert turned(0.0) == pytest.approx(turned(0.7), rel=1e-8) and len(turned(0.0)) == 2
 
 
+@pytest.mark.slow
 def test_tight_membrane_sounds():
     """sqrt(2) / 2a sqrt(n / m) for a square one, whose bending stiffness is nothing beside its tension."""
     mesh = fx.read(lambda: fx.meshes.rectangle((8, 8)), 3, 2)

@@ -65,6 +65,7 @@ def lifted(*edges, distances=(1e-3, 1e-3)):
     return fx.Scene([shell], [fx.clamp(mesh, "f-a")], loads, fx.Monitor(mesh, "d", "z"))
 
 
+@pytest.mark.slow
 def test_edges_that_are_lifted_together_may_have_a_corner_in_common():
     """Their corner is lifted once, and the structure is stable; from either side with the same work."""
     works = []

@@ -120,6 +120,7 @@ def test_plate_buckles_at_its_load():
     assert found.factor == pytest.approx(4 * pi**2 * 1e4 * t**3 / (12 * (1 - 0.3**2)), rel=1e-2)
 
 
+@pytest.mark.slow
 def test_flat_cells_of_both_kinds_are_raised_to_one_surface(tmp_path):
     """A recombined panel as a first-order file; common nodes, which `Compatible` looks at, stand at one place."""
     file = flat(tmp_path / "panel.msh", cylinder, recombined)

@@ -236,7 +236,7 @@ def pushed_out(mesh, offset, angles):
 
 
 @pytest.mark.silent("b02")
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", [3, *(pytest.param(s, marks=pytest.mark.slow) for s in (0, 1, 2, 4, 5))])
 def test_tube_of_random_panels_is_one_of_two(seed):
     """All its normals point in or out: with plies or an offset it is one of these, and pressure carries itself."""
     random = np.random.default_rng(seed)

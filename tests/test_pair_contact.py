@@ -188,8 +188,8 @@ def test_constant_pressure_passes(moving):
 
 
 @pytest.mark.parametrize("dimension, moving, friction", [
-    (2, True, 1.3), (3, True, 1.3), pytest.param(2, False, 1.3, marks=pytest.mark.slow),
-    pytest.param(3, False, 1.3, marks=pytest.mark.slow), pytest.param(3, True, 0.0, marks=pytest.mark.slow)])
+    (2, True, 1.3), *(pytest.param(*case, marks=pytest.mark.slow) for case in (
+        (3, True, 1.3), (2, False, 1.3), (3, False, 1.3), (3, True, 0.0)))])
 def test_tangent_is_the_derivative(dimension, moving, friction):
     """Far from equilibrium, partners in other cells than at first, one off the end; with friction not symmetric."""
     scene = stacked(moving, dimension=dimension, friction=friction, stiffness=1e3, tangential=1e3, gap=0.01)

@@ -84,7 +84,8 @@ def test_thin_channel_against_vlasov():
     assert section.warping == pytest.approx(warping, rel=5e-3)
 
 
-@pytest.mark.parametrize("name", ["UPE 200", "L 150 x 90 x 12", "Z", "box"])
+@pytest.mark.parametrize("name", [
+    "Z", *(pytest.param(n, marks=pytest.mark.slow) for n in ("UPE 200", "L 150 x 90 x 12", "box"))])
 def test_a_section_turned_with_its_depth_is_the_same(name):
     """Displacements by a skew force of a cantilever whose section and `up` turn by 90 degrees against each other.
 
@@ -143,6 +144,7 @@ def factor(part, mesh, force, at):
     return abs(record.buckling(record.states[0], count=1)[0].factor)
 
 
+@pytest.mark.slow
 def test_tapered_column_and_plate():
     """A cantilever whose depth falls to one half buckles at 2227.378 N (shooting of E I(x) y'' + P y = 0)."""
     depth = lambda x: 0.01 * (1 - 0.5 * x[0])  # noqa: E731

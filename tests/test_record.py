@@ -27,6 +27,7 @@ def test_resultants_of_a_beam():
     assert not record.forces(beam).any()
 
 
+@pytest.mark.slow
 def test_resultants_of_bars_and_shells():
     """A strip pulled at its end carries the force per width, and nothing else; so does a bar."""
     mesh = fx.read(lambda: fx.meshes.rectangle((2, 1), (2.0, 0.5)), 3)

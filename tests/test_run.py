@@ -245,6 +245,7 @@ def test_failed_path_says_where_and_keeps_its_states():
     assert len(failure.value.record.states) == 1
 
 
+@pytest.mark.slow
 def test_junctions_stay_whole_on_two_processes(tmp_path):
     """Three panels at an edge, and a dome of bars at whose nodes four and more meet."""
     script = """

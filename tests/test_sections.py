@@ -56,7 +56,7 @@ def cantilever(section, force, component="z", **beam):
 
 
 @pytest.mark.silent("b01")
-@pytest.mark.parametrize("angle", [30.0, -70.0])
+@pytest.mark.parametrize("angle", [pytest.param(30.0, marks=pytest.mark.slow), -70.0])
 def test_turned_fibres_are_the_rectangle_turned(angle):
     """Large deflection by a skew force, frequencies and buckling loads of a rectangle with its own direction."""
     up, found = (0.0, -sin(radians(angle)), cos(radians(angle))), []  # the width is along -y
@@ -86,6 +86,7 @@ def test_random_fibres_bend_askew(seed):
     assert response(cantilever(section, given, "y")) == pytest.approx(-right[1], rel=1e-5)
 
 
+@pytest.mark.slow
 def test_forces_beside_the_shear_centre_twist():
     """A channel, e from its centroid: a force F on that twists by F e L / (G J), one on the shear centre not at all."""
     y, z = np.array([-0.05, -0.025, 0.0, 0.025, 0.05]), np.array([0.01, 0.02, 0.03])

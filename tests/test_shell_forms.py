@@ -27,6 +27,8 @@ from sheetfx.path import Path
 SHAPES = ("square", "distorted", "curved")
 PANEL = {"a": (0, 0, 0), "b": (1, 0, 0), "c": (1, 1, 0), "d": (0, 1, 0)}
 every_form = pytest.mark.parametrize("form", FORMS)
+two_forms = pytest.mark.parametrize("form", [
+    pytest.param(form, marks=[pytest.mark.slow] * (form not in ("naghdi-q2", "naghdi-t2"))) for form in FORMS])
 
 
 def triangles(form):
@@ -191,7 +193,7 @@ PANELS = {
 }
 
 
-@every_form
+@two_forms
 @pytest.mark.parametrize("name", PANELS)
 def test_flat_and_folded_panels_on_coarse_meshes(form, name):
     """Error below 2 % with 4 cells along each edge, of Cook's membrane with its obtuse corner below 2.5 %.
