@@ -7,7 +7,7 @@ import pytest
 import ufl
 from dolfinx import fem
 from helpers import distance, move_at_random, tangents
-from test_shell_forms import every_form, shape, surface, two_forms
+from test_shell_forms import shape, surface, two_forms
 
 from sheetfx.discrete.discretisation import Discretisation
 from sheetfx.forms.section import linear_shell
