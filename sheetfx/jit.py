@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import lru_cache, partial
 from hashlib import sha256
-from importlib import metadata
+from importlib import import_module, metadata
 from importlib.machinery import EXTENSION_SUFFIXES
 from importlib.util import module_from_spec, spec_from_file_location
 from inspect import getsourcefile
@@ -66,9 +66,7 @@ def _symbols(numberer, expression) -> list[int]:
 
 
 with suppress(ImportError):
-    from ffcx.ir.analysis.valuenumbering import ValueNumberer
-
-    ValueNumberer.get_node_symbols = _symbols
+    import_module(f"{dolfinx.jit.ffcx.__name__}.ir.analysis.valuenumbering").ValueNumberer.get_node_symbols = _symbols
 
 
 def _options() -> dict:

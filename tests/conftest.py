@@ -1,4 +1,5 @@
 import sys
+from collections import Counter
 
 import pytest
 
@@ -10,10 +11,14 @@ def pytest_addoption(parser):
 
 
 def pytest_collection_modifyitems(config, items):
-    if not config.getoption("--slow"):
-        for item in items:
-            if item.get_closest_marker("slow"):
-                item.add_marker(pytest.mark.skip(reason="long study: add --slow"))
+    """Skip what is slow; of a test with `slow(quick=n)` all but its first n cases that are not."""
+    quick = Counter()
+    for item in [] if config.getoption("--slow") else items:
+        left = min((mark.kwargs.get("quick", 0) for mark in item.iter_markers("slow")), default=None)
+        test = item.nodeid.partition("[")[0]
+        if left is not None and quick[test] >= left:
+            item.add_marker(pytest.mark.skip(reason="long study: add --slow"))
+        quick[test] += bool(left)
 
 
 @pytest.fixture

@@ -36,6 +36,7 @@ def loads(scene):
 
 @pytest.mark.parametrize("kind", [
     pytest.param(kind, marks=[pytest.mark.slow] * (kind == "surface")) for kind in SCENES])
+@pytest.mark.slow(quick=1)
 def test_an_even_overlap_is_none(kind):
     """With it the path is that of parts that touch; without, or with less, it is refused.
 

@@ -52,6 +52,7 @@ def test_antisymmetric_imperfection_keeps_or_lowers_the_limit_load():
 
 
 @pytest.mark.parametrize("ratio", [0.6, 1.0])
+@pytest.mark.slow(quick=1)
 def test_punch_on_a_coarse_mesh(ratio):
     """160 elements and a layer five times the default's: 0.3 %, its measured error is below 0.1 %."""
     _, values = arch(ratio=ratio, **COARSE)
@@ -59,6 +60,7 @@ def test_punch_on_a_coarse_mesh(ratio):
 
 
 @pytest.mark.parametrize("full", [False, True], ids=["half", "whole"])
+@pytest.mark.slow(quick=1)
 def test_ratio_of_a_higher_arch(full):
     """The limit without contact is followed as far as this arch needs: to 24 mm, beyond that of the default arch."""
     shape = {"half_angle": 12.0, "elements": 20, "full": full, "to": 40.0}
@@ -70,6 +72,7 @@ def test_ratio_of_a_higher_arch(full):
 
 
 @pytest.mark.parametrize("full", [False, True], ids=["half", "whole"])
+@pytest.mark.slow(quick=1)
 def test_shallow_arch_has_no_ratio(full):
     """With a half angle of 3 degrees the load only grows, with and without punch."""
     record, values = arch(half_angle=3.0, elements=20, full=full, to=8.0)
@@ -78,6 +81,7 @@ def test_shallow_arch_has_no_ratio(full):
 
 
 @pytest.mark.parametrize("elements", [40, 80])
+@pytest.mark.slow(quick=1)
 def test_lower_limit_under_a_punch(elements):
     """Steps tried around it stay with the contact of the path; 88.357 with 320 elements."""
     _, values = arch(ratio=1.0, elements=elements)
@@ -94,6 +98,7 @@ def test_punch_converged(ratio):
 
 
 @pytest.mark.parametrize("ratio", FORTY_ELEMENTS)
+@pytest.mark.slow(quick=1)
 def test_mesh_of_the_thesis(ratio):
     """40 elements of two nodes, exact contact at nodes: an independent program's sawtooth (0.4 %)."""
     _, values = arch(ratio=ratio, elements=40, degree=1, contact="nodes", to=18.0, step=0.0002)
@@ -102,6 +107,7 @@ def test_mesh_of_the_thesis(ratio):
 
 
 @pytest.mark.parametrize("ratio", [0.6, pytest.param(1.0, marks=pytest.mark.slow)])
+@pytest.mark.slow
 def test_friction_changes_little(ratio):
     """The thesis: friction changes the path very little; below 0.5 % of the limit load, but not nothing."""
     _, smooth = arch(ratio=ratio, **COARSE)
@@ -111,6 +117,7 @@ def test_friction_changes_little(ratio):
 
 
 @pytest.mark.parametrize("enforcement", ["penalty", "uzawa", "semismooth"])
+@pytest.mark.slow(quick=1)
 def test_enforcements_agree(enforcement):
     """Under displacement control all carry the same load at 4 mm; the soft penalty to 1 %."""
     loads = []

@@ -88,6 +88,7 @@ def test_tangent_of_a_coupled_law_is_exact(form, mixed_points):
 
 
 @two_forms
+@pytest.mark.slow(quick=1)
 def test_constant_strains_are_in_equilibrium_on_distorted_cells(form):
     """Patch test: a homogeneous stretch leaves no force inside, whatever the (straight) cells."""
     def hat(x):

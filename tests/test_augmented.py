@@ -34,6 +34,7 @@ def below(case, share, number=0):
     pytest.param(lambda: dome.case(divisions=4), 6, 0.0, marks=pytest.mark.slow),
     pytest.param(lambda: dome.case(divisions=4), 6, 20.0, marks=pytest.mark.slow)],
     ids=["truss", "truss-tilted", "roof", "roof-tilted", "dome", "dome-tilted"])
+@pytest.mark.slow(quick=1)
 def test_from_a_guess_5_percent_below(case, most, tilt):
     """The mode is given, exactly or 20 degrees off: the path's point within 1e-8, in few factorisations."""
     case = case()
@@ -57,6 +58,7 @@ def modes_at(path, state):
 
 @pytest.mark.parametrize("name, number", [("augusti-0.1-percent", 0), ("close-modes-0.1-percent", 0), ("star-dome", 2)])
 @pytest.mark.parametrize("tilt", [0.0, 20.0])
+@pytest.mark.slow(quick=1)
 def test_points_close_together(name, number, tilt):
     """Others lie within 0.1 %, or are the same: with their modes in the border, in at most 6 factorisations."""
     case = TRAPS[name].case()

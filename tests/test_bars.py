@@ -81,6 +81,7 @@ def test_dome_moves_as_an_independent_truss():
     assert moves == pytest.approx(truss.equilibrium(forces), rel=1e-7, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_pictures_of_bars(tmp_path):
     for case in (von_mises_truss.case(rise=1.0), star_dome.case(to=1.0)):
         record = trace(case)

@@ -120,6 +120,7 @@ def first_limit(elements, degree):
 
 @pytest.mark.parametrize(("degree", "order", "cells", "tolerance"), [
     (3, 6, (3, 6, 12), 0.15), (2, 4, (5, 10, 20), 0.1), (1, 2, (5, 10, 20), 0.25)])
+@pytest.mark.slow(quick=1)
 def test_limit_load_converges_with_the_theoretical_order(degree, order, cells, tolerance):
     """Reduced integration: order 2 p for elements of degree p (Arnold 1981, for the linear beam).
 
@@ -181,6 +182,7 @@ SCENES = {
 
 @pytest.mark.parametrize("mixed_points", [True, False])
 @pytest.mark.parametrize("name", SCENES)
+@pytest.mark.slow(quick=1)
 def test_tangent_is_the_derivative_of_the_residual(name, mixed_points):
     """Where the mixed stress is the current stress; the bound is the error of central differences."""
     discretisation = Discretisation(SCENES[name](), mixed_points)

@@ -283,6 +283,7 @@ def test_plate_with_its_mode_as_imperfection():
 @pytest.mark.parametrize("edges, expected", [
     ("simply-supported", 4.0), ("clamped-loaded", 6.7432), ("clamped-unloaded", 7.6913), ("free", 1.4016),
     ("clamped-free", 1.6525)])
+@pytest.mark.slow(quick=1)
 def test_square_plate(edges, expected):
     """Factors of Kirchhoff's plate within 0.1 %."""
     case = plate_buckling.case(edges=edges, cells=6)
@@ -293,6 +294,7 @@ def test_square_plate(edges, expected):
 
 @pytest.mark.parametrize("edges, aspect, expected", [
     ("simply-supported", 1.5, 4.3403), ("clamped-unloaded", 0.661, 6.9709), ("free", 4.0, 0.4860)])
+@pytest.mark.slow(quick=1)
 def test_long_plate(edges, aspect, expected):
     """The minimum over the number of half waves: k = 6.97 between clamped edges, 0.425 + (b/a)^2 with a free edge."""
     case = plate_buckling.case(edges=edges, aspect=aspect, cells=6)

@@ -72,6 +72,7 @@ def points_on_branch(gap: float, times: float = 1.0) -> list[CriticalPoint]:
 
 @pytest.mark.parametrize("gap", [0.05, 1e-3])
 @pytest.mark.parametrize("times", [1, 12, *(pytest.param(t, marks=SLOW) for t in (1 / 16, 1 / 4, 4, 15.9, 16))])
+@pytest.mark.slow(quick=1)
 def test_branch_that_returns_beside_another_mode(gap, times):
     """A closed branch passes through both bifurcations it ends at, and before and behind sways across itself."""
     found = points_on_branch(gap, times)
@@ -143,6 +144,7 @@ def is_multiple_point_of_four(found, most):
 
 
 @pytest.mark.parametrize("count", [2, *(pytest.param(n, marks=SLOW) for n in (3, 4, 5))])
+@pytest.mark.slow
 def test_springs_that_are_equal(count):
     """A path ends at a multiple point and says so, or finds all modes there, in one point or more at the same load."""
     path = fx.Path(springs_in_series(count * [1.0]), until=fx.Until(load=3.5))
@@ -160,6 +162,7 @@ def test_springs_that_are_equal(count):
 
 
 @pytest.mark.parametrize("load", [2.2, 2.3, 2.4, 2.45, 2.49])
+@pytest.mark.slow(quick=1)
 def test_multiple_point_of_equal_springs_directly_from_farther_off(load):
     record = fx.trace(fx.Case(springs_in_series(4 * [1.0]), until=fx.Until(load=load)))
     for asked, most in ((1, 20), (4, 7)):

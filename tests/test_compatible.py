@@ -165,6 +165,7 @@ def seam(cells, forms, at=None):
     ((2, 4), ("naghdi-q2", "naghdi-q2"), 4), ((4, 2), ("naghdi-q2", "naghdi-q2"), 4),
     ((2, 3), ("naghdi-q2", "naghdi-q2"), 2)])
 @pytest.mark.parametrize("at", [None, "east"])
+@pytest.mark.slow(quick=2)
 def test_nodes_without_a_partner_on_a_seam_are_told(cells, forms, alone, at, recwarn):
     seam(cells, forms, at)
     said = [str(w.message) for w in recwarn if "gape between common nodes" in str(w.message)]

@@ -33,6 +33,7 @@ def node_on_a_rough_floor():
 @pytest.mark.silent("t03")
 @pytest.mark.parametrize("control", [fx.ArcLength(), fx.ArcLength(5e-4), fx.DisplacementControl(),
                                      fx.DisplacementControl(0.002)], ids=["arc", "short arc", "moved", "moved less"])
+@pytest.mark.slow(quick=1)
 def test_limit_points_of_friction_lie_within_steps(control):
     """Corners are found to a fiftieth of a step: within 1 %."""
     record = fx.trace(fx.Case(node_on_a_rough_floor(), control, fx.Until(deflection=3.5 * UNIT)))
@@ -77,6 +78,7 @@ def test_friction_does_not_depend_on_steps_and_stiffness():
 
 @pytest.mark.parametrize("control", [fx.LoadControl(0.05, target=0.3), fx.LoadControl(0.05, target=0.3, fixed=True)])
 @pytest.mark.parametrize("enforcement", ["condensed", "uzawa"])
+@pytest.mark.slow(quick=1)
 def test_a_tip_begins_to_slide(control, enforcement):
     """A rod is pressed on a bar by 0.01 and drawn: friction times that, less what its spring takes as the bar bends.
 
@@ -119,6 +121,7 @@ def test_a_strip_slips_to_and_fro():
 
 @pytest.mark.parametrize("thickness, modulus, weight", [(1e-4 / 0.297, 3e9, 0.785), (1e-3, 2.1e11, 77.0),
                                                         (5e-3, 5e6, 55.0)], ids=["paper", "steel", "rubber"])
+@pytest.mark.slow(quick=1)
 def test_a_sheet_lies_on_a_floor(thickness, modulus, weight):
     """Under its own weight it does not move, but for a millionth of a cell, and presses as much as it weighs."""
     mesh = fx.read(lambda: fx.meshes.rectangle((4, 4), (1.0, 1.0)), 3, 2)
@@ -149,6 +152,7 @@ def lifted_corner(thickness, modulus, weight, height=None, stiffness=None):
 
 @pytest.mark.parametrize("thickness, modulus, weight", [(1e-3, 2.1e11, 77.0), (5e-3, 5e6, 55.0)],
                          ids=["steel", "rubber"])
+@pytest.mark.slow(quick=1)
 def test_a_corner_is_lifted_off_a_floor(thickness, modulus, weight):
     """It rises evenly, and as far with soft contact as with stiff: less than a thousandth of a cell."""
     lifted = []
@@ -186,6 +190,7 @@ def landing(control, law):
 @pytest.mark.parametrize("control", [fx.ArcLength(), pytest.param(fx.LoadControl(0.1), marks=pytest.mark.slow)],
                          ids=["arc", "loaded"])
 @pytest.mark.parametrize("law", [False, True], ids=["obstacle", "law"])
+@pytest.mark.slow(quick=1)
 def test_a_cantilever_lands_on_a_floor(control, law):
     """Where its tip touches the load grows tenfold while the step's length, which displacements make, does not."""
     case, borne = landing(control, law)
@@ -199,6 +204,7 @@ def test_a_cantilever_lands_on_a_floor(control, law):
     (fx.DisplacementControl(0.005), 0.0), (fx.DisplacementControl(0.005), 0.01),
     pytest.param(fx.LoadControl(0.1), 0.0, marks=pytest.mark.slow),
     pytest.param(fx.ArcLength(), 0.0, marks=pytest.mark.slow)], ids=["moved", "rubbing", "loaded", "arc"])
+@pytest.mark.slow(quick=1)
 def test_a_heavy_strip_is_lifted_in_its_middle(control, friction):
     """F = 4/3 q l and h = q l^4 / 72 EI (beam of the length 2 l that touches without moment); half of it, in m and N.
 
@@ -257,6 +263,7 @@ def test_a_free_wedge_whatever_the_stiffness(stiffness):
 
 @pytest.mark.silent("t04")
 @pytest.mark.parametrize("cells, law", [(20, False), pytest.param(40, False, marks=pytest.mark.slow), (40, True)])
+@pytest.mark.slow(quick=1)
 def test_an_arch_falls_on_a_floor(cells, law):
     """Extremes of the load by a Fourier series with a point of contact that slides, within 6e-4 (points of contact).
 
@@ -278,6 +285,7 @@ def test_an_arch_falls_on_a_floor(cells, law):
 
 
 @pytest.mark.parametrize("enforcement", ["condensed", "penalty"])
+@pytest.mark.slow(quick=1)
 def test_pairs_that_tension_holds_remember_no_slip(enforcement):
     """Pulled apart elastically and pressed together again they are as where they are pressed at once."""
     scene = stacked(False, enforcement, friction=0.3, cohesion=1e6, strength=1e6, stiffness=10.0, tangential=10.0)

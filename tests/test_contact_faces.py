@@ -31,6 +31,7 @@ def stop(root, offset, flipped=False, distance=None):
 @pytest.mark.silent("q03")
 @pytest.mark.parametrize(("root", "offset", "flipped"), [
     (2.0, 0.0, False), (4.0, 0.0, False), (3.0, 0.5, False), (2.0, -0.5, False), (3.0, 0.5, True)])
+@pytest.mark.slow(quick=1)
 def test_strip_stops_at_its_own_face(root, offset, flipped):
     """A tip whose lower face is 1.0 above the plane goes down by that, whatever root and mesh are."""
     assert stop(root, offset, flipped) == pytest.approx(1.0, rel=1e-3)
@@ -56,6 +57,7 @@ def surface_stop(thick, offset, under):
 
 @pytest.mark.silent("q03")
 @pytest.mark.parametrize(("thick", "offset", "under"), [(4.0, 0.0, 0.0), (3.0, 0.5, -0.25)])
+@pytest.mark.slow(quick=1)
 def test_two_parts_touch_at_their_faces(thick, offset, under):
     assert surface_stop(thick, offset, under) == pytest.approx(1.0, rel=1e-2)
 

@@ -60,6 +60,7 @@ def followed(name):
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name in LONG)) for name in CASES])
+@pytest.mark.slow(quick=1)
 def test_two_processes_follow_the_path_of_one(name):
     lines = on_two_processes(f"""
 import json

@@ -226,6 +226,7 @@ def rolled(axis=(0.0, 1.0, 0.0), **run):
 @pytest.mark.silent("f02")
 @pytest.mark.parametrize("step", [0.5, 0.26, 0.1])
 @pytest.mark.parametrize("axis", [(0.0, 1.0, 0.0), (0.0, 0.6, 0.8)])
+@pytest.mark.slow(quick=1)
 def test_monitored_rotation_in_space_is_an_angle(step, axis):
     """Whatever the steps; 4 cells are off by 4e-8."""
     record = rolled(axis, control=LoadControl(step, fixed=True))

@@ -102,6 +102,7 @@ def lap(cells, radius=5.0, y=20.0, **how):
     return scene, bolt
 
 
+@pytest.mark.slow
 def test_bolt_over_a_disc_has_a_limit_and_a_force():
     """Its stiffness hardly depends on the mesh, that of a bolt at a point does; its force is what pulls."""
     found = []

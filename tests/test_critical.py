@@ -79,6 +79,7 @@ def test_kinds_names_and_order(arch):
 
 
 @pytest.mark.parametrize("times", STEPS)
+@pytest.mark.slow(quick=1)
 def test_points_do_not_depend_on_steps(arch, times):
     case = pinned_arch(int(12 / times) + 12, 0.01 * times)
     found = trace(case).critical_points

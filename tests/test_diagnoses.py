@@ -92,6 +92,7 @@ def test_strains_without_shear():
 
 @pytest.mark.usefixtures("unchecked")
 @pytest.mark.filterwarnings("ignore:invalid value")
+@pytest.mark.slow
 def test_tangent_without_numbers():
     def strains(u, rotation, frame):
         found = naghdi(u, rotation, frame)
@@ -129,6 +130,7 @@ def pulled(kind):
 @pytest.mark.parametrize(("kind", "words"), [
     (fx.Beam, r"Beam on thin: its tangent in step \d+ is not a finite number"),
     (fx.Shell, r"Shell on shell: its forces in step \d+ are not finite numbers")])
+@pytest.mark.slow(quick=1)
 def test_numbers_that_end_in_a_later_step(kind, words):
     with pytest.raises(fx.PathFailure, match=rf"{words} in [12] of 2 cells, first in cell \d at \(") as failure:
         fx.trace(fx.Case(pulled(kind), fx.LoadControl(0.1)))

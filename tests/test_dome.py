@@ -61,6 +61,7 @@ def test_linear_buckling_beside_contact():
 
 
 @pytest.mark.parametrize("model", ["bars", "flange"])
+@pytest.mark.slow(quick=1)
 def test_cheap_models(model):
     """Four cells a bar give the skeleton's first bifurcation within 1 % of that of eight; flanges stiffen it.
 

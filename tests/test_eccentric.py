@@ -50,6 +50,7 @@ CASES = [(2, 2, 0.3), (2, 3, -0.2), (3, 2, (0.3, -0.2)), pytest.param(3, 3, (0.3
 
 
 @pytest.mark.parametrize(("dimension", "degree", "offset"), CASES)
+@pytest.mark.slow(quick=1)
 def test_tangent_is_the_symmetric_derivative_of_the_residual(dimension, degree, offset):
     beam = arc(1.0, dimension, 3, degree, offset=offset)
     discretisation = Discretisation(pushed(beam, (1.0, 2.0, 3.0)[:dimension]))

@@ -74,6 +74,7 @@ def test_column_with_a_lever_at_its_tip():
 
 
 @pytest.mark.parametrize("spring", [0.5, 5.0, 50.0])
+@pytest.mark.slow(quick=1)
 def test_column_on_a_rotational_spring(spring):
     """x tan x = k L / EI at P L^2 / EI = x^2 (Batista, arXiv 1812.09164)."""
     h = 1e-2

@@ -56,6 +56,7 @@ def check(case, right, least, most):
     pytest.param(lambda n: cylinder_panel.case(cells=(n, n)), 4, 16, 2, marks=SLOW),
     pytest.param(lambda n: cylinder_panel.case(cells=(n, n), form="naghdi-q2"), 12, 32, 2, marks=SLOW),
 ], ids=["Lee frame", "deep arch", "sinusoidal arch", "column", "cylindrical panel", "panel of degree 2"])
+@pytest.mark.slow(quick=1)
 def test_estimates_against_fine_meshes(make, coarse, right, count):
     """Meshes of up to an eighth of the size have errors of a hundredth; the panel's two modes change places."""
     check(make(coarse), loads(make(right), count), 0.9, 1.1)
@@ -140,6 +141,7 @@ def limits(record):
 @pytest.mark.parametrize(("how", "ratios"), [
     ({}, (0.6, 1.7)), pytest.param({"yield_stress": 40.0, "to": 30.0}, (0.6, 1.7), marks=SLOW)],
                          ids=["contact", "yielding"])
+@pytest.mark.slow
 def test_estimates_with_contact_and_plasticity_against_a_fine_mesh(how, ratios):
     right = limits(fx.trace(arch.case(elements=160, **how)))
     for bar, there in zip(fx.trace(arch.case(elements=40, **how)).error_bars(), right, strict=True):
@@ -173,6 +175,7 @@ def run(tmp_path, *arguments):
     return json.loads((tmp_path / "summary.json").read_text())["critical_points"], result.output
 
 
+@pytest.mark.slow
 def test_a_run_tells_them_where_they_are_cheap(tmp_path):
     """Lee's frame has 127 factorisations for two points, the roof sixteen."""
     points, said = run(tmp_path / "lee", "lee-frame", "--elements", "10", "--no-pictures")

@@ -70,6 +70,7 @@ def right(files):
 
 
 @pytest.mark.parametrize("name", ["plate.inp", "sets.inp", "plate.med"])
+@pytest.mark.slow(quick=1)
 def test_groups_and_sets_have_their_names(files, right, name):
     """As lines in a set, and as sets of nodes alone."""
     mesh = fx.read(files / name, 3)

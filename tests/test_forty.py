@@ -15,6 +15,7 @@ LONG = "plate-on-foundation", "plate-sheared", "whole-roof"
 @pytest.mark.parametrize("name", [
     pytest.param(name, marks=[pytest.mark.slow] * (name in LONG))
     for name, structure in STRUCTURES.items() if structure.loads])
+@pytest.mark.slow(quick=8)
 def test_first_critical_loads(name):
     """Those that a closed form or a publication has, by default steps."""
     structure = STRUCTURES[name]

@@ -23,6 +23,7 @@ def free_beam(dimension=2, loads=None):
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.slow(quick=1)
 def test_free_beam(dimension):
     """(4.7300 / L)^2 sqrt(EI / rho A) (Blevins 1979), each twice in space; it buckles as on hinges."""
     record = fx.trace(fx.Case(free_beam(dimension), fx.LoadControl(), fx.Until(steps=1)))
@@ -41,6 +42,7 @@ def test_free_beam(dimension):
 
 
 @pytest.mark.parametrize("degree", [2, 3])
+@pytest.mark.slow(quick=1)
 def test_free_square_plate(degree):
     """NAFEMS FV12: six rigid motions, then 1.622, 2.360, 2.922, 4.190 twice, and 7.356 Hz."""
     mesh = fx.read(lambda: fx.meshes.rectangle((6, 6), (10.0, 10.0)), 3, degree)

@@ -116,6 +116,7 @@ def test_unstable_modes_are_those_of_all_eigenvalues(seed):
     assert state.unstable_modes == np.sum(found[real].real < 0) > 3
 
 
+@pytest.mark.slow
 def test_eigenvalues_jump_where_braces_let_go():
     """A column between two walls that springs press against its middle, until the load has pulled them away.
 

@@ -64,6 +64,7 @@ LENGTHS = "Plate.thickness", "Rectangle.width", "Rectangle.depth", "Tube.diamete
     pytest.param("roof", {"cells": 4, "to": 20.0}, marks=SLOW), pytest.param("channel", {}, marks=SLOW),
     pytest.param("cylinder-panel", {"cells": (4, 4)}, marks=SLOW), pytest.param("dome", {"model": "bars"}, marks=SLOW),
 ], ids=lambda value: value if isinstance(value, str) else "")
+@pytest.mark.slow(quick=1)
 def test_structures_in_other_units(name, options):
     """A load is proportional to the modulus, and to the square of all lengths: of sections, and between nodes."""
     record = fx.trace(load_case(name)(**options))
@@ -110,6 +111,7 @@ def test_a_reaction_to_a_prescribed_displacement():
     assert rates[1] == pytest.approx(rates[0], rel=1e-4)
 
 
+@pytest.mark.slow
 def test_a_number_at_the_end_of_its_range():
     """A tube without a hole: its diameter can only grow, and its thickness only fall, which does nothing at first."""
     mesh = fx.read(lambda: meshes.frame({"a": (0, 0, 0), "b": (0, 0, 1)}, {"one": ("a", "b", 8)}), 3, order=2)
@@ -191,6 +193,7 @@ def in_stages(**options):
     pytest.param(yielding_roof, {"yield_stress": 8.0, "thickness": 12.7}, 1e-3, 1e-3, marks=SLOW),
     pytest.param(rubbing, {"thickness": 4.7625}, 3e-3, 1e-3, marks=SLOW),
 ], ids=["yielding arch", "yielding under a punch", "stages", "follower", "yielding roof", "friction"])
+@pytest.mark.slow(quick=1)
 def test_limits_that_depend_on_the_way(make, by, step, rel):
     record = fx.trace(make())
     for point in [point for point in record.critical_points if point.kind == "limit"]:
@@ -333,6 +336,7 @@ def test_the_path_ends_at_the_point_that_is_asked_for(tmp_path):
     assert found["yield_stress"]["percent_per_percent"] > 0.5 > 0 > found["sway"]["percent_per_percent"]
 
 
+@pytest.mark.slow
 def test_friction_between_parts_is_refused_before_the_path(tmp_path):
     result = CliRunner().invoke(app, ["depends", "double-plate", "-o", str(tmp_path)])
     assert "depends double-plate: parts that touch each other rub" in str(result.exception)

@@ -73,6 +73,7 @@ def test_strip_bent_around_a_cylinder():
 
 
 @pytest.mark.parametrize("on_plate", [pytest.param(True, marks=pytest.mark.slow), False])
+@pytest.mark.slow
 def test_cylinder_pressed_into_an_elastic_layer(on_plate):
     """Winkler's foundation under a cylinder (Johnson 1985, section 4.3): half-width sqrt(2 R d) and force per length
     4/3 k d sqrt(2 R d), which is (3 F R / 2 k)^(1/3) for the half-width.

@@ -226,6 +226,7 @@ def on(scene):
 
 @pytest.mark.silent("b03")
 @pytest.mark.parametrize("shape", ["place", "normal", "mode", "fields"])
+@pytest.mark.slow(quick=1)
 def test_whole_scenes(shape):
     """All of a scene stands on moved meshes whose common nodes stay one, as of the meshes that are moved alone."""
     mesh = read_mixed(stiffened(), ["rib"])

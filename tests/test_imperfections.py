@@ -92,6 +92,7 @@ class Law(fx.LoadsByShape):
     pytest.param(4, np.linalg.norm, chi2.isf(0.05, 4) ** 0.5, marks=pytest.mark.slow),
     pytest.param(2, lambda c: abs(c[0]), norm.isf(0.025), marks=pytest.mark.slow), (3, lambda c: c[0], norm.isf(0.05)),
 ], ids=["circle", "ball", "two-sided", "one-sided"])
+@pytest.mark.slow
 def test_intervals_have_the_quantile_as_often_as_they_say(count, load, exact):
     """They are of 95 %; where the load is known exactly 2e-4 are left, by the places at which the mean is known."""
     law_of = Law(count, lambda c: 1.0 - float(load(c)))
@@ -224,6 +225,7 @@ def energy_of(name: str, count: int, size: float) -> tuple[fx.ReducedEnergy, fx.
 
 @pytest.mark.parametrize(("name", "count", "size", "error"), [
     ("star-dome", 2, 0.05, 1e-3), ("sinusoidal-arch", 3, 5e-4, 2e-3), ("sinusoidal-arch", 3, 2e-3, 3e-2)])
+@pytest.mark.slow(quick=1)
 def test_reduced_energy_tells_its_error(name, count, size, error):
     energy, paths = energy_of(name, count, 1e-5)
     way = np.random.default_rng(1).standard_normal(paths.count)

@@ -28,6 +28,7 @@ def column(held="x y rz", monitored="y", joints=False, material=None, loads=None
 
 
 @pytest.mark.parametrize("control", [fx.ArcLength(), fx.LoadControl(), fx.ArcLength(shape="spherical")], ids=str)
+@pytest.mark.slow(quick=1)
 def test_heated_column_between_fixed_ends_buckles(control):
     """Nothing moves before it does: N is -EA alpha T, and N (1 + N / GA) that of Euler (Engesser 1891)."""
     beam, scene = column()
@@ -99,6 +100,7 @@ def test_plastic_bar_flows_when_heated():
 
 
 @pytest.mark.parametrize("stages", [False, True])
+@pytest.mark.slow(quick=1)
 def test_two_changes_add_up(stages):
     """Half by temperature and half as a strain, in one stage or in two."""
     def loads(beam):
@@ -115,6 +117,7 @@ def test_two_changes_add_up(stages):
 
 
 @pytest.mark.parametrize(("gradient", "direction"), [(1e4, (-1,)), ((1e4, 0.0), (-1, 0)), ((0.0, 1e4), (0, -1))])
+@pytest.mark.slow(quick=1)
 def test_gradient_bends_to_a_circle_away_from_the_hot_side(gradient, direction):
     """The depth is along y, and the width, tangent x depth, along z."""
     dimension, bend = len(direction) + 1, 1e-5 * 1e4

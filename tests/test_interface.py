@@ -105,6 +105,7 @@ def test_constant_membrane_stress_passes(form, between):
 
 @pytest.mark.parametrize("between", INTERFACES)
 @pytest.mark.parametrize("form", ["naghdi-q2", pytest.param("naghdi-t2", marks=pytest.mark.slow)])
+@pytest.mark.slow(quick=1)
 def test_constant_bending_passes(form, between):
     """Moments on opposite edges: curvature m / (D (1 - nu^2)) everywhere, and minus nu of it across."""
     material = CORK if between == "bar between" else STEEL
@@ -161,6 +162,7 @@ def turn(discretisation, angle, steps):
 
 
 @pytest.mark.parametrize("enforcement", ["multiplier", "penalty"])
+@pytest.mark.slow(quick=1)
 def test_rigid_motion_does_no_work(enforcement):
     """Welds, links, bolts, hinges and springs turned by 100 degrees: no residual, against that of a small strain."""
     scene = structure(enforcement)
@@ -180,6 +182,7 @@ def test_rigid_motion_does_no_work(enforcement):
 
 
 @pytest.mark.parametrize("enforcement", ["multiplier", "penalty"])
+@pytest.mark.slow(quick=1)
 def test_tangents_are_derivatives(enforcement):
     """Far from equilibrium, with all kinds of joints."""
     discretisation = Discretisation(structure(enforcement), mixed_points=False)

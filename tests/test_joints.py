@@ -47,6 +47,7 @@ def cantilever_with(joint, load=1e-4):
     (lambda m: fx.Spring(m, "start", "y", 5.0), 1 / 3),
     (lambda m: fx.Spring(m, "middle", "y", 4.0, (m, "start")), 1 / 3 - (5 / 48) ** 2 * 4 / (1 + 4 / 24)),
 ], ids=["translation", "rotation", "at a support", "between points"])
+@pytest.mark.slow(quick=1)
 def test_springs(joint, flexibility):
     assert cantilever_with(joint) == pytest.approx(flexibility, rel=1e-6)
 
@@ -386,6 +387,7 @@ def test_springs_at_the_nodes_of_an_edge_are_told():
 
 @pytest.mark.filterwarnings("ignore:Spring at")
 @pytest.mark.silent("f06")
+@pytest.mark.slow
 def test_springs_on_an_edge_on_two_processes():
     """The size of the mesh, which places are compared by, is no longer asked of all by some."""
     lines = on_two_processes("from test_joints import edge_on_springs\nfor a in ('z', 'ry'): print(edge_on_springs(a))")

@@ -58,6 +58,7 @@ def inside(advice: fx.Advice, load: float) -> bool:
     ("rough_foot", {"friction": 0.6}, {"cells": 32}, NOTHING),
     ("ring", {}, {"cells": 64}, NOTHING),
 ])
+@pytest.mark.slow(quick=2)
 def test_the_load_of_the_whole_model_is_inside(name, options, finer, left):
     """What matters by construction is not left out, and what does not is."""
     advice = advised(name, **options)

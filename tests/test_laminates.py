@@ -94,10 +94,12 @@ def series(angles):
 
 @pytest.mark.parametrize("angles", [CROSS, ANGLE], ids=["cross-ply", "angle-ply"])
 @pytest.mark.parametrize("kind", ["quadrilaterals", pytest.param("triangles", marks=pytest.mark.slow)])
+@pytest.mark.slow(quick=1)
 def test_plate_of_plies_bends(angles, kind):
     assert deflection(angles, kind) == pytest.approx(series(angles), rel=5e-3)
 
 
+@pytest.mark.slow
 def test_axis_and_angles_turn_together():
     """Fibres at the same directions, told from another axis."""
     axis = (np.cos(0.3), np.sin(0.3), 0.7)  # its part along the normal does not count

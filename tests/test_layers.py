@@ -27,6 +27,7 @@ SKEW = fx.Laminate([fx.Ply(0.2, 0.0, 25e6, 1e6, 0.25, 0.5e6), fx.Ply(0.3, 90.0, 
 
 
 @pytest.mark.parametrize("section", [fx.Plate(1.0), SANDWICH, SKEW], ids=["plate", "sandwich", "unsymmetric"])
+@pytest.mark.slow(quick=1)
 def test_shear_between_layers_is_that_of_equilibrium(section):
     """Its integral is the shear force, it is zero on both faces, and minus its rate that of the stress along x."""
     shell, record = strip(section, fx.Elastic(1e6, 0.3) if isinstance(section, fx.Plate) else None)
@@ -128,6 +129,7 @@ print(*record.value_at(shell, forces, (5.0, 0.5, 0.0))[:6], *record.value_at(she
 
 @pytest.mark.parametrize("form", [
     "naghdi-q2", "naghdi-t2", *(pytest.param(f, marks=pytest.mark.slow) for f in ("naghdi-q3", "naghdi-t3"))])
+@pytest.mark.slow(quick=1)
 def test_stresses_at_nodes_for_paraview(form, tmp_path):
     """Of a strip in cylindrical bending the von Mises stress of both faces, at nodes and by cells."""
     import pyvista

@@ -47,6 +47,7 @@ def test_contact_that_touches_nothing_keeps_no_step_from_being_guarded():
 
 
 @pytest.mark.parametrize("step", [0.03, 0.08])
+@pytest.mark.slow(quick=1)
 def test_crooked_arch_sways_whatever_it_does_not_touch(step):
     """A deep arch a ten-thousandth of its radius off sways at 968.7; the perfect one's limit, past its bifurcation at
     969.6, is 1223, which the path leapt to where there was a stop below. Without the stop nothing leaps.

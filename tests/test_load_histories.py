@@ -36,6 +36,7 @@ def snapped(record):
 
 
 @pytest.mark.parametrize("control", [fx.LoadControl(), fx.ArcLength()], ids=lambda c: type(c).__name__)
+@pytest.mark.slow(quick=1)
 def test_toggle_goes_through(control):
     record = fx.trace(fx.Case(toggle(), control, fx.Until(load=200.0), snaps=True))
     ((load, step),) = snapped(record)

@@ -115,6 +115,7 @@ LOADS = [  # what, of both halves; the load of a quarter, and what it is called
 
 @pytest.mark.silent("f03")
 @pytest.mark.parametrize(("loads", "size", "name"), LOADS)
+@pytest.mark.slow(quick=3)
 def test_what_is_no_force_is_neither_multiplied_nor_added(loads, size, name):
     """A quarter of a structure in two groups: forces and moments count four times, all of them."""
     mesh = two_fields(0.25)
@@ -159,6 +160,7 @@ def turned(tip: str, rotation) -> list[float]:
 
 
 @pytest.mark.parametrize("tip", ["rx", "rz", "rx rz", "y rx rz"])
+@pytest.mark.slow(quick=1)
 def test_what_is_turned_may_be_held_about_other_axes(tip):
     """As in half of a symmetric structure: the moment is the same, where the tangent was singular."""
     assert turned(tip, (0.0, 0.6, 0.0)) == pytest.approx(turned("", (0.0, 0.6, 0.0)), rel=1e-9)

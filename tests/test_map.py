@@ -64,6 +64,7 @@ def cell(folder):
     (TILTING, "cylindrical", PASSED, ""),
     (TILTING, "determinant", BACK, "returns"),  # behind the bifurcation
 ], ids=lambda value: value.name if isinstance(value, Trap) else None)
+@pytest.mark.slow(quick=1)
 def test_classical_failures(cell, trap, method, outcome, words):
     found = cell(trap, method)
     assert (found.outcome, found.trap, found.method) == (outcome, trap.name, method), found.reason
@@ -101,6 +102,7 @@ def trail(cell, folder):
     ((18556.7, -9314.4), WRONG, "-9314.4 instead of -9414.4"),
     ((18556.7, 12000.0, -9414.4), WRONG, "12000 that is not there"),
 ])
+@pytest.mark.slow
 def test_conclusions(trail, loads, outcome, words):
     points = [CriticalPoint("limit", load, 0.0, 1, name="maximum" if load > 0 else "minimum") for load in loads]
     verdict, reason = Judge(TRAPS["lee-frame"].points, trail).conclude(points)
@@ -194,6 +196,7 @@ def test_help_lists_traps_and_methods(command):
         assert name in shown.replace("\n", " ")
 
 
+@pytest.mark.slow
 def test_map_is_not_for_mpi(tmp_path):
     command = ["mpirun", "-n", "2", sys.executable, "-m", "sheetfx", "map", "-o", str(tmp_path)]
     result = subprocess.run(command, capture_output=True, text=True, timeout=60, env=os.environ)

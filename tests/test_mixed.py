@@ -117,6 +117,7 @@ def test_dome_of_quadrilaterals(geometry):
 
 @pytest.mark.parametrize("order", [1, 2, 3])
 @pytest.mark.parametrize("triangles", [True, False])
+@pytest.mark.slow(quick=1)
 def test_one_panel_on_two_bars(order, triangles):
     """The smallest structure: its names, where they are, and nodes of both meshes at exactly the same places."""
     mesh = mixed(PANEL_ON_TWO_BARS, 4, triangles, order=order)

@@ -76,6 +76,7 @@ KINDS = pytest.mark.parametrize("build", [recombined, halves, lambda: halves(swa
 
 
 @KINDS
+@pytest.mark.slow(quick=1)
 def test_constant_membrane_strain_is_exact(build):
     """A plate in tension contracts by Poisson's ratio."""
     kinds = fx.read_kinds(build)
@@ -87,6 +88,7 @@ def test_constant_membrane_strain_is_exact(build):
 
 
 @KINDS
+@pytest.mark.slow(quick=1)
 def test_constant_bending_is_exact(build):
     """Without Poisson's ratio moments at one end bend a strip to an arc of a circle."""
     kinds = fx.read_kinds(build)
@@ -97,6 +99,7 @@ def test_constant_bending_is_exact(build):
 
 
 @KINDS
+@pytest.mark.slow(quick=1)
 def test_large_rotations(build):
     """The strip rolls up to a quarter of a circle; 4 x 4 cells of triangles alone are 3.9e-3 off."""
     kinds = fx.read_kinds(build)

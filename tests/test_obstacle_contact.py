@@ -91,6 +91,7 @@ def plane(height, dimension):
 
 
 @pytest.mark.parametrize("dimension, floor", [(2, plane), (3, plane), (3, lambda height, _: Floor(height))])
+@pytest.mark.slow(quick=1)
 def test_beam_meets_a_plane(dimension, floor):
     """A cantilever under a force in its middle whose end meets a plane: 5/16 of the force, less what the gap takes.
 
@@ -168,6 +169,7 @@ def test_sphere_on_a_plate():
 
 
 @pytest.mark.parametrize("friction", [0.0, 1.0])
+@pytest.mark.slow(quick=1)
 def test_tangent_is_the_derivative(friction):
     """Under a sphere that may travel, far from equilibrium; where something slips it is not symmetric."""
     mesh = fx.read(lambda: fx.meshes.rectangle((2, 2)), dimension=3, order=2, place=flat(1.0))
@@ -229,6 +231,7 @@ def test_wrong_input_is_named():
 @pytest.mark.silent("f04")
 @pytest.mark.parametrize(("touch", "way"), [("layer", (0.0, -1.0)), ("augmented", (0.0, -1.0)),
                                             ("augmented", (0.3, -0.9))])
+@pytest.mark.slow(quick=1)
 def test_length_of_the_travel_is_nothing(touch, way):
     """It is a direction: clamps carry the force on the punch, whose monitored way is a length."""
     found = []

@@ -81,6 +81,7 @@ def enclosed(mesh, group=None):
 
 @pytest.mark.silent("b02")
 @pytest.mark.parametrize("seed", range(6))
+@pytest.mark.slow(quick=1)
 def test_box_of_random_sides_encloses_its_volume(seed):
     """Curved cells of all orders too: the place moves all but the volume, by a shear that is not linear."""
     random = np.random.default_rng(seed)

@@ -90,6 +90,7 @@ def sliding_tip(friction, **how):
 
 
 @TIP
+@pytest.mark.slow(quick=1)
 def test_a_tip_that_slides_takes_long_steps(friction, load):
     """A step that is straight opens the pair, and the lower cantilever springs back through the upper one.
 
@@ -102,6 +103,7 @@ def test_a_tip_that_slides_takes_long_steps(friction, load):
 
 
 @TIP
+@pytest.mark.slow(quick=1)
 def test_augmented_pressures_do_not_depend_on_the_stiffness_that_is_given(friction, load):
     """Pairs of a five-millionth of the default stiffness, and far softer than the cantilevers.
 
@@ -121,6 +123,7 @@ def test_augmented_pressures_do_not_depend_on_the_stiffness_that_is_given(fricti
 
 @pytest.mark.parametrize("cells", [7, 24])
 @pytest.mark.parametrize("upwards", [False, True])
+@pytest.mark.slow(quick=1)
 def test_pairs_of_symmetric_parts_are_symmetric(cells, upwards):
     """Where a line is beside two cells, or over both, it used to stay with the one that it came from.
 
@@ -411,6 +414,7 @@ def graded_leaves(cells, friction):
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])
 @pytest.mark.parametrize("cells", [24, pytest.param(60, marks=pytest.mark.slow)])
+@pytest.mark.slow(quick=1)
 def test_graded_leaves_on_fine_meshes(cells, friction):
     """They press each other at tips alone (the last pairs are a quarter of a per cent beside these).
 
@@ -533,6 +537,7 @@ def test_column_beside_a_stop_that_it_touches(side, bound):
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])
+@pytest.mark.slow(quick=1)
 def test_condensed_pairs_take_fewer_factorisations(friction):
     """All pairs of the leaves close, open and slip at once: 13 factorisations in the place of 49 and 53.
 

@@ -45,6 +45,7 @@ def bent(fixed: str, steps: int, axes: np.ndarray = TURN) -> tuple[np.ndarray, n
 
 @pytest.mark.parametrize("steps", [32, pytest.param(256, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("fixed", ["rx", "rx ry"])
+@pytest.mark.slow(quick=1)
 def test_state_does_not_depend_on_the_steps(fixed, steps):
     """The bound is that of the solver; fixed increments turned the base by degrees."""
     few, many = bent(fixed, 8), bent(fixed, steps)

@@ -87,6 +87,7 @@ def test_no_pictures_where_none_are_asked_for(tmp_path):
         "manifest.json", "parameters.json", "path.csv", "summary.json", "states"}
 
 
+@pytest.mark.slow
 def test_linear_buckling_draws_its_modes_alone(tmp_path):
     fx.run(corner(until=fx.Until(steps=0)), "corner", {}, tmp_path, False)
     found = files_of(tmp_path)
@@ -102,6 +103,7 @@ def test_scenes_draw_the_standard_pictures():
 
 
 @pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
+@pytest.mark.slow(quick=1)
 def test_pictures_have_the_format_of_their_ending(snapped, tmp_path, ending):
     for name in ("curve", "shapes"):
         figure = getattr(snapped, name)(tmp_path / f"{name}.{ending}")
@@ -124,6 +126,7 @@ def test_directions_of_colours_are_looked_at(snapped, along):
 
 
 @pytest.mark.parametrize(("along", "direction"), [(None, None), ("z", (0, 0, 1)), ((0.0, 3.0, -4.0), (0, 0.6, -0.8))])
+@pytest.mark.slow(quick=1)
 def test_all_parts_are_coloured_by_one_measure(bent, along, direction):
     """Plates at right angles and a bar: each place by its displacement, whatever its normal is."""
     measure = Measure(along)

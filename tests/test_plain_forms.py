@@ -58,6 +58,7 @@ def fold(cells, degree=2, **given):
 
 
 @pytest.mark.parametrize(("degree", "cells", "exact"), [(2, 16, 1e-5), (3, 16, 1e-8)])
+@pytest.mark.slow(quick=1)
 def test_bratu_on_a_line(degree, cells, exact):
     """Cells of half the length leave 4^-p of the error, which is then no more than 1.1 of the change by halving."""
     coarse, fine = (fold(n, degree) for n in (cells // 2, cells))
@@ -86,6 +87,7 @@ def test_bratu_on_a_square():
     ({"u": 1.0, "u_3": 1.0}, "unstable symmetric", (0, 0), -3 / 4),
     ({"u": 1.0, "u_2": -1.0}, "asymmetric", (8 / (3 * np.pi), 0), 5 / 6),  # Fisher
 ])
+@pytest.mark.slow(quick=1)
 def test_bifurcations_from_the_trivial_solution(sources, name, slopes, curvatures):
     """At (n pi)^2, with Koiter's coefficients by hand: a of the first mode, b of one that is symmetric."""
     record = Line(degree=3, **sources).trace(fx.Until(load=50.0))

@@ -62,6 +62,7 @@ def held_across(mesh, name):
 
 
 @pytest.mark.parametrize("points", [3, 5, 6, 10, 20])
+@pytest.mark.slow(quick=1)
 def test_propped_cantilever_collapses_with_any_number_of_fibres(points):
     """A hinge at the clamp, one under the force: P L / 2 = 3 M_p (Neal 1977) for hinges there, with M_p of the fibres.
 
@@ -80,6 +81,7 @@ def test_propped_cantilever_collapses_with_any_number_of_fibres(points):
 
 
 @pytest.mark.parametrize("points", [3, 5])
+@pytest.mark.slow(quick=1)
 def test_a_column_folds_at_its_foot(points):
     """Of a tube: P = M_p / w, w the deflection across of a rigid member of the length above the hinge.
 

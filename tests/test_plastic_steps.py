@@ -46,6 +46,7 @@ def bar(material, forces, length=1000.0):
 
 
 @pytest.mark.parametrize("seed", range(12))
+@pytest.mark.slow(quick=3)
 def test_random_cycles_of_a_bar(seed):
     """Isotropic, kinematic or both: stresses by one-dimensional return mapping in all states, and closed energies."""
     random = np.random.default_rng(seed)
@@ -237,6 +238,7 @@ def assert_balances(record, dissipates=True):
 
 
 @pytest.mark.parametrize(("hardening", "kinematic"), [(5e3, 0.0), (0.0, 5e3), (2e3, 3e3)])
+@pytest.mark.slow(quick=1)
 def test_energy_of_a_bent_beam_balances(hardening, kinematic):
     """Bent and bent back, in fibres."""
     mesh = fx.read(lambda: fx.meshes.frame({"a": (0, 0), "b": (100.0, 0)}, {"l": ("a", "b", 2)}), 2)
@@ -248,6 +250,7 @@ def test_energy_of_a_bent_beam_balances(hardening, kinematic):
 
 @pytest.mark.parametrize("kind", ["resultants", *(
     pytest.param(kind, marks=pytest.mark.slow) for kind in ("layers", "kinematic layers"))])
+@pytest.mark.slow
 def test_energy_of_a_plate_balances(kind):
     """Stretched and sheared beyond yield, then bent, in layers or by Ilyushin's condition; and let go."""
     mesh = fx.read(lambda: fx.meshes.rectangle((2, 1), (2.0, 1.0)), 3, 2)

@@ -86,6 +86,7 @@ def test_thin_channel_against_vlasov():
 
 @pytest.mark.parametrize("name", [
     "Z", *(pytest.param(n, marks=pytest.mark.slow) for n in ("UPE 200", "L 150 x 90 x 12", "box"))])
+@pytest.mark.slow
 def test_a_section_turned_with_its_depth_is_the_same(name):
     """Displacements by a skew force of a cantilever whose section and `up` turn by 90 degrees against each other.
 
@@ -188,6 +189,7 @@ def test_pretwisted_beam():
         assert response(scene) * 1e3 == pytest.approx(right, rel=5e-3)
 
 
+@pytest.mark.slow
 def test_frequencies_of_a_tapered_wedge():
     """A wedge that is clamped at its base: omega L^2 = 5.315 root(E I_0 / (rho A_0)) (Kirchhoff 1879; Mabie 1964)."""
     mesh = straight(16, 1.0, dimension=3)

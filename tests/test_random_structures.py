@@ -27,6 +27,7 @@ def test_dense_tangent_is_the_derivative_of_the_gradient(make, seed):
 @pytest.mark.parametrize("make, seed", [
     ("truss", 2), ("truss", 5), ("truss", 11), ("frame", 11), ("frame", 12),
     *(pytest.param("truss", seed, marks=pytest.mark.slow) for seed in (108, 118))])
+@pytest.mark.slow(quick=1)
 def test_a_few(make, seed):
     """A limit, close and double bifurcations, and a frame that sways; loops that a step may leave out (108, 118)."""
     found = compare(getattr(random_shapes, make)(seed))

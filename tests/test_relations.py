@@ -20,7 +20,7 @@ import sheetfx as fx
 from sheetfx.continuation.state import State
 
 ALL = 1120
-QUICK = {*range(48), 324, 348}  # 324: multipliers hold all that is free, so that no eigenvalue is finite; 348: one
+QUICK = {*range(12), 324, 348}  # 324: multipliers hold all that is free, so that no eigenvalue is finite; 348: one
 # unknown is free, and the tangent changes by a matrix of rank one
 TOLERANCE = 1e-6
 TOUCHING = 1e-4  # a millionth of a cell may penetrate, and displacements are some hundredths of one

@@ -274,6 +274,7 @@ def assert_energy_balances(record, most=1e-6, accuracy=None):
     ("deep-arch", {"elements": 16}), ("hemisphere", {"cells": 2}), ("roof", {"cells": 2}),
     pytest.param("arch", {"elements": 20, "to": 20.0}, marks=pytest.mark.slow, id="contact"),
     pytest.param("star-dome", {}, marks=pytest.mark.slow)])
+@pytest.mark.slow(quick=2)
 def test_energy_balances_along_whole_paths(name, parameters):
     """With the usual, long steps, through limits and snap-backs; states that are found within them make it sharp."""
     record = fx.trace(load_case(name)(**parameters))
@@ -363,6 +364,7 @@ def test_tables_and_files(tmp_path):
 
 @pytest.mark.parametrize(("side", "turned"), [
     pytest.param("negative", True, marks=pytest.mark.slow), ("positive", False)])
+@pytest.mark.slow
 def test_sides_and_normals(side, turned, tmp_path):
     """Pressure on the negative side pushes a plate along the normal that ParaView shows, on the positive against it."""
     import pyvista

@@ -50,6 +50,7 @@ def test_two_thirds_law():
 
 @pytest.mark.parametrize(("amplitude", "step"), [
     (1e-2, None), (1e-4, None), (1e-6, None), (1e-4, 4.672885757e-3), (3e-6, 2.871219167e-3), (3e-7, 3.142864521e-3)])
+@pytest.mark.slow(quick=1)
 def test_the_path_of_a_slightly_imperfect_structure_bends_away(amplitude, step):
     """A step past the bifurcation lands on the path of the perfect structure (limit at 148.5), which is another branch.
 
@@ -67,6 +68,7 @@ def test_the_path_of_a_slightly_imperfect_structure_bends_away(amplitude, step):
 
 
 @pytest.mark.parametrize("step", [1.0, 3.0, 5.0])
+@pytest.mark.slow(quick=1)
 def test_rounding_of_stiff_parts_makes_no_bifurcation_asymmetric(step):
     """A beam that tilts under a force on a rigid stub above it does so to both sides alike.
 

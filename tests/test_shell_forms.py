@@ -79,6 +79,7 @@ def eigenvalues(scene):
 @every_form
 @pytest.mark.parametrize("thickness", [5e-2, 1e-3])
 @pytest.mark.parametrize("name", SHAPES)
+@pytest.mark.slow(quick=2)
 def test_a_free_cell_has_six_modes_without_energy(form, name, thickness):
     """The softest other mode bends the cell: its stiffness is of the order of the thickness cubed."""
     values = eigenvalues(one_cell(form, name, thickness))
@@ -195,6 +196,7 @@ PANELS = {
 
 @two_forms
 @pytest.mark.parametrize("name", PANELS)
+@pytest.mark.slow(quick=1)
 def test_flat_and_folded_panels_on_coarse_meshes(form, name):
     """Error below 2 % with 4 cells along each edge, of Cook's membrane with its obtuse corner below 2.5 %.
 
@@ -234,6 +236,7 @@ PLATE = {1e-1: 1.504626e-3, 1e-2: 1.267859e-3, 1e-3: 1.265345e-3, 1e-5: 1.265319
 
 @every_form
 @pytest.mark.parametrize("thickness", PLATE)
+@pytest.mark.slow(quick=4)
 def test_thin_plates_do_not_lock(form, thickness):
     """Error below 2.5 % for 8 distorted cells along half an edge, whatever the thickness.
 
@@ -393,6 +396,7 @@ def von_karman(u, rotation, frame):
 @pytest.mark.parametrize("settings", [{}, {"strains": von_karman}, {"law": stiffer},
                                       {"strains": von_karman, "law": stiffer}],
                          ids=["sheetfx", "strains", "law", "both"])
+@pytest.mark.slow(quick=1)
 def test_strains_and_law_of_the_user(settings):
     """Clamped square plate that cannot pull in, q a^4 / E t^4 = 402: deflection 1.902 t (Levy 1942, table 1).
 

@@ -27,6 +27,7 @@ def pipe(radius, cells=6):
 
 @pytest.mark.silent("q02")
 @pytest.mark.parametrize("radius", [90.0, 95.0, 105.0, 115.0])
+@pytest.mark.slow(quick=1)
 def test_pipe_is_the_same_on_whichever_face_it_is_meshed(radius):
     """A force q per area of the meshed surface at r, and T per length of its edge: q r R / E t and T r L / (R E t)."""
     shell, supports = pipe(radius)
@@ -59,6 +60,7 @@ def swings(scene):
 
 @pytest.mark.silent("q02")
 @pytest.mark.parametrize("bends", [(0.3, 0.0, 0.0), (0.3, 0.4, 0.0), (-0.4, 0.5, 0.3)])
+@pytest.mark.slow(quick=1)
 def test_curved_panel_swings_the_same_on_whichever_face_it_is_meshed(bends):
     """Stiffness and mass of the mid-surface; per length and area of the meshed one frequencies are up to 9 % off."""
     right = swings(curved(0.0, bends))

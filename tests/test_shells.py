@@ -44,6 +44,7 @@ def largest_error(values, reference):
     (pinched_cylinder, {"cells": 12, "steps": 0}, 1e-2),
     (scordelis_lo, {"cells": 4, "steps": 0}, 1e-3),
 ])
+@pytest.mark.slow(quick=3)
 def test_end_values_on_a_coarse_mesh(module, parameters, tolerance):
     """Tolerance: a little more than the mesh error, measured against the references."""
     record, values = run(module, **parameters)
@@ -73,6 +74,7 @@ def test_roof_keeps_its_path_for_steps_over_a_factor_of_16(thickness, limits):
     pytest.param(pull_out, {"cells": 8, "steps": 20}, 1e-2, marks=pytest.mark.slow),
     pytest.param(semi_cylinder, {"cells": 8, "step": 0.01}, 1.5e-2, marks=pytest.mark.slow),
 ])
+@pytest.mark.slow(quick=1)
 def test_published_points_lie_on_the_path(module, parameters, tolerance):
     """All points of Sze, Liu and Lo (2004), within a part of the largest reading.
 
@@ -104,6 +106,7 @@ def test_hemisphere_under_small_forces():
 
 @pytest.mark.parametrize(("module", "cells", "limit"), [
     (scordelis_lo, 8, 0.3006), (pinched_cylinder, 32, 1.8248e-5)])
+@pytest.mark.slow(quick=1)
 def test_shear_rigid_limits(module, cells, limit):
     """Thin-shell theory without transverse shear, to the digits that are known: 0.05 %."""
     _, values = run(module, cells=cells, steps=0, shear_factor=200.0)

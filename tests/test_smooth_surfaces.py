@@ -69,6 +69,7 @@ class Wavy:
     ({"cells": (4, 3)}, 1e-7), ({"cells": (3, 2), "degree": 3}, 1e-7), ({"cells": (3, 2), "triangles": True}, 1e-7),
     ({"cells": (6, 3), "place": cone}, 1e-7), ({"cells": (6, 3), "place": cone, "triangles": True}, 1e-7),
     ({"cells": (4, 3), "place": skewed}, 2e-4), ({"cells": (3, 2), "place": skewed, "order": 2}, 2e-3)])
+@pytest.mark.slow(quick=1)
 def test_normal_is_continuous(how, most):
     """The same on both sides of borders, where cells are no parallelograms up to interpolation along these."""
     surface = Wavy(**how)

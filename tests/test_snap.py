@@ -145,6 +145,7 @@ def test_falls_of_a_test(frame, tmp_path):
 @pytest.mark.parametrize(("scene", "hold"), [
     (lambda: roof.case(cells=2, to=26.0), "load"), (lambda: lee_frame.case(elements=10, to=85.0), "displacement"),
     (lambda: von_mises_truss.case(0.3), "load")], ids=["roof", "Lee frame", "flat truss"])
+@pytest.mark.slow(quick=1)
 def test_falls_do_not_hang_on_the_lengths_of_steps(scene, hold):
     """They begin where what is held has its extreme, not at the next state."""
     found = []
@@ -159,6 +160,7 @@ def test_falls_do_not_hang_on_the_lengths_of_steps(scene, hold):
 
 
 @pytest.mark.parametrize("side", [-1, 1])
+@pytest.mark.slow(quick=1)
 def test_arch_under_a_punch(side):
     """Contact layers store energy too: back to the path before the limit, forward until the arch is thrown over."""
     case = arch.case(elements=40, ratio=0.8, to=20.0)
@@ -278,6 +280,7 @@ def test_star_dome_with_six_unstable_directions(hold):
 
 
 @pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.slow(quick=1)
 def test_slender_arch_falls_along_a_curved_valley(side):
     """The deep arch, inextensible and shear-rigid; straight steps need more than 300 (energy to 1e-6 by itself)."""
     case = deep_arch.case()

@@ -156,6 +156,7 @@ def test_stage_is_on_file(tmp_path):
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.slow(quick=1)
 def test_prescribed_rotation(dimension):
     """The end of a cantilever turned far: a circle under the moment EI angle / L.
 

@@ -99,6 +99,7 @@ def linear(scene: fx.Scene, count: int = 2) -> tuple[float, list[float]]:
 
 
 @pytest.mark.parametrize("rib_is_beam", [False, True], ids=["shell", "beam"])
+@pytest.mark.slow(quick=1)
 def test_t_beam_deflects_and_buckles_sideways(rib_is_beam):
     """Bernoulli's and Vlasov's theory; 0.1 %: they are not slenderer than that."""
     deflection, force = TBeam().theory(rib_is_beam)
@@ -219,6 +220,7 @@ SLOW = pytest.mark.slow
     pytest.param(CONCENTRIC, True, "naghdi-t3", 8, marks=SLOW),
     pytest.param(ECCENTRIC, True, "naghdi-t3", 8, marks=SLOW),
     pytest.param(ECCENTRIC, False, "naghdi-t3", 8, marks=SLOW)])
+@pytest.mark.slow(quick=1)
 def test_stiffened_plate_buckles(plate, rib_is_beam, form, cells):
     """Against finite strips: the first load, at which the rib bends, and the next two, at which it twists.
 

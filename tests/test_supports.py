@@ -89,6 +89,7 @@ def test_motion_of_an_edge_moves_all_of_it():
 
 
 @pytest.mark.parametrize("slant", [0.0, 1e-3, 0.6, 1.2])
+@pytest.mark.slow(quick=1)
 def test_a_corner_of_two_supports_has_what_both_hold(slant):
     """As with the corner held besides in all directions of the plane; the reactions are in balance with the load."""
     mesh = fx.read(lambda: fx.meshes.rectangle((2, 2)), 3)
@@ -111,6 +112,7 @@ def test_a_corner_of_two_supports_has_what_both_hold(slant):
 
 
 @pytest.mark.parametrize("turn", [(0, 0, 0.5), (0.3, 0.2, 0.5)])
+@pytest.mark.slow(quick=1)
 def test_a_motion_leaves_nodes_that_supports_hold_on_axes_of_their_own(turn):
     """As it does nodes that are held along the axes of space; prescribed as well, they made the tangent singular."""
     mesh = fx.read(lambda: fx.meshes.rectangle((2, 2)), 3)

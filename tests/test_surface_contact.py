@@ -245,6 +245,7 @@ def test_nothing_has_slipped_before_anything_moves():
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.2])
+@pytest.mark.slow(quick=1)
 def test_pressed_on_a_vertex(friction):
     """A rod in the middle of a plate of four by four cells stays there, by symmetry."""
     plates = plate((4, 4), (1.0, 1.0))

@@ -52,6 +52,7 @@ exec(COPY)  # two processes run it as well
 
 
 @pytest.mark.parametrize("form", ["naghdi-q2", "naghdi-t2", "naghdi-q3"])
+@pytest.mark.slow(quick=1)
 def test_shells_go_the_same_way(form):
     found = both(form)  # noqa: F821
     assert found[3:] == pytest.approx(found[:3], rel=1e-9) and abs(found[2]) > 1e-3

@@ -59,6 +59,7 @@ def ties(seed, curved):
 @pytest.mark.silent("stiff")
 @pytest.mark.parametrize(("seed", "curved"), [(0, False), (1, True), *(pytest.param(
     seed, curved, marks=pytest.mark.slow) for seed in range(2, 12) for curved in (False, True))])
+@pytest.mark.slow(quick=1)
 def test_more_ties_are_stiffer_and_none_more_than_one_mesh(seed, curved):
     """Rounding: what the ends of a tie of a hundredth of a cell hold differs by so much, and others stand for them."""
     full = compliance(lambda skin, rib: [fx.Compatible(rib, skin)], curved)

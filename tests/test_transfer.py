@@ -37,6 +37,7 @@ def stretched(cells, form):
 @pytest.mark.parametrize("make", [
     lambda n: bent(n), lambda n: bent(n, dimension=3), lambda n: stretched(n, "naghdi-q2"),
     lambda n: stretched(n, "naghdi-t2")], ids=["planar beam", "beam", "quadrilaterals", "triangles"])
+@pytest.mark.slow(quick=1)
 def test_energy_on_a_nested_mesh(make):
     """Where strains are among those that the forms assume, and rotations small or none: the same."""
     coarse, fine = make(3), make(6)
@@ -51,6 +52,7 @@ def test_energy_on_a_nested_mesh(make):
     (lambda: roof.case(cells=4).scene, lambda: roof.case(cells=4, thickness=12.4).scene)],
     ids=["mesh", "degree", "triangles", "thickness"])
 @pytest.mark.parametrize("with_mode", [True, pytest.param(False, marks=pytest.mark.slow)])
+@pytest.mark.slow(quick=1)
 def test_limit_points_directly_on_the_other_mesh(one, other, with_mode):
     record = follow_roof(one())
     point = record.critical_points[0]
@@ -73,6 +75,7 @@ def follow_roof(scene):
     pytest.param(lambda n: cylinder_panel.case(cells=(n, n)), (4, 8), 2, marks=pytest.mark.slow),
     pytest.param(lambda n: dome.case(divisions=n), (4, 8), 2, marks=pytest.mark.slow)],
     ids=["Lee frame", "deep arch", "sinusoidal arch", "cylindrical panel", "coupled dome"])
+@pytest.mark.slow(quick=1)
 def test_points_of_every_kind_directly_on_twice_as_many_cells(make, cells, count):
     """By their modes, in at most seven factorisations, beams from guesses that interpolation strains much."""
     coarse, fine = (make(n) for n in cells)

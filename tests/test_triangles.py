@@ -34,6 +34,7 @@ QUICK = {("pinched cylinder, t/R 1e-2", "left"), ("saddle, t/L 1e-3", "distorted
 @pytest.mark.parametrize(("name", "kind"), [
     pytest.param(name, kind, marks=[] if (name, kind) in QUICK else LONG)
     for name in triangles.PROBLEMS for kind in triangles.KINDS["naghdi-t2"]])
+@pytest.mark.slow(quick=3)
 def test_no_mesh_is_too_soft(name, kind, form):
     """With 8 cells a side; a form that leaves strains out was 18 % too soft with 16 (`naghdi-p2cr`, cylinder)."""
     assert triangles.off(name, form, 8, kind) < (SOFT_DISTORTED if kind == "distorted" else SOFT)
@@ -53,6 +54,7 @@ def kirchhoff(count):
 
 
 @pytest.mark.parametrize(("form", "tolerance"), [("naghdi-t2", 0.02), ("naghdi-t3", 0.002)])
+@pytest.mark.slow(quick=1)
 def test_first_twelve_buckling_loads_of_a_plate(form, tolerance):
     """Forms whose membranes leave strains out have loads of short waves among them; errors here fall by h^4."""
     case = plate_buckling.case(form=form, cells=8, count=12)
@@ -76,6 +78,7 @@ def panel_frequencies(form, cells):
 
 
 @pytest.mark.parametrize(("form", "stiff"), [("naghdi-t2", 0.11), ("naghdi-t3", 0.015)])
+@pytest.mark.slow(quick=1)
 def test_first_frequencies_of_a_panel(form, stiff):
     """Not below 12 cells of `naghdi-q3`, as modes are that a form invents; short waves are stiff on 8 cells."""
     off = np.array(panel_frequencies(form, 8)) / panel_frequencies("naghdi-q3", 12) - 1

@@ -34,6 +34,7 @@ def test_von_mises_truss():
 
 @pytest.mark.parametrize("name, ring", [
     ("star-dome", 0.0), pytest.param("star-dome-all-nodes", 1.0, marks=pytest.mark.slow)])
+@pytest.mark.slow
 def test_star_dome(name, ring):
     nodes, members = star_dome.dome()
     names, places = list(nodes), np.array(list(nodes.values()))
@@ -162,6 +163,7 @@ class SymmetricElastica:
         return fsolve(equations, z, xtol=1e-12)[2]
 
 
+@pytest.mark.slow
 def test_semicircular_arch():
     """Tolerances: the arch's own are 5e-4, for extension with depth / radius 0.005."""
     found = SymmetricElastica().extremes(200.0)
