@@ -91,7 +91,8 @@ def _begun() -> tuple[subprocess.Popen, str]:
     if executable is None:
         raise NoDisplay("there is no X server and Xvfb is missing: install the package xvfb (apt-get install xvfb)")
     reader, writer = os.pipe()
-    options = ["-displayfd", str(writer), "-screen", "0", "1600x900x24", "-nolisten", "tcp"]
+    # Without -noreset it begins anew as the connection that tries it ends, and may refuse the one that follows.
+    options = ["-displayfd", str(writer), "-noreset", "-screen", "0", "1600x900x24", "-nolisten", "tcp"]
     server = subprocess.Popen([executable, *options], pass_fds=[writer],
                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     os.close(writer)
