@@ -98,7 +98,7 @@ def test_punch_converged(ratio):
 
 
 @pytest.mark.parametrize("ratio", FORTY_ELEMENTS)
-@pytest.mark.slow(quick=1)
+@pytest.mark.slow
 def test_mesh_of_the_thesis(ratio):
     """40 elements of two nodes, exact contact at nodes: an independent program's sawtooth (0.4 %)."""
     _, values = arch(ratio=ratio, elements=40, degree=1, contact="nodes", to=18.0, step=0.0002)
@@ -117,7 +117,7 @@ def test_friction_changes_little(ratio):
 
 
 @pytest.mark.parametrize("enforcement", ["penalty", "uzawa", "semismooth"])
-@pytest.mark.slow(quick=1)
+@pytest.mark.slow
 def test_enforcements_agree(enforcement):
     """Under displacement control all carry the same load at 4 mm; the soft penalty to 1 %."""
     loads = []

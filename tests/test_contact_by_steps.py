@@ -43,6 +43,7 @@ def test_limit_points_of_friction_lie_within_steps(control):
 
 
 @pytest.mark.silent("t03")
+@pytest.mark.slow
 def test_load_control_stops_where_friction_gives_way():
     """At 1.5, but for what the stiffness of contact rounds."""
     with pytest.raises(fx.PathFailure) as failure:

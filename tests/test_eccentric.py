@@ -59,6 +59,7 @@ def test_tangent_is_the_symmetric_derivative_of_the_residual(dimension, degree, 
     assert distance(assembled, assembled.T) < 1e-12
 
 
+@pytest.mark.slow
 def test_rigid_rotation_leaves_no_strain():
     """To roundoff of the stiffness 1e5: a curved beam off its line, turned beyond a full turn."""
     beam = arc(1.0, 3, 3, offset=(0.3, -0.2))

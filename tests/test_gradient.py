@@ -94,6 +94,7 @@ def test_the_modulus_of_a_frame_that_symmetry_does_not_protect():
         gradient.derivative(one.scene, one.value)
 
 
+@pytest.mark.slow
 def test_a_reaction_to_a_prescribed_displacement():
     """A column that is shortened buckles as one that is pressed does."""
     mesh = fx.read(lambda: meshes.frame({"a": (0, 0), "b": (0, 1)}, {"one": ("a", "b", 8)}), 2, order=2)

@@ -269,6 +269,7 @@ def test_ties_at_places_go_along():
     assert made.joints[0].meeting.sides[0].places[:, 2].min() > 0.005
 
 
+@pytest.mark.slow
 def test_modes_of_other_scenes_are_refused():
     mesh = read_mixed(stiffened(), ["rib"])
     scene = panel_with_rib(mesh.surfaces, mesh.curves)

@@ -121,6 +121,7 @@ def test_a_valley_with_a_kink_is_followed():
     assert found[0].load == pytest.approx(1.0, abs=0.1)
 
 
+@pytest.mark.slow
 def test_loads_that_are_known_are_not_looked_for_again():
     known, told = [bars(1.2).at((SIZE, 0.0))], []
     again = fx.Imperfections(propped_bar(1.2), SWAYS, fx.Path, known=known, told=told.append)
@@ -162,6 +163,7 @@ def test_yielding_arch():
     assert worst <= min(loads.at(one).load for one in around) < 0.98 * ideal.load
 
 
+@pytest.mark.slow
 def test_friction_between_parts_is_refused_before_paths():
     with pytest.raises(ValueError, match="imperfections of double-plate: parts that touch each other rub"):
         perfect("double-plate", load_case("double-plate")(), 2)

@@ -133,6 +133,7 @@ def test_gradient_bends_to_a_circle_away_from_the_hot_side(gradient, direction):
     assert np.abs(record.forces(beam)).max() < 1e-7 * E * 0.02 * 0.01 * bend
 
 
+@pytest.mark.slow
 def test_held_beam_is_pressed_where_it_is_hot():
     rest = {"a": (0, 0, 0), "m": (0.5, 0, 0), "b": (1, 0, 0)}
     mesh = fx.read(lambda: fx.meshes.frame(rest, {"l": ("a", "m", 1), "r": ("m", "b", 1)}), 3)
@@ -153,6 +154,7 @@ def plate(triangles, cells=4):
 
 
 @pytest.mark.parametrize("triangles", [False, pytest.param(True, marks=pytest.mark.slow)])
+@pytest.mark.slow
 def test_heated_plate_buckles(triangles):
     """Simply supported, its edges held in the plane: h^2 pi^2 / (6 (1 + nu) a^2) = alpha T (Timoshenko and Gere)."""
     shell, scene = plate(triangles, cells=8)

@@ -60,6 +60,7 @@ def test_sandwich_carries_its_shear_in_the_core():
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.slow
 def test_stresses_of_a_plastic_beam(dimension):
     """Pure bending: fibres beyond the elastic core are at the yield stress, those within as far as they are out."""
     ends = {"a": (0, 0, 0)[:dimension], "b": (10.0, 0, 0)[:dimension]}

@@ -64,7 +64,7 @@ def cell(folder):
     (TILTING, "cylindrical", PASSED, ""),
     (TILTING, "determinant", BACK, "returns"),  # behind the bifurcation
 ], ids=lambda value: value.name if isinstance(value, Trap) else None)
-@pytest.mark.slow(quick=1)
+@pytest.mark.slow
 def test_classical_failures(cell, trap, method, outcome, words):
     found = cell(trap, method)
     assert (found.outcome, found.trap, found.method) == (outcome, trap.name, method), found.reason
@@ -109,6 +109,7 @@ def test_conclusions(trail, loads, outcome, words):
     assert verdict == outcome and words in reason
 
 
+@pytest.mark.slow
 def test_names_and_null_vectors_are_compared(trail):
     """A bifurcation with another name, and a double one taken for a simple one."""
     point = CriticalPoint("bifurcation", 1.0, 0.0, 1, name="asymmetric")
@@ -130,6 +131,7 @@ def test_states_are_watched_on_their_way(trail):
     assert found[0] is None and found[-1] == (JUMPED, "passes the limit point at load 18557 without finding it")
 
 
+@pytest.mark.slow
 def test_states_off_the_path(trail):
     """One with other fields at once, one that creeps away by and by."""
     final = trail.states[-1].fields

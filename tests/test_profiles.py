@@ -176,6 +176,7 @@ def test_steps_of_a_measure_are_those_of_groups():
     assert found[0] == pytest.approx(found[1], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_pretwisted_beam():
     """MacNeal and Harder's beam, twisted by 90 degrees (Zupan and Saje 2004)."""
     angle = lambda x: x[0] / 12 * pi / 2  # noqa: E731

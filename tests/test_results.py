@@ -131,6 +131,7 @@ def test_reactions_with_an_obstacle(exactly):
     assert force[-1] == pytest.approx(-(contact.weight * contact.pressure) @ normals, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_reactions_of_prescribed_motions(exactly):
     """A clamp and a tip that is moved; a tip that is turned takes the moment EI angle / length of a circle."""
     mesh = straight(6)

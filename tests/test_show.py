@@ -250,6 +250,7 @@ def test_shapes(record, tmp_path):
     assert all(np.array_equal(v, before[k]) for k, v in fields(record).items())
 
 
+@pytest.mark.slow
 def test_shapes_without_display(record, sheet, tmp_path, monkeypatch):
     """Curves do without; surfaces are left out with a remedy."""
     monkeypatch.delenv("DISPLAY", raising=False)

@@ -96,6 +96,7 @@ def records():
 
 
 @pytest.mark.parametrize("hold", [pytest.param("load", marks=pytest.mark.slow), "displacement"])
+@pytest.mark.slow
 def test_falls_do_not_hang_on_their_steps(records, hold, monkeypatch):
     """The integral of the forces does not depend on the way, nor does the state where one valley leads to it."""
     for record in records:
