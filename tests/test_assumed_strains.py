@@ -44,6 +44,7 @@ def linear_in_the_nodes(u, rotation, frame):
 
 
 @pytest.mark.parametrize("form", ["naghdi-q2", pytest.param("naghdi-q3", marks=pytest.mark.slow)])
+@pytest.mark.slow
 def test_energy_is_that_of_selective_reduced_integration_on_affine_cells(form):
     """(1 - share) of the low rule and the share of the full one, where strains have the degree of the full rule."""
     discretisation = panel(form, lambda x: x @ np.array([[1, 0.2, 0], [0.3, 0.8, 0], [0, 0, 0]]),

@@ -96,6 +96,7 @@ def test_bend_reaches_the_published_tip():
     assert values["most_iterations"] <= 5
 
 
+@pytest.mark.slow
 def test_bend_agrees_with_the_rod_equations():
     """Tolerance: 32 elements are within 3e-8 of 64."""
     case = bend.case()
@@ -106,6 +107,7 @@ def test_bend_agrees_with_the_rod_equations():
     assert [values[f"tip_{c}"] for c in "xyz"] == pytest.approx(tip, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_mixed_points_save_iterations_and_leave_the_solution():
     results = [bend.case(plain_tangent=plain) for plain in (False, True)]
     mixed, plain = (case.quantities(trace(case)) for case in results)

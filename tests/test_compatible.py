@@ -95,6 +95,7 @@ def test_hinge_of_shared_displacements():
     assert record.critical_points[0].load == pytest.approx(exact, rel=1e-9), "von Mises truss, closed form"
 
 
+@pytest.mark.slow
 def test_tangent_is_the_derivative():
     """Beams that share unknowns, with forms and point work on the eliminated ones, far from equilibrium."""
     scene = twofold(True)

@@ -80,6 +80,7 @@ if MPI.COMM_WORLD.rank == 0:
     assert json.loads(lines[-1]) == sets_of_branches(columns)
 
 
+@pytest.mark.slow
 def test_corners_whose_branches_are_not_known_say_so(columns, monkeypatch):
     corner, = (p for p in columns.critical_points if p.name == "corner")
     monkeypatch.setattr("sheetfx.critical.corner_branches.MOST", COUNT - 1)

@@ -168,6 +168,7 @@ def test_a_curve_goes_on_where_it_was_kept(tmp_path):
     assert count == 3 and [p.number for p in begun + rest] == pytest.approx([p.number for p in whole], rel=1e-12)
 
 
+@pytest.mark.slow
 def test_the_command(tmp_path):
     words = ["curve", "sinusoidal-arch", "--against", "alpha=2.2:2.5", "--parts", "4", "-o", str(tmp_path)]
     result = CliRunner().invoke(app, words)

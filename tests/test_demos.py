@@ -11,8 +11,8 @@ import pytest
 DEMOS = sorted((Path(__file__).parents[1] / "demos").glob("*.py"))
 NOTEBOOKS = "arch", "double_plate"
 LONG = ("arch", "bolted_panel", "branches", "buckling", "convergence", "dome", "double_plate", "enforcement",
-        "imperfections", "large_steps", "pair_search", "panel", "plastic_column", "plastic_sections", "shell", "snap",
-        "snap_surface", "speed", "thin_limit", "triangles")
+        "foundation", "imperfections", "large_steps", "moving_pairs", "pair_search", "panel", "plastic_column",
+        "plastic_sections", "shell", "snap", "snap_surface", "speed", "thin_limit", "triangles")
 WITH_JUPYTER = all(importlib.util.find_spec(name) for name in ("jupytext", "nbconvert", "ipykernel"))
 
 

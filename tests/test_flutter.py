@@ -148,7 +148,7 @@ def test_waves_of_a_ring_do_not_flutter():
 
 
 @pytest.mark.parametrize("end, expected", [(8.0, ["begins"]), (16.0, ["begins", "ends"])])
-@pytest.mark.slow(quick=1)
+@pytest.mark.slow
 def test_stiff_rods_on_springs(end, expected):
     """Ziegler's pendulum of two rods: M q'' + K q = 0 in two angles, whose squares meet, and part again below zero.
 

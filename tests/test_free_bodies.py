@@ -72,6 +72,7 @@ def test_pinched_ring_is_that_on_its_own_axes():
     assert ends[0].deflection == pytest.approx(ends[1].deflection, rel=1e-6) and ends[0].deflection > 0.15
 
 
+@pytest.mark.slow
 def test_parts_that_are_joined_are_one_free_body():
     """Two beams that are welded, and masses on them, beside one; a spring to the ground makes them held."""
     mesh = fx.read(lambda: fx.meshes.frame({"a": (0, 0), "m": (0.5, 0)}, {"l": ("a", "m", 5)}), 2)

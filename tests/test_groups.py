@@ -95,6 +95,7 @@ def test_groups_without_names_are_told_by_their_dimension(named, tmp_path):
 
 
 @pytest.mark.silent("b05")
+@pytest.mark.slow
 def test_any_number_of_groups_carry_loads():
     """Twelve members with a load each bend as one part with one load does."""
     nodes = {f"p{i}": (float(i), 0.1 * (i % 2)) for i in range(13)}

@@ -67,6 +67,7 @@ def test_to_and_fro_is_a_loop():
     assert ends[0] == pytest.approx(ends[2], rel=1e-8) and ends[1] == pytest.approx(2 * RISE - ends[0], rel=1e-6)
 
 
+@pytest.mark.slow
 def test_moved_by_a_soft_bar_it_falls_at_a_held_displacement():
     """A soft bar in series: its end turns back where the slope of the toggle's force is minus its stiffness."""
     mesh = fx.read(lambda: fx.meshes.frame(

@@ -172,6 +172,7 @@ def test_what_is_held_is_not_turned(tip, rotation, name):
         turned(tip, rotation)
 
 
+@pytest.mark.slow
 def test_an_edge_that_is_turned_ends_on_a_line_of_symmetry():
     """Half of a strip that is bent into a roll has half of the moment."""
     def moment(cells, low):

@@ -65,6 +65,7 @@ def strip(cells, loads, joints=lambda mesh: ()):
     return state.deflection, state.load
 
 
+@pytest.mark.slow
 def test_forces_and_moments_along_an_edge():
     """Linear ones about the middle, of the same sum and size as constant ones, with nothing to twist by symmetry."""
     def tent(x):

@@ -168,6 +168,7 @@ def test_block_of_rubber():
     assert (point.name, point.load) == ("stable symmetric", pytest.approx(euler, rel=0.01))
 
 
+@pytest.mark.slow
 def test_two_unknowns_of_a_mixed_space():
     """Both buckle together, into a circle of solutions."""
     domain = mesh.create_unit_interval(MPI.COMM_WORLD, 12)

@@ -82,6 +82,7 @@ def fields(record):
     return {k: v.copy() for k, v in record.path.discretisation.system.snapshot().items()}
 
 
+@pytest.mark.slow
 def test_path_curve_marks_each_state_and_critical_point(record, tmp_path):
     curves.path_curve(record, tmp_path)
     assert_picture(tmp_path / "path.png")

@@ -112,6 +112,7 @@ def test_frame_under_held_displacement(frame, side):
     assert falls(fall)
 
 
+@pytest.mark.slow
 def test_prescribed_motion_holds_the_displacement(frame):
     """The frame moved by a prescribed displacement, whose reaction is a multiplier, falls as under a held one."""
     scene = frame.case.scene

@@ -126,6 +126,7 @@ def test_a_motion_leaves_nodes_that_supports_hold_on_axes_of_their_own(turn):
     assert loads[0] == pytest.approx(loads[1], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_planes_of_symmetry_that_meet_at_a_corner():
     """A patch of a compressed cylinder between four planes, one along no axis of space: it stays a cylinder."""
     angle, radius = 0.35, 1.0

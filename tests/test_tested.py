@@ -198,6 +198,7 @@ def test_tables_of_the_thesis():
     assert radius == pytest.approx(993.75, rel=1e-3), "on one sphere"
 
 
+@pytest.mark.slow
 def test_feet_of_m3_slide():
     """On a smooth floor columns spread, on a rough one less; held feet carry most."""
     loads = [fx.trace(load_case("m3")(model="bars", elastic=True, divisions=2, to=2.0, **feet)).states[-1].load

@@ -91,6 +91,7 @@ def test_column_on_another():
     assert solution.upper == pytest.approx(2 * np.pi**2, rel=2e-3)
 
 
+@pytest.mark.slow
 def test_friction_changes_nothing():
     """Modes are without it; the tangent counts as unsymmetric then."""
     scene = spans(2)
