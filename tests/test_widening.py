@@ -65,7 +65,6 @@ CHOICES = {
 
 
 @pytest.mark.parametrize("name", CHOICES)
-@pytest.mark.slow(quick=3)
 def test_choices(name, monkeypatch):
     """Cells beside each other choose differently."""
     mesh, f, g, k = fields(CellType.triangle)
