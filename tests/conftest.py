@@ -10,8 +10,9 @@ def pytest_addoption(parser):
     parser.addoption("--slow", action="store_true", help="also run the long studies")
 
 
+@pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(config, items):
-    """Skip what is slow; of a test with `slow(quick=n)` all but its first n cases that are not."""
+    """Skip what is slow; of a test with `slow(quick=n)` all but the first n cases that are chosen and not slow."""
     quick = Counter()
     for item in [] if config.getoption("--slow") else items:
         left = min((mark.kwargs.get("quick", 0) for mark in item.iter_markers("slow")), default=None)
