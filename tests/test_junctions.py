@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from math import cos, cosh, pi, sin, sinh, sqrt
+
 import pytest
+from scipy.optimize import brentq
 
 import sheetfx as fx
 from sheetfx import meshes
@@ -76,3 +79,43 @@ def test_channel_converges(parameters, tolerance):
     values = channel_values(to=0.4, **parameters)
     assert values["limit_load"] == pytest.approx(channel.LIMIT, rel=tolerance)
     assert values["last_load"] < 0.97 * values["limit_load"], "beyond the limit point"
+
+
+def levy(ratio: float, waves: int) -> float:
+    """Buckling factor k of a strip that is free along one edge and hinged along the others, without Poisson's effect.
+
+    Timoshenko and Gere 1961, section 9.4: sigma = k pi^2 D / (b^2 t); ratio is that of its sides a / b.
+    """
+    wave = waves * pi / ratio
+
+    def at_free_edge(k):
+        along, across = sqrt(wave * pi * sqrt(k) + wave**2), sqrt(wave * pi * sqrt(k) - wave**2)
+        return along**2 * sinh(along) * -across * (across**2 + 2 * wave**2) * cos(across) + (
+            across**2 * sin(across) * along * (along**2 - 2 * wave**2) * cosh(along))
+
+    torsion = 6 / pi**2 + (waves / ratio) ** 2  # of a strip that stays straight across, which is an upper bound
+    return brentq(at_free_edge, 0.9 * torsion, 1.01 * torsion)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("walls", [3, 4])
+@pytest.mark.parametrize("form", ["naghdi-q2", "naghdi-q3", "naghdi-t2"])
+def test_star_of_walls_twists_as_each_of_them_alone_would(form, walls):
+    """A column of any number of equal walls about its axis, hinged at its ends: three modes, one, two and three waves.
+
+    Tolerance: of the walls' thickness, a five-hundredth of their width; cells of a quarter of it.
+    """
+    length, thickness = 10.0, 2e-3
+    corners = {"axis": (0.0, 0.0)} | {f"edge {i}": (cos(2 * pi * i / walls), sin(2 * pi * i / walls))
+                                      for i in range(walls)}
+    mesh = fx.read(lambda: meshes.profile(corners, {f"wall {i}": ("axis", f"edge {i}", 4) for i in range(walls)},
+                                          length, 40, form == "naghdi-t2"), 3)
+    shell = fx.Shell(mesh, fx.Plate(thickness), fx.Elastic(1.0, 0.0), form=form)
+    ends = [(f"wall {i} at {end}", sign) for i in range(walls) for end, sign in (("start", 1.0), ("end", -1.0))]
+    held = [*(fx.Support(mesh, end, "y z") for end, _ in ends), fx.Support(mesh, "axis at start", "x")]
+    scene = fx.Scene([shell], held, [fx.EdgeForce(mesh, end, (sign * thickness, 0.0, 0.0)) for end, sign in ends],
+                     fx.Monitor(mesh, "axis at end", "x"))
+    path = fx.Path(scene)
+    found = fx.buckling(path, next(iter(path)), 3)
+    exact = [levy(length, waves) * pi**2 / 12 * thickness**2 for waves in (1, 2, 3)]
+    assert [one.factor for one in found[:3]] == pytest.approx(exact, rel=2e-3)
