@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+from functools import cache
 from graphlib import TopologicalSorter
 from pathlib import Path
 
@@ -17,17 +18,21 @@ FLOOR = {room: level for level, rooms in enumerate(ROOMS) for room in rooms}
 FILES = [f for f in HOUSE.rglob("*.py") if f.parent != HOUSE or f.stem in FLOOR]
 
 
-def imported(file: Path) -> set[str]:
-    """Rooms that a file imports from, inside functions too, but for annotations."""
-    tree, here = ast.parse(file.read_text()), file.relative_to(HOUSE).parts
+@cache
+def relative_imports(file: Path) -> list[ast.ImportFrom]:
+    """Inside functions too, but for annotations."""
+    tree = ast.parse(file.read_text())
     skipped = {id(n) for block in ast.walk(tree) if isinstance(block, ast.If)
                and ast.unparse(block.test) == "TYPE_CHECKING" for n in ast.walk(block)}
-    rooms = set()
-    for node in ast.walk(tree):
-        if isinstance(node, ast.ImportFrom) and node.level and id(node) not in skipped:
-            path = [*here[:len(here) - node.level], *(node.module or "").split(".")]
-            names = [path[0]] if path[0] else [alias.name for alias in node.names]
-            rooms.update(names)
+    return [n for n in ast.walk(tree) if isinstance(n, ast.ImportFrom) and n.level and id(n) not in skipped]
+
+
+def imported(file: Path) -> set[str]:
+    """Rooms that a file imports from."""
+    here, rooms = file.relative_to(HOUSE).parts, set()
+    for node in relative_imports(file):
+        path = [*here[:len(here) - node.level], *(node.module or "").split(".")]
+        rooms.update([path[0]] if path[0] else [alias.name for alias in node.names])
     return rooms
 
 
@@ -46,16 +51,12 @@ def test_objects_are_sent_by_communicators_that_are_never_freed():
 
 
 def neighbours(file: Path) -> set[Path]:
-    """Files that a file imports from, inside functions too, but for annotations."""
-    tree, here = ast.parse(file.read_text()), file.parent
-    skipped = {id(n) for block in ast.walk(tree) if isinstance(block, ast.If)
-               and ast.unparse(block.test) == "TYPE_CHECKING" for n in ast.walk(block)}
-    found = set()
-    for node in ast.walk(tree):
-        if isinstance(node, ast.ImportFrom) and node.level and id(node) not in skipped:
-            home = [here, *here.parents][node.level - 1].joinpath(*(node.module or "").split("."))
-            found |= {f for f in (home.with_suffix(".py"), *(home / f"{alias.name}.py" for alias in node.names))
-                      if f.is_file()}
+    """Files that a file imports from."""
+    here, found = file.parent, set()
+    for node in relative_imports(file):
+        home = [here, *here.parents][node.level - 1].joinpath(*(node.module or "").split("."))
+        found |= {f for f in (home.with_suffix(".py"), *(home / f"{alias.name}.py" for alias in node.names))
+                  if f.is_file()}
     return found
 
 
