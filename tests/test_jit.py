@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+from importlib import import_module
 
 import dolfinx.jit
 import numpy as np
@@ -146,3 +147,16 @@ def test_forms_on_disk_are_found_without_a_list_of_all_files(cache, monkeypatch)
     monkeypatch.setattr(dolfinx.jit.ffcx.codegeneration.jit, "get_cached_module", refused)
     jit._libraries.clear()
     assert fem.assemble_scalar(jit.compiled_form(length)) == first == 1.0
+
+
+def test_expressions_are_found_by_the_index_of_their_graph():
+    """As where each is compared with all others, which is what FFCx does by itself."""
+    graphs, numbering = (import_module(f"ffcx.ir.analysis.{name}") for name in ("graph", "valuenumbering"))
+    x = ufl.SpatialCoordinate(create_interval(MPI.COMM_SELF, 1, (0.0, 1.0)))
+    graph = graphs.build_graph_vertices([ufl.outer(ufl.as_vector([x[0], 2 * x[0]]), ufl.as_vector([x[0], 3.0]))[1, 0]])
+    numberer = numbering.ValueNumberer(graph)
+    symbols = numberer.compute_symbols()
+    expressions = [node["expression"] for node in graph.nodes.values()]
+    assert len(expressions) > 5
+    for one in expressions:
+        assert numberer.get_node_symbols(one) == symbols[next(i for i, e in enumerate(expressions) if e == one)]
