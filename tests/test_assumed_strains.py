@@ -7,7 +7,7 @@ import pytest
 import ufl
 from dolfinx import fem
 from helpers import distance, move_at_random, tangents
-from test_shell_forms import shape, surface, two_forms
+from test_shell_forms import every_form, shape, surface
 
 from sheetfx.discrete.discretisation import Discretisation
 from sheetfx.forms.section import linear_shell
@@ -88,7 +88,7 @@ def test_tangent_of_a_coupled_law_is_exact(form, mixed_points):
     assert distance(assembled + assembled.T, differences + differences.T) < 1e-7
 
 
-@two_forms
+@every_form
 @pytest.mark.slow(quick=1)
 def test_constant_strains_are_in_equilibrium_on_distorted_cells(form):
     """Patch test: a homogeneous stretch leaves no force inside, whatever the (straight) cells."""

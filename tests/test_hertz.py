@@ -72,7 +72,7 @@ def test_strip_bent_around_a_cylinder():
         assert pairs.weight @ pairs.pressure == pytest.approx(theory.force, rel=3e-2)
 
 
-@pytest.mark.parametrize("on_plate", [pytest.param(True, marks=pytest.mark.slow), False])
+@pytest.mark.parametrize("on_plate", [True, False])
 @pytest.mark.slow
 def test_cylinder_pressed_into_an_elastic_layer(on_plate):
     """Winkler's foundation under a cylinder (Johnson 1985, section 4.3): half-width sqrt(2 R d) and force per length

@@ -153,7 +153,7 @@ def plate(triangles, cells=4):
     return shell, fx.Scene([shell], edges, [fx.Temperature(shell, *HOT)], fx.Monitor(mesh, "north-east", "rz"))
 
 
-@pytest.mark.parametrize("triangles", [False, pytest.param(True, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("triangles", [False, True])
 @pytest.mark.slow
 def test_heated_plate_buckles(triangles):
     """Simply supported, its edges held in the plane: h^2 pi^2 / (6 (1 + nu) a^2) = alpha T (Timoshenko and Gere)."""

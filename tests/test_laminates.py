@@ -93,7 +93,7 @@ def series(angles):
 
 
 @pytest.mark.parametrize("angles", [CROSS, ANGLE], ids=["cross-ply", "angle-ply"])
-@pytest.mark.parametrize("kind", ["quadrilaterals", pytest.param("triangles", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("kind", MESHES)
 @pytest.mark.slow(quick=1)
 def test_plate_of_plies_bends(angles, kind):
     assert deflection(angles, kind) == pytest.approx(series(angles), rel=5e-3)

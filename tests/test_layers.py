@@ -128,8 +128,7 @@ print(*record.value_at(shell, forces, (5.0, 0.5, 0.0))[:6], *record.value_at(she
     assert list(map(float, on_two_processes(script)[0].split())) == pytest.approx(own, abs=1e-5 * np.abs(own).max())
 
 
-@pytest.mark.parametrize("form", [
-    "naghdi-q2", "naghdi-t2", *(pytest.param(f, marks=pytest.mark.slow) for f in ("naghdi-q3", "naghdi-t3"))])
+@pytest.mark.parametrize("form", ["naghdi-q2", "naghdi-q3", "naghdi-t2", "naghdi-t3"])
 @pytest.mark.slow(quick=1)
 def test_stresses_at_nodes_for_paraview(form, tmp_path):
     """Of a strip in cylindrical bending the von Mises stress of both faces, at nodes and by cells."""

@@ -84,8 +84,7 @@ def test_thin_channel_against_vlasov():
     assert section.warping == pytest.approx(warping, rel=5e-3)
 
 
-@pytest.mark.parametrize("name", [
-    "Z", *(pytest.param(n, marks=pytest.mark.slow) for n in ("UPE 200", "L 150 x 90 x 12", "box"))])
+@pytest.mark.parametrize("name", ["UPE 200", "L 150 x 90 x 12", "Z", "box"])
 @pytest.mark.slow
 def test_a_section_turned_with_its_depth_is_the_same(name):
     """Displacements by a skew force of a cantilever whose section and `up` turn by 90 degrees against each other.

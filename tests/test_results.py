@@ -363,8 +363,7 @@ def test_tables_and_files(tmp_path):
     assert float(rows["energies"][-1]["Beam 0"]) == pytest.approx(record.energies()[0])
 
 
-@pytest.mark.parametrize(("side", "turned"), [
-    pytest.param("negative", True, marks=pytest.mark.slow), ("positive", False)])
+@pytest.mark.parametrize(("side", "turned"), [("negative", True), ("positive", False)])
 @pytest.mark.slow
 def test_sides_and_normals(side, turned, tmp_path):
     """Pressure on the negative side pushes a plate along the normal that ParaView shows, on the positive against it."""

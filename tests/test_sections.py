@@ -56,7 +56,7 @@ def cantilever(section, force, component="z", **beam):
 
 
 @pytest.mark.silent("b01")
-@pytest.mark.parametrize("angle", [pytest.param(30.0, marks=pytest.mark.slow), -70.0])
+@pytest.mark.parametrize("angle", [30.0, -70.0])
 @pytest.mark.slow
 def test_turned_fibres_are_the_rectangle_turned(angle):
     """Large deflection by a skew force, frequencies and buckling loads of a rectangle with its own direction."""

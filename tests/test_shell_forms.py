@@ -27,8 +27,6 @@ from sheetfx.path import Path
 SHAPES = ("square", "distorted", "curved")
 PANEL = {"a": (0, 0, 0), "b": (1, 0, 0), "c": (1, 1, 0), "d": (0, 1, 0)}
 every_form = pytest.mark.parametrize("form", FORMS)
-two_forms = pytest.mark.parametrize("form", [
-    pytest.param(form, marks=[pytest.mark.slow] * (form not in ("naghdi-q2", "naghdi-t2"))) for form in FORMS])
 
 
 def triangles(form):
@@ -194,7 +192,7 @@ PANELS = {
 }
 
 
-@two_forms
+@every_form
 @pytest.mark.parametrize("name", PANELS)
 @pytest.mark.slow(quick=1)
 def test_flat_and_folded_panels_on_coarse_meshes(form, name):

@@ -125,8 +125,7 @@ def test_flanges_and_seats(tmp_path):
     assert seat(structure) == pytest.approx(4 + 0.5)
 
 
-@pytest.mark.parametrize("screws, radius", [
-    (1, 1.0), *(pytest.param(*screws, marks=pytest.mark.slow) for screws in ((0, 1.0), (2, 3.0)))])
+@pytest.mark.parametrize("screws, radius", [(0, 1.0), (1, 1.0), (2, 3.0)])
 @pytest.mark.slow
 def test_screws_stiffen(tmp_path, screws, radius):
     """Between what welds at the corners alone and full compatibility do."""

@@ -51,7 +51,7 @@ def test_energy_on_a_nested_mesh(make):
     (lambda: roof.case(cells=4).scene, lambda: roof.case(cells=6, form="naghdi-t2").scene),
     (lambda: roof.case(cells=4).scene, lambda: roof.case(cells=4, thickness=12.4).scene)],
     ids=["mesh", "degree", "triangles", "thickness"])
-@pytest.mark.parametrize("with_mode", [True, pytest.param(False, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("with_mode", [True, False])
 @pytest.mark.slow(quick=1)
 def test_limit_points_directly_on_the_other_mesh(one, other, with_mode):
     record = follow_roof(one())
