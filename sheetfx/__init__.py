@@ -88,6 +88,7 @@ _ROOMS = {
     "ladder.integration": "integrated_finer",
     "ladder.left_out": "LeftOut",
     "ladder.refined": "Refined Refinement",
+    "ladder.coarser_bars": "error_bars_beside",
     "ladder.meshes": "Meshes by_halving by_option halved raised",
     "scenes": "load_case",
 }

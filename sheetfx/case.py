@@ -146,12 +146,14 @@ def trace(case: Case | Path, listeners: Sequence[Callable[[State], None]] = (), 
 
 def run(case: Case, name: str, parameters: dict, folder: Folder, resume: bool,
         listeners: Sequence[Callable[[State], None]] = (),
-        further: Callable[[Record], dict[str, Any]] | None = None) -> dict:
+        further: Callable[[Record], dict[str, Any]] | None = None,
+        bars: Callable[[Record], Any] = Record.error_bars) -> dict:
     """Trace a case, write its folder and return its summary.
 
     Parameters
     ----------
     further : what else the summary is to have
+    bars : makes error bars of a record
 
     Raises
     ------
@@ -168,7 +170,7 @@ def run(case: Case, name: str, parameters: dict, folder: Folder, resume: bool,
             record, status, message = failure.record, "stopped", str(failure)
         clock = record.path.clock
         if case.error or (case.error is None and _is_cheap(record)):
-            record.error_bars()
+            bars(record)
         quantities = case.quantities(record)
         require("Case", **{"what quantities returns": (quantities, Mapping[str, Any])})
         with clock("output"):

@@ -106,12 +106,19 @@ class Record:
         ----------
         points : of this record; None: all but events
         """
-        from .richer_path import error_bars_of
-
         chosen = [p for p in self.critical_points if p.kind != "event"] if points is None else points
-        found = error_bars_of(self.path, self.states, chosen, self.state_at, self.critical_modes)
+        found = self._bars(chosen)
         self.errors |= {bar.point: bar for bar in found}
         return found
+
+    def loads_on(self, scene: Scene, points: Sequence[CriticalPoint]) -> list[ErrorBar]:
+        """Loads of critical points less those on another discretisation of the structure, as bars."""
+        return self._bars(points, scene)
+
+    def _bars(self, points: Sequence[CriticalPoint], scene: Scene | None = None) -> list[ErrorBar]:
+        from .richer_path import error_bars_of
+
+        return error_bars_of(self.path, self.states, points, self.state_at, self.critical_modes, scene)
 
     def gradient(self, point: CriticalPoint, scene: Callable[[float], Scene], at: float,
                  step: float | None = None) -> float | np.ndarray:

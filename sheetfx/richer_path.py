@@ -28,15 +28,17 @@ LONGER = 2  # times the steps of the path, that a piece of the richer one takes 
 
 def error_bars_of(path: Path, states: Sequence[State], points: Sequence[CriticalPoint],
                   state_at: Callable[[CriticalPoint], State],
-                  modes_at: Callable[[CriticalPoint], Sequence[np.ndarray]]) -> list[ErrorBar]:
+                  modes_at: Callable[[CriticalPoint], Sequence[np.ndarray]],
+                  scene: Scene | None = None) -> list[ErrorBar]:
     """Error bars of critical points of a path, directly or by pieces of the richer one; none by these after falls.
 
     Parameters
     ----------
     states : of the path, from its first state on
-    points, state_at, modes_at : see `critical.error_bar.error_bars`
+    points, state_at, modes_at, scene : see `critical.error_bar.error_bars`
     """
-    return error_bars(path, points, state_at, modes_at, None if path.falls else partial(RicherPath, path, states))
+    by_path = None if path.falls else partial(RicherPath, path, states)
+    return error_bars(path, points, state_at, modes_at, by_path, scene)
 
 
 class RicherPath:

@@ -61,7 +61,7 @@ class ErrorBar:
 
 def error_bars(path, points: Iterable[CriticalPoint], state_at: Callable[[CriticalPoint], State],
                modes_at: Callable[[CriticalPoint], Sequence[np.ndarray]],
-               by_path: ByPath | None = None) -> list[ErrorBar]:
+               by_path: ByPath | None = None, scene: Scene | None = None) -> list[ErrorBar]:
     """Error bars of critical points of a path, which stays at its present state.
 
     Parameters
@@ -71,10 +71,11 @@ def error_bars(path, points: Iterable[CriticalPoint], state_at: Callable[[Critic
     state_at, modes_at : give the state and the null vectors of a point
     by_path : from the richer scene to what finds its points where the augmented Newton method is not for them, see
         `richer_path`; None: no bar then
+    scene : the same structure otherwise discretised, for loads less those there; None: with one degree more
     """
     points, reason, present, found = list(points), "", tracer_of(path).state, []
     try:
-        bar_of = _estimator(path, state_at, modes_at, by_path) if points else None
+        bar_of = _estimator(path, state_at, modes_at, by_path, scene) if points else None
     except (ArithmeticError, ValueError) as failure:
         bar_of, reason = None, str(failure)
     try:
@@ -91,9 +92,9 @@ def error_bars(path, points: Iterable[CriticalPoint], state_at: Callable[[Critic
 
 def _estimator(path, state_at: Callable[[CriticalPoint], State],
                modes_at: Callable[[CriticalPoint], Sequence[np.ndarray]],
-               by_path: ByPath | None) -> Callable[[CriticalPoint], ErrorBar]:
+               by_path: ByPath | None, scene: Scene | None) -> Callable[[CriticalPoint], ErrorBar]:
     """Function that makes the bar of a point; ValueError where no point has one, and says why."""
-    scene, refused = _richer(path.discretisation), without_third_variations(path.discretisation.system)
+    scene, refused = scene or _richer(path.discretisation), without_third_variations(path.discretisation.system)
     if refused and by_path is None:
         raise ValueError(refused)
     if scene is None:
@@ -122,11 +123,20 @@ def _reason_of(point: CriticalPoint) -> str:
 
 
 def _richer(discretisation) -> Scene | None:
-    """The structure with one degree more; None where it has no discretisation."""
     if not isinstance(discretisation, Discretisation):
         raise NothingRicher("a plain form has no richer one")
-    things = richer(discretisation.scene.parts)
-    return remade(discretisation.scene, things) if things else None
+    return richer_scene(discretisation.scene)
+
+
+def richer_scene(scene: Scene) -> Scene | None:
+    """The structure with one degree more; None where it has only straight bars, which are exact.
+
+    Raises
+    ------
+    NothingRicher
+    """
+    things = richer(scene.parts)
+    return remade(scene, things) if things else None
 
 
 def _by_newton(source: Discretisation, tracer: Tracer, point: CriticalPoint, state: State,

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperCommand, TyperGroup
@@ -186,10 +186,18 @@ def run_scene(name: str, function, parameters: dict, output: str | None, resume:
         meshes = None if share is None else (by_option(function, parameters, FINEST) or by_halving(case, FINEST))
         further = meshes and partial(_refined, meshes, share, progress.tell)
         progress.begin(case)
-        summary = run(case, Path(name).stem, parameters, folder, resume, [progress], further)
+        bars = partial(_bars, partial(by_option, function, parameters))
+        summary = run(case, Path(name).stem, parameters, folder, resume, [progress], further, bars)
         progress.report(summary)
     if summary["status"] != "finished":
         raise typer.Exit(1)
+
+
+def _bars(meshes: Callable[[], Any], record) -> None:
+    """Error bars of a record beside its structure with larger cells."""
+    from ..ladder.coarser_bars import error_bars_beside
+
+    error_bars_beside(record, meshes())
 
 
 def _refined(meshes, share: float, told: Callable[[str], None], record) -> dict:
