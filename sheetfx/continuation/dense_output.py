@@ -30,6 +30,7 @@ class DenseOutput:
     def __init__(self, tracer, before: State, after: State):
         self._tracer, self._before, self._after = tracer, before, after
         self._rates: dict[float, tuple[State, tuple[float, np.ndarray] | None]] = {}
+        self._tangents: dict[float, tuple[State, tuple[float, np.ndarray]]] = {}
 
     def at(self, length: float, states: dict[float, State]) -> tuple[float, np.ndarray]:
         """Increments of load factor and unknowns at a length, between states by their lengths."""
@@ -79,27 +80,41 @@ class DenseOutput:
         return known[1]
 
     def _found(self, length: float, state: State) -> tuple[float, np.ndarray] | None:
-        tracer, system, load = self._tracer, self._tracer.system, state.load_rate
-        along = system.create_vector(state.tangent[1])
-        system.restore(state.fields)
-        motions = system.motions(along)
-        tracer.back_to(self._before)
+        tracer, (load, along) = self._tracer, self.tangent(length, state)
         measure, tangent = tracer.control.measure, tracer.tangent
+        tracer.back_to(self._before)
         if not length:
-            leads = tracer.inner((load, along.array), self._after.direction) > 0
-            pace = measure(tangent, along, load) if leads else 0.0
+            leads = tracer.inner((load, along), self._after.direction) > 0
+            pace = measure(tangent, tracer.system.create_vector(along), load) if leads else 0.0
         else:
-            x = system.create_vector(state.increment)
-            system.configure(x, state.factor)
-            along = system.rate_by(motions)
-            part = float(DIFFERENCE * length / (measure(tangent, along, load) or 1.0))
-            ahead, behind = (measure(tangent, x + sign * part * along, state.load_increment + sign * part * load)
+            x, rate = (tracer.system.create_vector(values) for values in (state.increment, along))
+            tracer.system.configure(x, state.factor)
+            part = float(DIFFERENCE * length / (measure(tangent, rate, load) or 1.0))
+            ahead, behind = (measure(tangent, x + sign * part * rate, state.load_increment + sign * part * load)
                              for sign in (1.0, -1.0))
             pace = (ahead - behind) / (2 * part)
         if not pace > 0:
             return None
         size = self._after.length / pace
-        return size * load, size * along.array.copy()
+        return size * load, size * along
+
+    def tangent(self, length: float, state: State) -> tuple[float, np.ndarray]:
+        """Tangent of a state as rates of the increments since the step began: rotations turn in each state's own axes.
+
+        The system does not stay where it is.
+        """
+        known = self._tangents.get(length)
+        if known is None or known[0] is not state:
+            known = self._tangents[length] = state, self._turned(state) if length else state.tangent
+        return known[1]
+
+    def _turned(self, state: State) -> tuple[float, np.ndarray]:
+        tracer, system, (load, along) = self._tracer, self._tracer.system, state.tangent
+        system.restore(state.fields)
+        motions = system.motions(system.create_vector(along))
+        tracer.back_to(self._before)
+        system.configure(system.create_vector(state.increment), state.factor)
+        return load, system.rate_by(motions).array.copy()
 
 
 def _nearest(length: float, places: Iterable[float]) -> list[float]:

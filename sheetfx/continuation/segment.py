@@ -64,6 +64,9 @@ class Segment:
         self.looked: set[tuple[float, float]] = set()
         self.clear: dict[tuple[float, float], bool] = {}
         self.eigenvalues: dict[float, list[tuple[float, float]]] = {}
+        last, found = tracer.softest
+        if last is not None and last.response is before.response and last.load_rate == before.load_rate:
+            self.eigenvalues[0.0] = found
 
     def __getitem__(self, length: float) -> State:
         """State at a length of the step.
@@ -177,10 +180,15 @@ class Segment:
 
     def curve(self, left: float, right: float) -> CubicHermiteSpline:
         """Increments between two lengths, the load factor's last, by their tangents."""
-        rate = self.distance(left, right) / (right - left)
+        pace = self.distance(left, right) / (right - left)
         values, slopes = ([np.append(x, load) for load, x in vectors] for vectors in (
-            map(self._increments, (left, right)), (self.states[s].tangent for s in (left, right))))
-        return CubicHermiteSpline((left, right), values, rate * np.array(slopes))
+            map(self._increments, (left, right)), map(self._tangent, (left, right))))
+        return CubicHermiteSpline((left, right), values, pace * np.array(slopes))
+
+    def _tangent(self, length: float) -> tuple[float, np.ndarray]:
+        load, x = self.dense.tangent(length, self.states[length])
+        size = self.tracer.distance(load, x)
+        return load / size, x / size
 
     def distance(self, left: float, right: float) -> float:
         return self.tracer.distance(*self.chord(left, right))
@@ -195,7 +203,7 @@ class Segment:
         def component(increment):
             return self.tracer.inner((0.0, mode), (0.0, increment))
 
-        rates = [component(self.states[s].tangent[1]) for s in (left, right)]
+        rates = [component(self._tangent(s)[1]) for s in (left, right)]
         return component(self.chord(left, right)[1]), self.distance(left, right) * sum(rates) / 2
 
     def _strays(self, state: State, guess: tuple[float, np.ndarray], left: float, right: float) -> bool:

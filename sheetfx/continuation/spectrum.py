@@ -93,7 +93,7 @@ def _solved(solver: Factored, mass: PETSc.Mat, count: int, tolerance: float,
     """Solved eigenproblem for the values nearest to zero; None where nothing that has mass can move."""
     eps, kinds = about_zero(solver, mass, PREFIX), SLEPc.EPS.ProblemType
     eps.setProblemType(kinds.GHEP if solver.symmetric else kinds.GNHEP)
-    eps.setDimensions(count, min(max(2 * count + 8, 12), mass.getSize()[0]))
+    eps.setDimensions(count, min(max(2 * count + 4, 12), mass.getSize()[0]))
     eps.setTolerances(tolerance, 300)
     if without:
         eps.setDeflationSpace(list(without))

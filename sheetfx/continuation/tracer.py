@@ -32,6 +32,7 @@ class Tracer(FirstState):
     ----------
     usual, first : lengths of the first step in general, and here
     shortest : length of which the shortest step allowed is a part
+    softest : state at the end of a step, its eigenvalues nearest to zero and their rates; None: none are known
     """
 
     def __init__(self, discretisation: Problem, control: StepRule, prefix: str):
@@ -48,6 +49,7 @@ class Tracer(FirstState):
         self._stuck: State | None = None
         self.iterations, self._most, self.failure = 0, 0, ""
         self._factored: tuple[np.ndarray | None, int] = None, 0
+        self.softest: tuple[State | None, list[tuple[float, float]]] = None, []
         self._count = UnstableModes(self.system, self.stepper.linear)
         self.system.history.rebase()
         if first := self._at_first(0):

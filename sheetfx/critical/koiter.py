@@ -107,12 +107,10 @@ def expansion(tracer, mode: PETSc.Vec, neighbours: Sequence[State]) -> Expansion
     mode = size * unit
     energy, solve = Energy(tracer.system), _Complement(tracer, mode)
     (third,) = energy.third([mode], mode)
-    cubic = _cubic(energy, mode)
     slope = solve(tracer.load_vector())
     stiffness, bend = (mode.dot(change) for change in energy.third([mode, slope], slope, 1.0))
     quartic_, error = (24 * number for number in quartic(energy, mode, solve(-0.5 * third)))
-    if abs(cubic) < _blur(tracer, mode, abs(quartic_) + error):
-        cubic = 0.0
+    cubic = _cubic(energy, mode, _blur(tracer, mode, abs(quartic_) + error))
     energy.leave()
     along = sum(tracer.inner((0.0, mode.array), (0.0, s.response)) for s in neighbours) / len(neighbours)
     stiffness += cubic * _fundamental(cubic, stiffness, bend, along)
@@ -177,8 +175,8 @@ class _Complement:
         return solution - solution.dot(self._weighted) * self._mode
 
 
-def _cubic(energy: Energy, mode: PETSc.Vec) -> float:
-    """Coefficient A of s^3 / 6 in the energy along s mode.
+def _cubic(energy: Energy, mode: PETSc.Vec, blur: float) -> float:
+    """Coefficient A of s^3 / 6 in the energy along s mode; 0 where it is less than its blur.
 
     The even part of its derivative is r + A s^2 / 2 + d s^4, where r is what the state lacks of balance. Differences of
     the Hessian, which are taken over a shorter way, would make a symmetric bifurcation asymmetric by the rounding of
@@ -187,7 +185,8 @@ def _cubic(energy: Energy, mode: PETSc.Vec) -> float:
     def even(length: float) -> float:
         return (energy.gradient(length * mode) + energy.gradient(-length * mode)).dot(mode) / 2
 
-    return 2 * _coefficient(even, (0, 2, 4))[0]
+    cubic = 2 * _coefficient(even, (0, 2, 4), blur / 2)[0]
+    return cubic if abs(cubic) >= blur else 0.0
 
 
 def quartic(energy: Energy, mode: PETSc.Vec, bend: PETSc.Vec) -> tuple[float, float]:
@@ -203,16 +202,17 @@ def quartic(energy: Energy, mode: PETSc.Vec, bend: PETSc.Vec) -> tuple[float, fl
     return found / 4, error / 4
 
 
-def _coefficient(function: Callable[[float], float], powers: tuple[int, int, int]) -> tuple[float, float]:
+def _coefficient(function: Callable[[float], float], powers: tuple[int, int, int],
+                 none: float = 0.0) -> tuple[float, float]:
     """Coefficient of the middle one of three powers of an amplitude in a function, and its error.
 
     Three neighbours of a sequence of quartered amplitudes give the coefficient. Large ones suffer from higher terms,
     small ones from rounding, until it swallows the function: the value counts that differs least from those before and
-    behind it.
+    behind it, or the first one that with its error is less than `none`.
     """
     lengths, values, found = [LONGEST], [function(LONGEST)], []
     best, error = 0.0, np.inf
-    while lengths[-1] > LONGEST * UNIT**0.75 and error > AGREED * abs(best):
+    while lengths[-1] > LONGEST * UNIT**0.75 and error > AGREED * abs(best) and error + abs(best) >= none:
         lengths.append(lengths[-1] / 4)
         values.append(function(lengths[-1]))
         if len(values) >= 3:

@@ -44,10 +44,12 @@ def redundant_multipliers(works: Sequence[Contribution], unknowns: Unknowns, lay
 
     A rotation counts as the displacement that it makes over a cell of the finest mesh.
     """
-    cell = min(mesh.mean_cell for mesh in meshes)
-    rounding = (STEEPEST * SAME * max(mesh.size for mesh in meshes) / cell)**2
     kept: list[np.ndarray] = [np.empty(0, dtype=np.int64) for _ in unknowns.blocks]
     own = [(n, layout.free_numbers[n].ravel()) for n, f in enumerate(unknowns.fields) if f.multiplier]
+    if not own:
+        return kept
+    cell = min(mesh.mean_cell for mesh in meshes)
+    rounding = (STEEPEST * SAME * max(mesh.size for mesh in meshes) / cell)**2
     rows = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *(numbers for _, numbers in own)]))
     free, whole = (_constraints(works, unknowns, at, rows[rows >= 0], cell)
                    for at in (layout, Layout(layout.comm, unknowns.blocks)))
