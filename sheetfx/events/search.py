@@ -15,7 +15,7 @@ from ..continuation.state import CriticalPoint, State
 from ..continuation.tracer import Tracer, tracer_of
 from ..continuation.work import require_work
 from ..rounding import same
-from .crossings import Crossing, pass_zero, unresolved
+from .crossings import CLOSEST, Crossing, pass_zero, unresolved
 from .heading import hides
 from .stationary import returning, stationary_loads, surround, turns
 from .turning import Limit, turning_loads
@@ -185,11 +185,12 @@ def _turned_before(segment: Segment, earlier: State | None) -> list[Limit]:
 def _bifurcations(segment: Segment, limits: list[float], returns: list[float]) -> list[Crossing]:
     """Where eigenvalues pass zero along the path, limit points aside.
 
-    At limit points, and where a path returns, an eigenvalue is zero, and rounding decides about its sign.
+    At limit points, and where a path returns, an eigenvalue is zero, and rounding decides about its sign as near as
+    pieces are not divided any more.
     With contact, where eigenvalues waver, the ends of the step are compared, and the states in between that are known
     to have the most and the fewest unstable modes.
     """
-    near = 1e-5 * segment.after.length
+    near = CLOSEST * segment.after.length
     if segment.after.unstable_modes is None:
         return []
     if segment.nonsmooth:

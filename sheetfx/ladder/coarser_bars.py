@@ -60,7 +60,7 @@ def _asks(bar: ErrorBar) -> bool:
 def _compared(bar: ErrorBar, coarse: ErrorBar, richer: ErrorBar) -> ErrorBar:
     """A bar beside differences from the load on coarser cells, and from that on these with one degree more."""
     if bar.error is None or coarse.error is None or richer.error is None or min(coarse.alike, richer.alike) < ALIKE:
-        return _with(bar, "not compared with cells of twice the size, where no such point is found")
+        return _none(bar, "cells of twice the size have no such point")
     there = richer.error - coarse.error
     share = bar.error / there if there else 1.0
     if not 0.0 < share < 1.0:
