@@ -56,6 +56,24 @@ class BorderedSolver:
         self._matrix[len(rows):, len(rows):] += np.eye(len(self._springs))
         self._probes = probes
 
+    @property
+    def size(self) -> int:
+        """Number of rows of the border, which are as many as its columns."""
+        return len(self._rows)
+
+    def left(self, count: int) -> list[PETSc.Vec]:
+        """Vectors that the transposed tangent without its border makes smallest, as null vectors are."""
+        solutions = []
+        for number, stiffness in zip(self._springs, self._stiffness, strict=True):
+            solutions.append(self._solver.matrix.createVecLeft())
+            self._solver.solve_transposed(self._unit(number, float(stiffness)), solutions[-1])
+        told = np.array([[entry(one, number) for one in solutions] for number in self._springs])
+        vectors = []
+        for shares in np.linalg.svd(np.eye(len(told)) - told)[2][len(told) - count:]:
+            vectors.append(solutions[0].duplicate())
+            vectors[-1].maxpy(list(map(float, shares)), solutions)
+        return vectors
+
     def negative(self) -> int | None:
         """Number of negative eigenvalues of the tangent on what the rows leave, which are the columns; None: not known.
 

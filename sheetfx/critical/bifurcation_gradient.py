@@ -27,7 +27,6 @@ from ..discrete.discretisation import Discretisation
 from ..discrete.free_motions import usual_stiffness
 from ..events.determinant import orthonormal
 from .changed import Change, Differences, Failure, Found, derivatives
-from .defining import without_third_variations
 from .koiter import Energy
 
 IMPERFECT = 1e-5  # push along a mode over the root of the work across it times the mode's change of stiffness
@@ -57,6 +56,24 @@ class _Changed:
         return _Changed(self.vectors / number, self.total / number)
 
 
+def require_perfect(title: str, pushed: float, work: float, rate: float) -> None:
+    """Refuse a number that pushes along a mode.
+
+    Parameters
+    ----------
+    pushed : forces along the modes
+    work : of the forces across the modes
+    rate : of the modes' stiffness, by the load factor
+
+    Raises
+    ------
+    NoDerivative
+    """
+    if pushed > IMPERFECT * (work * rate) ** 0.5:
+        raise NoDerivative(f"gradient: the number makes the structure imperfect, so that {title} has no derivative; "
+                           "see imperfection_sensitivity")
+
+
 class BifurcationGradient:
     """Derivatives of the load of a bifurcation, at whose state the tangent is factored once for all numbers together.
 
@@ -70,8 +87,7 @@ class BifurcationGradient:
     Raises
     ------
     ValueError
-        Where the formulas do not hold: contact, laws with history, forces without a potential, reactions at points of
-        several modes.
+        If the load at a point of several modes is a reaction.
     """
 
     def __init__(self, tracer: Tracer, title: str, state: State, modes: Sequence[np.ndarray]):
@@ -82,8 +98,6 @@ class BifurcationGradient:
 
     def _require(self) -> None:
         said = f"gradient: {self._title}"
-        if why := without_third_variations(self._system):
-            raise NoDerivative(f"{said}: with {why} there are gradients of limit points only; compare whole paths")
         if self._discretisation.load_of_unit() is None and len(self._modes) > 1:
             raise ValueError(f"{said}: the load is a reaction to what is prescribed; give the load as forces")
 
@@ -149,9 +163,7 @@ class BifurcationGradient:
             return
         pushed = max(abs(mode.dot(forces)) for mode in self._modes)
         work = abs(self._across(-1.0 * forces).dot(forces))
-        if pushed > IMPERFECT * (work * np.abs(np.diag(self._rates)).max()) ** 0.5:
-            raise NoDerivative(f"gradient: the number makes the structure imperfect, so that {self._title} has no "
-                               "derivative; see imperfection_sensitivity")
+        require_perfect(self._title, pushed, work, float(np.abs(np.diag(self._rates)).max()))
 
     def _of_factor(self, change: _Changed) -> tuple[float | np.ndarray, PETSc.Vec]:
         """Changes of the load factor, and of displacements at a simple bifurcation."""

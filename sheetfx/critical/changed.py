@@ -50,13 +50,13 @@ class Change:
         return replace(self, given=self.step * (EXACT / self.error(found)) ** 0.5 / 2)
 
     def error(self, found: Differences) -> float:
-        """Relative error of the derivative by central differences; 0, not known: the number is zero and has no size.
+        """Relative error of the derivative by central differences, of which `odd` is all: the number has no size.
 
         The third difference is estimated by the second one times the step over the size. The first one may be far less
         than both, where the structure gives way to what strains it.
         """
         size = self.size or abs(self.at)
-        return found.bend * self.step / size if size else 0.0
+        return found.odd + (found.bend * self.step / size if size else 0.0)
 
     def sides(self, fields: Mapping[str, np.ndarray]) -> tuple[Discretisation, Discretisation]:
         """The structure with a step more of the number and with a step less, both at fields of the path's.
@@ -88,10 +88,12 @@ class Differences:
     ----------
     first : derivative, of several modes in ascending order
     half_second : size of half of the second difference, over the step
+    odd : relative error that the difference of both sides is known to have
     """
 
     first: float | np.ndarray
     half_second: float
+    odd: float = 0.0
 
     @property
     def bend(self) -> float:
@@ -108,23 +110,37 @@ def derivatives(changes: Sequence[Change], load: float, differences: Callable[[S
     """Derivatives of a load, or why there is none, by steps that are so short that second differences are small.
 
     Slender parts are strained by a change of their places, and long steps would be errors; of other numbers short ones
-    are rounding.
+    are rounding, and the longer ones are kept.
 
     Parameters
     ----------
     differences : function that tells them for numbers together
     """
     found: list[Found] = differences(changes)
+    steps, looked = list(changes), list(range(len(found)))
     for _ in range(TRIES - 1):
-        shorter = {n: change.shorter(one) for n, (change, one) in enumerate(zip(changes, found, strict=True))
-                   if isinstance(one, Differences) and change.error(one) > EXACT
-                   and one.half_second * change.step > rounding.NONE * abs(load)}
+        shorter = {n: steps[n].shorter(one) for n in looked if isinstance(one := found[n], Differences)
+                   and _is_rough(one, steps[n], load)}
         if not shorter:
             break
-        changes = [shorter.get(n, change) for n, change in enumerate(changes)]
+        looked = []
         for n, one in zip(shorter, differences(list(shorter.values())), strict=True):
-            found[n] = one
+            if not _is_rounding(one, found[n]):
+                found[n], steps[n] = one, shorter[n]
+                looked.append(n)
     return [one.first if isinstance(one, Differences) else one for one in found]
+
+
+def _is_rough(found: Differences, change: Change, load: float) -> bool:
+    """Whether differences have more of an error than allowed, and than rounding."""
+    return change.error(found) > EXACT and (
+        found.odd > EXACT or found.half_second * change.step > rounding.NONE * abs(load))
+
+
+def _is_rounding(shorter: Found, longer: Found) -> bool:
+    """Whether differences by a shorter step are no nearer to the derivative: the second one is rounding then."""
+    return (isinstance(shorter, Differences) and isinstance(longer, Differences)
+            and shorter.odd >= longer.odd and shorter.half_second >= longer.half_second)
 
 
 def changed_structure(said: str, scene: Scene, fields: Mapping[str, np.ndarray]) -> Discretisation:

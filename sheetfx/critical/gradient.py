@@ -15,6 +15,8 @@ from ..discrete.discretisation import Discretisation
 from ..model.scene import Scene
 from .bifurcation_gradient import BifurcationGradient
 from .changed import Change, Failure
+from .defining import without_third_variations
+from .followed_bifurcation import FollowedBifurcation
 from .limit_gradient import LimitGradient
 
 
@@ -31,8 +33,9 @@ class LoadGradient:
     Raises
     ------
     ValueError
-        Where there is none: the tangent is not singular, the load is a reaction, or states before it are missing; at a
-        bifurcation also contact, laws with history, or forces without a potential.
+        Where there is none: the tangent is not singular, the load is a reaction, or states before it are missing.
+    NoDerivative
+        At a bifurcation, where the stiffness along a mode jumps past zero.
     """
 
     def __init__(self, path, point: CriticalPoint, state: State, modes: Sequence[np.ndarray] = (),
@@ -45,9 +48,14 @@ class LoadGradient:
         if not isinstance(tracer.discretisation, Discretisation):
             raise ValueError(f"gradient: {title}: a plain form has no scene to change; compare whole paths")
         self._found: LimitGradient | BifurcationGradient
+        before = [one for one in states if one.step < point.step and not getattr(path, "falls", ())]
         if point.kind == "limit":
-            before = [one for one in states if one.step < point.step and not getattr(path, "falls", ())]
+            if before and tracer.system.rough and _turns_at_corner(before[-1], state):
+                raise ValueError(f"gradient: {title} is a corner of the path, as where something begins to touch, and "
+                                 "its load changes with the corner's place; compare whole paths")
             self._found = LimitGradient(tracer, title, state, before)
+        elif without_third_variations(tracer.system):
+            self._found = FollowedBifurcation(tracer, title, state, modes, before)
         else:
             self._found = BifurcationGradient(tracer, title, state, modes)
 
@@ -79,3 +87,8 @@ class LoadGradient:
     def derivatives(self, changes: Iterable[Change]) -> Iterable[float | np.ndarray | Failure]:
         """Derivatives by several numbers, or why there is none, in their order."""
         return self._found.derivatives(changes)
+
+
+def _turns_at_corner(before: State, limit: State) -> bool:
+    """Whether the load does not come to rest up to a limit point: its rate does not fall to half."""
+    return abs(limit.load_rate) > abs(before.load_rate) / 2
