@@ -9,12 +9,12 @@ from math import pi
 import numpy as np
 import pytest
 from failure_map.traps import TRAPS
-from golden.untried import plastic_portal
 from helpers import on_two_processes
 from test_pair_contact import arch_above_a_beam, line, shallow_arch
 from test_plastic_paths import column
 
 import sheetfx as fx
+from sheetfx import meshes
 from sheetfx.continuation.state import CriticalPoint
 from sheetfx.critical.bifurcation_gradient import NoDerivative
 from sheetfx.critical.changed import Change
@@ -101,7 +101,13 @@ def test_an_imperfection_has_no_derivative():
 
 def test_a_stiffness_that_jumps_past_zero_has_none():
     """A portal is unstable as soon as points begin to flow: its load is that of the beginning."""
-    record = fx.trace(plastic_portal())
+    nodes = {"A": (0, 0), "B": (0, 1000), "C": (1000, 1000), "D": (2000, 1000), "F": (2000, 0)}
+    mesh = fx.read(lambda: meshes.frame(nodes, {a + b: (a, b, 6) for a, b in ("AB", "BC", "CD", "DF")}), 2)
+    metal = fx.Plastic(200e3, 0.3, yield_stress=200.0, hardening=1e3)
+    beam = fx.Beam(mesh, fx.Rectangle(20.0, 60.0, points=8), metal)
+    scene = fx.Scene([beam], [fx.pin(mesh, "A"), fx.pin(mesh, "F")], [fx.PointForce(mesh, "C", (0.0, -1.0))],
+                     fx.Monitor(mesh, "C", "y", -1.0))
+    record = fx.trace(fx.Case(scene, until=fx.Until(deflection=45.0)))
     with pytest.raises(NoDerivative, match="jumps past zero there, as where points begin to flow"):
         record.load_gradient(first(record))
 

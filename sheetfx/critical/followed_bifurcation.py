@@ -51,13 +51,15 @@ class FollowedBifurcation(LimitGradient):
         self._title, present = title, tracer.state
         self._modes = orthonormal(self._system.weights, [self._system.create_vector(mode) for mode in modes])
         self._steps = len(self._states) > 1 and self._states[-2].stage == state.stage
-        self._modes, self._left = self._null_vectors()
-        self._reach()
-        self._here = self._matrix(self._system)
-        self._rates = self._rates_of_load(f"gradient: {title}")
-        self._least = rounding.NONE * abs(state.factor) * tracer.load_vector().norm() * max(
-            mode.norm() for mode in self._modes)
-        tracer.back_to(present)
+        try:
+            self._modes, self._left = self._null_vectors()
+            self._reach()
+            self._here = self._matrix(self._system)
+            self._rates = self._rates_of_load(f"gradient: {title}")
+            self._least = rounding.NONE * abs(state.factor) * tracer.load_vector().norm() * max(
+                mode.norm() for mode in self._modes)
+        finally:
+            tracer.back_to(present)
 
     def _rates_of_load(self, said: str) -> np.ndarray:
         """Rates of M by the load factor along the path."""
@@ -83,9 +85,7 @@ class FollowedBifurcation(LimitGradient):
         """Those of the tangent, and those on its left."""
         system, linear, count = self._system, self._tracer.stepper.linear, len(self._modes)
         self._reach()
-        system.history.update_history()
-        system.extrapolate_stress()
-        system.tangent()
+        _tangent(system)
         weighted = [system.weights * mode for mode in self._modes]
         bordered = BorderedSolver(linear, pivots(self._modes, system.weights),
                                   usual_stiffness(self._tracer.discretisation))
@@ -118,10 +118,15 @@ class FollowedBifurcation(LimitGradient):
 
     def _matrix(self, system: System) -> np.ndarray:
         """M where a system is."""
-        system.history.update_history()
-        system.extrapolate_stress()
-        tangent, image, columns = system.tangent(), system.create_vector(), []
+        tangent, image, columns = _tangent(system), system.create_vector(), []
         for mode in self._modes:
             tangent.mult(system.create_vector(mode.array), image)
             columns.append([one.dot(image) for one in self._left])
         return np.array(columns).T
+
+
+def _tangent(system: System) -> PETSc.Mat:
+    """Tangent of loading where a system is, as unstable modes are counted by."""
+    system.history.update_history()
+    system.extrapolate_stress()
+    return system.tangent()

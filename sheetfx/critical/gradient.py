@@ -1,6 +1,6 @@
 """How the load of a critical point changes with the structure, without a path of the changed one.
 
-Formulas are in `critical.limit_gradient` and `critical.bifurcation_gradient`.
+Formulas are in `critical.limit_gradient`, `critical.bifurcation_gradient` and `critical.followed_bifurcation`.
 """
 
 from __future__ import annotations
