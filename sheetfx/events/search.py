@@ -186,7 +186,7 @@ def _bifurcations(segment: Segment, limits: list[float], returns: list[float]) -
     """Where eigenvalues pass zero along the path, limit points aside.
 
     At limit points, and where a path returns, an eigenvalue is zero, and rounding decides about its sign as near as
-    pieces are not divided any more.
+    pieces are not divided any more. The ends of the step are compared nevertheless: other steps count from them.
     With contact, where eigenvalues waver, the ends of the step are compared, and the states in between that are known
     to have the most and the fewest unstable modes.
     """
@@ -196,7 +196,8 @@ def _bifurcations(segment: Segment, limits: list[float], returns: list[float]) -
     if segment.nonsmooth:
         lengths = _extremes(segment)
     else:
-        lengths = [s for s in sorted(segment.states) if all(abs(s - zero) > near for zero in (*limits, *returns))]
+        lengths = [s for s in sorted(segment.states) if s in (0.0, segment.after.length) or all(
+            abs(s - zero) > near for zero in (*limits, *returns))]
     found = []
     for pair in zip(lengths[:-1], lengths[1:], strict=True):
         one, other = segment[pair[0]], segment[pair[1]]
