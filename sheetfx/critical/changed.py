@@ -50,7 +50,7 @@ class Change:
         return replace(self, given=self.step * (EXACT / self.error(found)) ** 0.5 / 2)
 
     def error(self, found: Differences) -> float:
-        """Relative error of the derivative by central differences, of which `odd` is all: the number has no size.
+        """Relative error of the derivative by central differences; of a number without a size `odd` alone is known.
 
         The third difference is estimated by the second one times the step over the size. The first one may be far less
         than both, where the structure gives way to what strains it.
